@@ -1,5 +1,5 @@
-// Counts the pixels in which the sky sees back faces, of every receiver, where they gather
-// nothing: a hint at flipped normals.
+// Counts, per receiver, the pixels in which the sky sees back faces of surfaces that gather nothing: a hint at flipped
+// normals.
 // LOCAL_SIZE: invocations of a work group; see native/snow/step/gl/driver.h.
 #include "lib/tile_pixel.h"
 #include "glsl/triangle_object.glsl"
@@ -17,7 +17,7 @@ void add(uint slot, uint count) {
 }
 
 void main() {
-  // A work group takes a run of a row, each invocation every LOCAL_SIZE-th pixel of it.
+  // A work group processes a run of a row, each invocation every LOCAL_SIZE-th pixel of it.
   const int y = int(gl_WorkGroupID.y) + kTileMargin;
   const int begin = int(gl_WorkGroupID.x * kRowRun + gl_LocalInvocationID.x) + kTileMargin;
   const int end = min(int((gl_WorkGroupID.x + 1u) * kRowRun), tile_size.x - 2 * kTileMargin) + kTileMargin;

@@ -6,19 +6,18 @@
 layout(local_size_x = 64) in;
 /// Per work group of texels: its object's slot.
 uniform usamplerBuffer group_slots;
-/// By slot: what to add to a scene triangle's index to get its index among the map triangles.
+/// By slot: offset from a scene triangle's index to its index in the map triangles.
 uniform isamplerBuffer map_offsets;
 #ifdef WITH_OPACITY
-/// Per fragment: the part of it that is there for snow.
+/// Per fragment: the part of it that receives snow.
 uniform samplerBuffer fragment_opacity;
 #endif
 /// A TexelStep each, as one vector.
 layout(std430) buffer TexelSteps { uvec4 texel_steps[]; };
-/// Whether what the step's earlier tiles brought is in texel_steps.
+/// Whether texel_steps holds the deposit of the step's earlier tiles.
 uniform int goes_on;
 
-/// What falls on a fragment where it sees all of the sky, as part of what lies across the fall; `surface`: its
-/// triangle's.
+/// Gain of a fragment under open sky, relative to the thickness perpendicular to the fall; `surface`: its triangle's.
 float falling_on(uvec4 fragment, vec4 surface) {
 #ifdef WITH_SHADING
   if (is_smooth(fragment.x)) {

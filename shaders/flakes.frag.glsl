@@ -6,7 +6,7 @@ in float visible;
 layout(location = 0) out vec4 color;
 
 const vec3 kFlakeAlbedo = vec3(0.9, 0.93, 0.97);
-/// Flakes tumble: what meets the eye of the sun, on average.
+/// Flakes tumble: mean fraction of the sun's light that reaches the eye.
 const float kSunShare = 0.6;
 
 void main() {

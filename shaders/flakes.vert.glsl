@@ -1,4 +1,4 @@
-// Falling flakes as cards that face the eye, six vertices each, drawn out along their way while the shutter is open.
+// Falling flakes as cards that face the eye, six vertices each, stretched along their motion while the shutter is open.
 #include "glsl/tree_view.glsl"
 #include "lib/flake_fall.h"
 
@@ -8,7 +8,7 @@ out float visible;
 
 /// Flakes thinner than this many pixels are drawn that wide, and as much paler.
 const float kLeastPixels = 1.2;
-/// Share of the box at its border within which flakes fade, and metres before the eye.
+/// Fraction of the box at its border within which flakes fade, and metres in front of the eye.
 const float kFade = 0.15;
 const float kNearest = 0.25;
 
@@ -22,7 +22,7 @@ float unit_hash(uint h) {
   return float(h & 0xffffffu) / 16777216.0;
 }
 
-/// A flake's way aside at a time: two swings across the fall, out of step.
+/// A flake's sideways offset at a time: two swings across the fall, out of phase.
 vec3 fluttered(uint h, float time) {
   const vec3 down = fall.velocity.xyz / max(length(fall.velocity.xyz), 1e-6);
   const vec3 one = normalize(cross(down, abs(down.x) < 0.9 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0)));

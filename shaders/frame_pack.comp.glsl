@@ -1,4 +1,4 @@
-// A picture's light as one word a pixel, see frame_code.h.
+// Packs a picture's light into one word per pixel, see frame_code.h.
 #include "lib/frame_code.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;

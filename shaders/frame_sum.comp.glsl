@@ -6,7 +6,7 @@ layout(rgba32f) uniform image2D sum;
 /// Of this sample.
 uniform float weight;
 
-/// Larger light of single pixels, which no sample's weight would even out.
+/// Limit for light of single pixels, which averaging would not smooth.
 const float kMostLight = 1000.0;
 
 void main() {

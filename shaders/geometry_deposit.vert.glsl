@@ -1,7 +1,7 @@
 #version 410 core
 #extension GL_ARB_shading_language_420pack : require
-// GEOMETRY, Algorithm 1 of the thesis: a point a pixel of the occlusion map, with the pixel's snow for the
-// texel under its centre.
+// GEOMETRY, Algorithm 1 of the thesis: one point per pixel of the occlusion map, with the pixel's snow for the texel
+// under its centre.
 #include "glsl/texel_place.glsl"
 #include "glsl/texel_under.glsl"
 #include "glsl/triangle_object.glsl"
@@ -14,7 +14,7 @@ uniform uvec2 batch_texels;
 
 /// In metres, negative on backs.
 flat out float thickness;
-/// Place on the layered map; z = -1 where there is nothing to deposit.
+/// Place on the layered map; z = -1 if there is no deposit.
 flat out ivec3 map_place;
 
 void main() {

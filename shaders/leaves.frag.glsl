@@ -1,9 +1,9 @@
-// A pixel of a leaf: lit from both sides, some light through it.
+// A pixel of a leaf: lit from both sides, partly translucent.
 #include "glsl/image_fragment.glsl"
 #ifndef SHADOW
 #ifndef WIRE
 in vec3 card_normal;
-/// Share of the light that comes through a leaf.
+/// Fraction of the light that a leaf transmits.
 const float kThrough = 0.4;
 
 vec3 lit_image(vec3 albedo) {

@@ -1,6 +1,6 @@
-// Leaves as cards: triangles whose vertices hang on one bone each.
+// Leaves as cards: triangles whose vertices follow one bone each.
 //
-// SHADOW: the sun's picture, of depth alone.
+// SHADOW: shadow map, depth only.
 #include "glsl/tree_view.glsl"
 #include "lib/leaf_vertex.h"
 

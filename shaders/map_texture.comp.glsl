@@ -1,4 +1,4 @@
-// A map that lies in a buffer, as the texture that it is drawn from.
+// Copies a map from a buffer to the texture that is drawn.
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(std430) readonly buffer Map { float map[]; };
 layout(r32f) writeonly uniform image2D height_map;

@@ -31,7 +31,7 @@ vec3 lit_image(vec3 albedo) {
 #else
   vec3 face = cross(dFdx(world), dFdy(world));
   face *= dot(face, view.eye.xyz - world) < 0.0 ? -1.0 : 1.0;
-  // Where a triangle is seen on edge its screen derivatives say nothing.
+  // Screen derivatives of a triangle seen edge-on are undefined.
   vec3 normal = normalize(smooth_normal);
   const float size = length(face);
   face = size > 0.0 ? face / size : normal;

@@ -1,4 +1,4 @@
-// A mesh without tessellation, as often as it has places in the world.
+// A mesh without tessellation, once per place in the world.
 //
 // SHADOW: the sun's picture, of depth alone. SNOW: with coordinates on the map of its snow. IS_SNOW: with its place in
 // its own space, where grains of snow stay.
@@ -6,7 +6,7 @@
 #include "lib/mesh_corner.h"
 
 layout(std430) readonly buffer MeshCorners { MeshCorner mesh_corners[]; };
-/// Three rows of a matrix for each place.
+/// Three rows of a matrix per place.
 layout(std430) readonly buffer MeshPlaces { vec4 place_rows[]; };
 out vec2 image_uv;
 #ifdef SNOW

@@ -1,5 +1,5 @@
-// What the sky sees in a pixel. Depth comes from the triangle's own plane instead of the rasteriser's
-// interpolation, which depends on the tile's origin in its last bits.
+// The surface that the sky sees in a pixel. Depth comes from the triangle's plane instead of the rasteriser's
+// interpolation, whose last bits depend on the tile's origin.
 #include "lib/projection_frame.h"
 #include "lib/occlusion_pixel.h"
 

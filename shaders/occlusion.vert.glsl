@@ -1,5 +1,5 @@
-// Projects a triangle's corner onto the grid, snapped, so that every tile rasterises the same triangle bit for
-// bit, whatever its origin.
+// Projects a triangle's corner onto the grid and snaps it, so that every tile rasterises the same triangle bit for bit,
+// independent of its origin.
 #include "lib/occlusion_pixel.h"
 
 /// See TriangleSetup.
@@ -16,7 +16,7 @@ flat out vec3 depth_range;
 #ifdef WITH_ALPHA
 uniform usamplerBuffer alpha_triangles;
 uniform usamplerBuffer alpha_places;
-/// From a triangle's index to that of its alpha.
+/// Offset from a triangle's index to its alpha's.
 uniform int alpha_offset;
 
 /// An AlphaPlane.

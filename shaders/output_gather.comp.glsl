@@ -1,4 +1,4 @@
-// Puts a map's heights into the line arrays that go across seams (native/snow/seams/seam_table.h).
+// Copies a map's heights to the line arrays that cross seams (native/snow/seams/seam_table.h).
 layout(local_size_x = 64) in;
 #include "glsl/item_index.glsl"
 layout(std430) readonly buffer Texels { int texels[]; };

@@ -1,9 +1,9 @@
-// Writes the lists of plain and of tessellated patches, each in the patches' order whatever the GPU's.
+// Writes the lists of plain and tessellated patches, in patch order on every GPU.
 #include "lib/tree_shared.h"
 
 layout(local_size_x = int(kPatchGroup)) in;
 layout(std430) readonly buffer PatchClasses { uint patch_classes[]; };
-/// Where the work group's begin in either list.
+/// Begin of the work group's patches in either list.
 layout(std430) readonly buffer GroupCounts { uvec2 group_counts[]; };
 layout(std430) writeonly buffer PlainPatches { uint plain_patches[]; };
 layout(std430) writeonly buffer TessellatedPatches { uint tessellated_patches[]; };

@@ -1,10 +1,11 @@
-// Where the work groups' plain and tessellated patches go in the lists, and the draws of the lists: one work group.
+// Positions of the work groups' plain and tessellated patches in the lists, and the lists' draws, in one work group.
 #include "lib/tree_shared.h"
 
 layout(local_size_x = 64) in;
-/// Replaced by the sums over the work groups before.
+/// Replaced by the sums over earlier work groups.
 layout(std430) buffer GroupCounts { uvec2 group_counts[]; };
-/// Of the plain patches (`plain_vertices` each), then of the tessellated ones (one control point each) in `draws` parts.
+/// Draws of the plain patches (`plain_vertices` each), then of the tessellated ones (one control point each) in `draws`
+/// parts.
 layout(std430) writeonly buffer DrawCommands { TreeDrawCommand commands[]; };
 uniform int count;
 uniform int draws;

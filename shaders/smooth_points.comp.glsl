@@ -1,5 +1,4 @@
-// The smooth points of surfaces that are shaded smooth, see smooth_points.h: first their normals (with NORMALS), then
-// what lies there.
+// Evaluates smooth points, see smooth_points.h: first their normals (with NORMALS), then their snow.
 #include "lib/smooth_points.h"
 
 layout(local_size_x = 64) in;

@@ -1,7 +1,7 @@
-// The stability pass, see texel_stability.h for what it does.
+// The stability pass, see texel_stability.h.
 //
-// DEPOSIT_MAP: the deposit lies on a map of its own.
-// LOCAL_SIZE: invocations of a work group, at most kMaxLocalSize; see native/snow/step/gl/driver.h.
+// DEPOSIT_MAP: reads the deposit from a map.
+// LOCAL_SIZE: work-group size, at most kMaxLocalSize; see native/snow/step/gl/driver.h.
 #include "glsl/texel_group.glsl"
 #include "glsl/texel_place.glsl"
 #include "lib/texel_stability.h"
@@ -13,16 +13,16 @@ layout(local_size_x = LOCAL_SIZE) in;
 #ifdef DEPOSIT_MAP
 uniform sampler2DArray deposit_map;
 #endif
-/// An invocation's sums, LOCAL_SIZE a group of texels, see StableTexel.
+/// Sums per invocation, LOCAL_SIZE per group of texels, see StableTexel.
 layout(std430) writeonly buffer Partials { vec4 partials[]; };
 layout(r32f) uniform image2DArray height_map;
-/// Per group of texels; kHoldsSnow is set where some lies after the step.
+/// Per group of texels; kHoldsSnow is set if it holds snow after the step.
 layout(std430) buffer GroupStates { uint group_states[]; };
-/// Per texel: layer * resolution^2 + row * resolution + column, kNowhere behind an object's last.
+/// Per texel: layer * resolution^2 + row * resolution + column, kNowhere after an object's last.
 uniform usamplerBuffer places;
 
 void main() {
-  // An invocation takes every LOCAL_SIZE-th texel of the work group's, so that no barrier is needed.
+  // An invocation processes every LOCAL_SIZE-th texel of the work group, so that no barrier is needed.
   const int group = listed_group();
   const int begin = group * int(kTexelGroup) + int(gl_LocalInvocationID.x);
   const int resolution = imageSize(height_map).x;

@@ -1,6 +1,6 @@
-// Adds up, in a fixed order and in double precision, what the invocations of the stability pass
-// found for one object. One work group a segment.
-// LOCAL_SIZE: invocations of that pass's work groups; see native/snow/step/gl/driver.h.
+// Sums, in a fixed order and in double precision, the results of the stability pass's invocations for one object. One
+// work group per segment.
+// LOCAL_SIZE: work-group size of that pass; see native/snow/step/gl/driver.h.
 #include "lib/snow_shared.h"
 
 layout(local_size_x = 64) in;

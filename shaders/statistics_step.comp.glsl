@@ -1,5 +1,4 @@
-// Opens (a step's sums at zero; with OPENING) or closes (totals brought up to date) every receiver's
-// balance.
+// Opens every receiver's balance (with OPENING: sets the step's sums to zero) or closes it (updates the totals).
 #include "lib/object_sums.h"
 
 layout(local_size_x = 64) in;

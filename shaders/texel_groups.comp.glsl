@@ -1,5 +1,5 @@
-// Lists the groups of texels that have anything to do in this step: those on which snow lies or which
-// have a triangle that faces the fall. All that the passes would do to the others is nothing.
+// Lists the groups of texels that are active in this step: those that hold snow or have a triangle that faces the fall.
+// The passes would change nothing in the others.
 #include "lib/facing.h"
 #include "lib/snow_shared.h"
 
@@ -12,7 +12,7 @@ uniform usamplerBuffer group_triangles;
 uniform uint group_count;
 /// Lists every group.
 uniform bool all_groups;
-/// Per group: kHoldsSnow, which the stability pass sets again.
+/// Per group: kHoldsSnow; the stability pass sets it again.
 layout(std430) buffer GroupStates { uint group_states[]; };
 layout(std430) buffer ActiveGroups { GroupListHeader active_header; uint active_groups[]; };
 

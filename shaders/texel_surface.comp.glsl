@@ -1,4 +1,4 @@
-// Area and upward parts of texels on the current vertices, in steps without a deposit that finds them.
+// Area and upward parts of texels on the current vertices, in steps without a deposit pass.
 #include "glsl/texel_fragments.glsl"
 #include "glsl/texel_group.glsl"
 

@@ -1,4 +1,5 @@
-// Levels of a patch: outside those of its edges' records, inside the higher of two opposite ones.
+// Tessellation levels of a patch: the outer ones from its edges' records, each inner one the higher of two opposite
+// ones.
 #include "lib/tree_shared.h"
 
 layout(vertices = 1) out;
@@ -12,7 +13,7 @@ void main() {
   const ivec4 edges = patches[patch_index].edges;
   const vec4 levels = vec4(edge_levels[edges.x >> 1], edge_levels[edges.y >> 1], edge_levels[edges.z >> 1],
                            edge_levels[edges.w >> 1]);
-  // Edges lie at v = 0, u = 1, v = 1 and u = 0; OpenGL counts from u = 0.
+  // Edges are at v = 0, u = 1, v = 1 and u = 0; OpenGL starts at u = 0.
   gl_TessLevelOuter[0] = levels.w;
   gl_TessLevelOuter[1] = levels.x;
   gl_TessLevelOuter[2] = levels.y;

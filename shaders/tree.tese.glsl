@@ -1,4 +1,4 @@
-// Puts the tessellator's vertices onto the limbs' round surface and their bark.
+// Moves the tessellator's vertices onto the limbs' round surface and their bark.
 #include "glsl/tree_surface.glsl"
 #include "glsl/tree_outputs.glsl"
 

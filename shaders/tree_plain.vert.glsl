@@ -1,4 +1,4 @@
-// Two triangles of a patch that needs no tessellation, six vertices each.
+// Two triangles of a patch without tessellation, six vertices each.
 #include "glsl/tree_view.glsl"
 #include "glsl/tree_outputs.glsl"
 

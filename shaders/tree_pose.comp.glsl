@@ -1,6 +1,6 @@
-// Poses the vertices of the base and lays bark on them.
+// Poses the vertices of the base and adds bark.
 //
-// SNOW: and snow, as much as the places on the map that meet there say on average.
+// SNOW: also adds snow: the mean over the vertex's places on the map.
 #include "glsl/bark.glsl"
 #include "glsl/tree_view.glsl"
 
@@ -8,7 +8,7 @@ layout(local_size_x = 64) in;
 #include "glsl/item_index.glsl"
 layout(std430) readonly buffer TreeVertices { TreeVertex vertices[]; };
 layout(std430) writeonly buffer PosedVertices { PosedVertex posed[]; };
-/// Three rows of a matrix a bone, from the rest pose to the pose.
+/// Three rows of a matrix per bone, from the rest pose to the pose.
 layout(std430) readonly buffer BoneRows { vec4 bone_rows[]; };
 uniform int count;
 #ifdef SNOW

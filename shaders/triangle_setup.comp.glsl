@@ -1,4 +1,4 @@
-// Every triangle as the fall meets it in this step, from the current vertices.
+// Evaluates every triangle as seen along this step's fall, from the current vertices.
 #include "lib/projection_frame.h"
 #include "lib/triangle_setup.h"
 

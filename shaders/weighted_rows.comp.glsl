@@ -1,11 +1,11 @@
-// Weighted sums: ghosts beyond a seam, the map's continuation beyond its charts.
+// Weighted sums: ghosts beyond a seam, the map's extension beyond its charts.
 layout(local_size_x = 64) in;
 #include "glsl/item_index.glsl"
 layout(std430) readonly buffer RowBegin { int row_begin[]; };
 layout(std430) readonly buffer RowSource { int row_source[]; };
 layout(std430) readonly buffer RowWeight { float row_weight[]; };
 layout(std430) readonly buffer RowTarget { int row_target[]; };
-/// May be the same buffer: rows never write what others read.
+/// May be the same buffer: no row writes a value that another reads.
 layout(std430) readonly buffer SourceValues { float source_values[]; };
 layout(std430) buffer TargetValues { float target_values[]; };
 uniform int count;

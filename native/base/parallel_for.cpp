@@ -34,14 +34,14 @@ void parallel_for(size_t count, size_t block, const Execution& execution,
       const size_t number = next++;
       if (number >= blocks) return;
       try {
-        // Part 0 is the calling thread's.
+        // The calling thread runs part 0.
         if (part == 0) {
           report_progress(execution.progress,
                           static_cast<float>(number) / static_cast<float>(blocks));
         }
         work(number * block, std::min(count, (number + 1) * block));
       } catch (...) {
-        // Blocks are begun in their order: of several that fail the first is always among them.
+        // Blocks start in order, so the first of several failing blocks has always started.
         const std::lock_guard lock(mutex);
         if (number < failed) {
           failed = number;

@@ -11,29 +11,29 @@
 
 namespace snowbough::base {
 
-/// How long work may be done.
+/// How to run a long computation.
 struct Execution {
-  /// Threads that may share the work, the calling one included; 0 = one a core. The result does not
-  /// depend on it.
+  /// Threads that may share the work, the calling one included; 0 = one per core. Does not change
+  /// the result.
   int threads = 0;
-  /// Asked between blocks of work whether to go on.
+  /// Called between blocks of work; may stop it.
   Progress progress = {};
 
-  /// The same work as the part from `from` to `to` of a longer one's progress.
+  /// Execution of one part of the work, whose progress runs from `from` to `to`.
   Execution part(float from, float to) const;
 };
 
-/// Calls work(part, parts) for all parts 0 to parts - 1, at the same time as far as the shared pool
-/// has threads: ThreadPool::run.
-/// @throws what the first part that failed threw.
+/// Calls work(part, parts) for all parts 0 to parts - 1, in parallel as far as the shared pool has
+/// threads: ThreadPool::run.
+/// @throws the first exception of `work`.
 template <typename Work>
 void parallel_for(int32_t parts, const Work& work) {
   const auto count = static_cast<size_t>(parts);
   ThreadPool::shared().run(count, [&](size_t part) { work(part, count); });
 }
 
-/// Calls work(item) for items 0 to count - 1, in any order, `run` of them in a row on one thread,
-/// as soon as one of `threads` threads is free. @throws what the first that failed threw.
+/// Calls work(item) for items 0 to count - 1 in any order, in runs of `run` items per thread, on at
+/// most `threads` threads. @throws the first exception of `work`.
 template <typename Work>
 void for_each_item(size_t count, size_t run, const Work& work,
                    int32_t threads = default_threads()) {
@@ -46,13 +46,13 @@ void for_each_item(size_t count, size_t run, const Work& work,
   });
 }
 
-/// Calls work(begin, end) for consecutive blocks of [0, count), no longer than `block`, on several
-/// threads of the shared pool at once. What a block writes must depend on its range alone and
-/// concern no other block.
+/// Calls work(begin, end) for consecutive blocks of [0, count) of at most `block` items, on several
+/// threads of the shared pool at once. The output of a block must depend on its range alone and not
+/// touch other blocks.
 ///
-/// Progress is reported from the calling thread, which works too; when it says stop, blocks under
-/// way are finished and no new one is begun.
-/// @throws Cancelled when progress says stop; else what the first block that failed threw.
+/// Progress is reported from the calling thread, which works too; after a stop, running blocks
+/// finish and no new one starts.
+/// @throws Cancelled when progress says stop; otherwise the first exception of `work`.
 void parallel_for(size_t count, size_t block, const Execution& execution,
                   const std::function<void(size_t begin, size_t end)>& work);
 

@@ -4,8 +4,8 @@
 
 namespace snowbough::base {
 
-/// The process in which it was made. A forked process has the memory of the one before it, but none
-/// of its threads: what waits for one there would wait for ever.
+/// Remembers the process in which it was made. A forked process copies the memory but none of the
+/// threads, so waiting for one there would never end.
 class ProcessMark {
  public:
   bool is_here() const { return ::getpid() == made_in_; }

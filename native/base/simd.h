@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
-/// In front of a function whose loops gain from wide registers: it is compiled for AVX2 and for the
-/// rest, and the processor at hand decides. Without fused multiply-add both give the same bits.
+/// Marks a function whose loops gain from wide registers: it is compiled for AVX2 and for the
+/// baseline, and chosen at run time. Without fused multiply-add both give the same bits.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__)
 #define SNOWBOUGH_WIDE __attribute__((target_clones("avx2", "default")))
@@ -15,14 +15,14 @@
 
 namespace snowbough::base {
 
-/// Four numbers on which arithmetic, comparison (-1 where it holds, else 0) and `mask ? a : b` work
-/// side by side: a vector type of GCC and Clang.
+/// Four numbers with element-wise arithmetic, comparison (-1 for true, else 0) and `mask ? a : b`:
+/// a vector type of GCC and Clang.
 using Float4 = float __attribute__((vector_size(16)));
 using Int4 = int32_t __attribute__((vector_size(16)));
 
-// Below, what the compiler makes of the portable form takes several times as long.
+// Intrinsics: the compiler's code for the portable form takes several times as long.
 
-/// The lanes moved round by one: b, c, d, a.
+/// The lanes rotated by one: b, c, d, a.
 inline Int4 rotated(const Int4& v) {
   return __builtin_shufflevector(v, v, 1, 2, 3, 0);
 }
@@ -32,7 +32,7 @@ inline Float4 four(float value) {
   return Float4{} + value;
 }
 
-/// Lane by lane; the second where either is no number.
+/// Element-wise maximum; returns b if either is NaN.
 inline Float4 larger(const Float4& a, const Float4& b) {
 #ifdef __SSE2__
   return __builtin_ia32_maxps(a, b);
@@ -61,7 +61,7 @@ inline float smallest(const Float4& v) {
   return low < high ? low : high;
 }
 
-/// Of lanes that are not negative.
+/// For lanes that are not negative.
 inline Float4 square_root(const Float4& v) {
 #ifdef __SSE2__
   return __builtin_ia32_sqrtps(v);
@@ -72,7 +72,7 @@ inline Float4 square_root(const Float4& v) {
 #endif
 }
 
-/// Bit k: the comparison holds in lane k.
+/// Bit k is set if the comparison holds in lane k.
 inline uint32_t bits(const Int4& mask) {
 #ifdef __SSE2__
   return static_cast<uint32_t>(__builtin_ia32_movmskps(std::bit_cast<Float4>(mask)));

@@ -15,7 +15,7 @@ namespace {
 
 constexpr size_t kNicenesses = 40;
 
-/// Of the calling thread, counted from 0. A new thread has that of the one that makes it.
+/// Niceness of the calling thread, from 0. A new thread inherits it from its creator.
 size_t niceness() {
 #ifdef __linux__
   constexpr int kLeast = -20;
@@ -28,14 +28,14 @@ size_t niceness() {
 
 }  // namespace
 
-/// One run() that is going on.
+/// State of one running run().
 struct ThreadPool::Job {
   const std::function<void(size_t)>& work;
-  /// Parts to be begun: fewer than asked for once one has failed.
+  /// Number of parts to start; reduced once one has failed.
   size_t parts;
   size_t next = 0;
   size_t done = 0;
-  /// What the first part that failed threw, and which one that was.
+  /// Exception of the first failed part, and the part's number.
   std::exception_ptr error = nullptr;
   size_t failed = 0;
 };
@@ -55,7 +55,7 @@ ThreadPool::ThreadPool(int32_t threads) {
 }
 
 ThreadPool& ThreadPool::shared() {
-  // Never destroyed: work that goes on while the process ends must not find them gone.
+  // Never destroyed: work may still run while the process ends.
   static auto* pools = new std::array<std::unique_ptr<ThreadPool>, kNicenesses>;
   static auto* made = new std::array<std::once_flag, kNicenesses>;
   const size_t own = niceness();
@@ -95,7 +95,7 @@ void ThreadPool::run_next(Job& job, std::unique_lock<std::mutex>& lock) {
   }
   lock.lock();
   if (error) {
-    // Parts are begun in their order: of several that fail the first is always among them.
+    // Parts start in order, so the first of several failing parts has always started.
     if (!job.error || part < job.failed) {
       job.error = error;
       job.failed = part;

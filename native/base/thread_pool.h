@@ -10,33 +10,32 @@
 
 namespace snowbough::base {
 
-/// Threads that a computation may use where nothing else is said: one a core, and at least one.
-/// More than 16 wait for memory rather than compute.
+/// Default number of threads of a computation: one per core, at least one, at most 16, since more
+/// would only wait for memory.
 int32_t default_threads();
 
-/// Threads that stay, and help whoever has work to share out.
+/// A pool of threads that share the work of their callers.
 ///
-/// A forked process has none of them: there the callers do their work alone.
+/// A forked process has none of the threads: callers then work alone.
 class ThreadPool {
  public:
-  /// @param threads  that are to work at once, the calling one included: one less is made, or as
-  ///   many as the system grants.
+  /// @param threads  that work at once, the calling one included: one fewer is created, or as many
+  ///   as the system grants.
   explicit ThreadPool(int32_t threads);
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  /// The pool for all work of the process, of default_threads(); made at the first call. On Linux,
-  /// where a thread has a niceness of its own, there is one for each: who has lowered its priority
-  /// is helped by threads of the same, so that its work steps back for others' as a whole.
+  /// The pool for all work of the process, of default_threads(); created at the first call. On
+  /// Linux, where each thread has its own niceness, there is one pool per niceness, so that a
+  /// low-priority caller is helped by threads of the same priority.
   static ThreadPool& shared();
 
-  /// Calls `work(part)` for all parts 0 to parts - 1, each once and begun in their order: part 0 on
-  /// the calling thread, the others there and on the pool's threads that have nothing else to do.
-  /// Returns when all are done. Any thread may call it, also from within `work`; no part may wait
-  /// for another.
+  /// Calls `work(part)` for all parts 0 to parts - 1, each once and started in order: part 0 on the
+  /// calling thread, the others there and on idle threads of the pool. Returns when all are done.
+  /// Any thread may call it, also from within `work`; no part may wait for another.
   ///
-  /// Once a part has failed no new one is begun.
-  /// @throws what the first part that failed threw.
+  /// After a part has failed no new one starts.
+  /// @throws the exception of the first part that failed.
   void run(size_t parts, const std::function<void(size_t part)>& work);
 
  private:
@@ -48,15 +47,15 @@ class ThreadPool {
   std::mutex mutex_;
   std::condition_variable_any opened_;
   std::condition_variable done_;
-  /// Those that have parts left which nobody has begun.
+  /// Jobs with parts that have not started.
   std::vector<Job*> open_;
-  /// Last, so that they end before what they use.
+  /// Last, so that the threads end before the members that they use.
   std::vector<std::jthread> threads_;
 };
 
-/// Makes the threads of ThreadPool::shared(), if they are not there yet. To be called before
-/// another thread begins to load a library: in glibc a new thread waits until that is done, which
-/// takes a tenth of a second for a graphics driver.
+/// Creates the threads of ThreadPool::shared(), if they do not exist yet. Call it before another
+/// thread starts loading a library: in glibc a new thread waits until loading is done, which takes
+/// a tenth of a second for a graphics driver.
 void start_thread_pool();
 
 }  // namespace snowbough::base

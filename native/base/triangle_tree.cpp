@@ -19,7 +19,7 @@ double squared_distance(const glm::vec3& low, const glm::vec3& high, const glm::
   return squared(p - glm::clamp(p, glm::dvec3(low), glm::dvec3(high)));
 }
 
-/// Whether a ray meets a box nearer than `nearest`. `inverse`: 1 / direction.
+/// Whether a ray hits a box closer than `nearest`. `inverse`: 1 / direction.
 bool meets(const glm::vec3& low, const glm::vec3& high, const glm::dvec3& from,
            const glm::dvec3& inverse, double nearest) {
   const glm::dvec3 a = (glm::dvec3(low) - from) * inverse, b = (glm::dvec3(high) - from) * inverse;
@@ -29,7 +29,7 @@ bool meets(const glm::vec3& low, const glm::vec3& high, const glm::dvec3& from,
   return enter <= leave;
 }
 
-/// The distance along a ray to a triangle, or infinity.
+/// Distance along a ray to a triangle, or infinity.
 double meets_triangle(const glm::dvec3& from, const glm::dvec3& way,
                       const std::array<glm::vec3, 3>& corners) {
   constexpr double kMisses = std::numeric_limits<double>::infinity();
@@ -118,12 +118,12 @@ void TriangleTree::build(int32_t begin, int32_t end) {
 TriangleTree::Nearest TriangleTree::nearest(int32_t group, const glm::dvec3& p) const {
   Nearest best;
   if (roots_[group] < 0) return best;
-  // As deep as the tree: each level halves what is left.
+  // The tree's depth: each level halves the range.
   std::array<int32_t, 64> stack{};
-  int32_t waiting = 0;
-  stack[waiting++] = roots_[group];
-  while (waiting > 0) {
-    const int32_t number = stack[--waiting];
+  int32_t pending = 0;
+  stack[pending++] = roots_[group];
+  while (pending > 0) {
+    const int32_t number = stack[--pending];
     const Node& node = nodes_[number];
     if (squared_distance(node.box.low, node.box.high, p) > best.squared_distance) continue;
     if (node.second < 0) {
@@ -142,8 +142,8 @@ TriangleTree::Nearest TriangleTree::nearest(int32_t group, const glm::dvec3& p) 
       return squared_distance(nodes_[child].box.low, nodes_[child].box.high, p);
     };
     const bool second_nearer = distance_to(node.second) < distance_to(number + 1);
-    stack[waiting++] = second_nearer ? number + 1 : node.second;
-    stack[waiting++] = second_nearer ? node.second : number + 1;
+    stack[pending++] = second_nearer ? number + 1 : node.second;
+    stack[pending++] = second_nearer ? node.second : number + 1;
   }
   return best;
 }
@@ -152,16 +152,16 @@ double TriangleTree::distance_along(int32_t group, const glm::dvec3& from, const
                                     double least) const {
   double nearest = std::numeric_limits<double>::infinity();
   if (roots_[group] < 0) return nearest;
-  // A direction of 0 meets the planes of its axis at infinity, never at 0 / 0.
+  // A direction of 0 meets the planes of its axis at infinity, never 0 / 0.
   glm::dvec3 inverse;
   for (int axis = 0; axis < 3; ++axis) {
     inverse[axis] = 1.0 / (way[axis] == 0.0 ? 1e-300 : way[axis]);
   }
   std::array<int32_t, 64> stack{};
-  int32_t waiting = 0;
-  stack[waiting++] = roots_[group];
-  while (waiting > 0) {
-    const int32_t number = stack[--waiting];
+  int32_t pending = 0;
+  stack[pending++] = roots_[group];
+  while (pending > 0) {
+    const int32_t number = stack[--pending];
     const Node& node = nodes_[number];
     if (!meets(node.box.low, node.box.high, from, inverse, nearest)) continue;
     if (node.second < 0) {
@@ -171,8 +171,8 @@ double TriangleTree::distance_along(int32_t group, const glm::dvec3& from, const
       }
       continue;
     }
-    stack[waiting++] = node.second;
-    stack[waiting++] = number + 1;
+    stack[pending++] = node.second;
+    stack[pending++] = number + 1;
   }
   return nearest;
 }

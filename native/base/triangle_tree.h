@@ -8,18 +8,18 @@
 
 namespace snowbough::base {
 
-/// The point of a triangle that is nearest to another. The triangle may be a segment or a point.
+/// The point of a triangle nearest to `p`. The triangle may be a segment or a point.
 ///
-/// Method: C. Ericson, "Real-Time Collision Detection", 2005, section 5.1.5 (the regions of corners
-/// and edges, told by projections).
+/// Method: C. Ericson, "Real-Time Collision Detection", 2005, section 5.1.5 (Voronoi regions of
+/// corners and edges, found by projections).
 glm::dvec3 nearest_on_triangle(const glm::dvec3& p, const std::array<glm::dvec3, 3>& triangle);
 
-/// Triangles in groups, each group with a bounding volume hierarchy of its own: the nearest
-/// triangle of one group.
+/// Triangles in groups, with one bounding volume hierarchy per group, for nearest-triangle queries
+/// in a group.
 class TriangleTree {
  public:
   struct Nearest {
-    /// Index into the triangles; -1 where the group has none.
+    /// Index into the triangles; -1 if the group is empty.
     int32_t triangle = -1;
     glm::dvec3 point{0.0};
     double squared_distance = std::numeric_limits<double>::infinity();
@@ -30,12 +30,11 @@ class TriangleTree {
                const std::vector<std::array<int32_t, 3>>& triangles,
                const std::vector<int32_t>& group_begin);
 
-  /// Of equally near ones the triangle with the smallest index.
+  /// The nearest triangle; of equally near ones, the one with the smallest index.
   Nearest nearest(int32_t group, const glm::dvec3& p) const;
 
-  /// The distance from `from` along the unit vector `way` to the first triangle of the group that
-  /// is farther than `least`, from either side; infinity where there is none.
-  ///
+  /// The distance from `from` along the unit vector `way` to the group's first triangle, from
+  /// either side, that is farther than `least`; infinity if there is none.
   /// Method: T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray-Triangle Intersection", 1997.
   double distance_along(int32_t group, const glm::dvec3& from, const glm::dvec3& way,
                         double least) const;
@@ -46,7 +45,7 @@ class TriangleTree {
   };
   struct Node {
     Box box;
-    /// Entries of order_; a leaf where `second` is -1, else the children are the next node and
+    /// Entries of order_; `second` is -1 in a leaf; otherwise the children are the next node and
     /// `second`.
     int32_t begin, end;
     int32_t second;
@@ -54,10 +53,10 @@ class TriangleTree {
   void build(int32_t begin, int32_t end);
 
   std::vector<std::array<glm::vec3, 3>> corners_;
-  /// Triangles of a leaf stand together.
+  /// Triangle indices; a leaf's triangles are consecutive.
   std::vector<int32_t> order_;
   std::vector<Node> nodes_;
-  /// Per group: its root, or -1.
+  /// Root node of each group, or -1.
   std::vector<int32_t> roots_;
 };
 

@@ -8,7 +8,7 @@
 
 namespace snowbough::base {
 
-/// Union-find whose representative is the smallest index of its set, in whatever order they join.
+/// Union-find whose representative is the smallest index of its set, in any order of joins.
 class UnionFind {
  public:
   explicit UnionFind(size_t count) : parent_(count) {
@@ -23,7 +23,7 @@ class UnionFind {
     return x;
   }
 
-  /// @return the representative of both.
+  /// @return the representative of the joined set.
   int32_t join(int32_t a, int32_t b) {
     a = find(a);
     b = find(b);
@@ -37,7 +37,7 @@ class UnionFind {
 
   /// All representatives.
   std::vector<int32_t> all() && {
-    // A parent is smaller than its children, hence done before them.
+    // A parent is smaller than its children, hence already final.
     for (int32_t& parent : parent_) parent = parent_[parent];
     return std::move(parent_);
   }

@@ -8,8 +8,8 @@
 
 namespace snowbough::base {
 
-/// An array of numbers, all 0 at first. Of a large one the system hands out only the pages that are
-/// written to: where most stays 0 it takes far less time and memory than a vector.
+/// An array of numbers, initially 0. The system allocates only the pages of a large array that are
+/// written: a mostly empty one takes far less time and memory than a vector.
 template <typename T>
 class ZeroedArray {
  public:

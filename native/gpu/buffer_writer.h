@@ -9,8 +9,8 @@
 
 namespace snowbough::gpu {
 
-/// Fills a buffer from its beginning on, a little at a time, so that what goes in need not lie in
-/// memory as a whole beforehand. GPU thread.
+/// Fills a buffer sequentially in small portions, so that its content need not be in memory as a
+/// whole. GPU thread.
 template <typename Element>
 class BufferWriter {
  public:
@@ -23,16 +23,16 @@ class BufferWriter {
   /// Number of elements so far.
   size_t size() const { return written_ + staged_.size(); }
 
-  /// Adds `count` elements, to be filled in before the next call. @throws std::length_error where
-  /// the buffer has no room.
+  /// Adds `count` elements, which the caller must fill before the next call. @throws
+  /// std::length_error if the buffer has no room.
   Element* add(size_t count) {
-    if (size() + count > capacity_) throw std::length_error("a buffer is filled beyond its size");
+    if (size() + count > capacity_) throw std::length_error("the buffer is full");
     if (staged_.size() + count > kStaged) write_staged();
     staged_.resize(staged_.size() + count);
     return staged_.data() + staged_.size() - count;
   }
 
-  /// The buffer, as large as what was added.
+  /// Returns the buffer, shrunk to the elements added.
   Buffer into_buffer() {
     write_staged();
     if (written_ < capacity_) {
@@ -47,7 +47,7 @@ class BufferWriter {
   }
 
  private:
-  /// So few that they are still in the processor's cache when they are copied.
+  /// Few enough to still be in the CPU cache when they are copied.
   static constexpr size_t kStaged = (size_t{1} << 18) / sizeof(Element);
 
   void write_staged() {

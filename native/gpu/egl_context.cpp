@@ -34,12 +34,11 @@ bool can_load(const char* library) {
   return dlopen(library, RTLD_LAZY | RTLD_LOCAL) != nullptr;
 }
 
-/// libepoxy ends the process when a library is missing, so look before it does.
+/// libepoxy ends the process if a library is missing, so this checks first.
 void require_libraries() {
   if (!can_load("libEGL.so.1")) {
     throw std::runtime_error(
-        "OpenGL needs EGL here, and libEGL.so.1 cannot be loaded: install the graphics driver, or "
-        "Mesa "
+        "OpenGL needs libEGL.so.1, which cannot be loaded: install the graphics driver, or Mesa "
         "(Debian and Ubuntu: apt install libegl1 libgl1-mesa-dri)");
   }
   if (!can_load("libOpenGL.so.0") && !can_load("libGL.so.1")) {
@@ -93,7 +92,7 @@ std::vector<Candidate> list_candidates() {
   return candidates;
 }
 
-/// Keeps the candidates that `wanted` names; with no wish, real GPUs come before software.
+/// Keeps the candidates that `wanted` names; if it is empty, hardware comes before software.
 std::vector<Candidate> select_candidates(std::vector<Candidate> all, const std::string& wanted) {
   if (wanted.empty()) {
     std::stable_partition(all.begin(), all.end(), [](const Candidate& c) { return !c.software; });
@@ -118,7 +117,7 @@ std::vector<Candidate> select_candidates(std::vector<Candidate> all, const std::
     }
     throw std::runtime_error("no EGL device matches '" + wanted +
                              "' (there are: " + (names.empty() ? "none" : names) +
-                             "); write a number, 'software', 'surfaceless' or a /dev/dri file");
+                             "); use a number, 'software', 'surfaceless' or a /dev/dri file");
   }
   return chosen;
 }
@@ -252,7 +251,7 @@ EglContext::EglContext(const std::string& device) {
     failures += "\n  " + candidate.label + ": " + failure;
   }
   throw std::runtime_error(
-      "no OpenGL 4.5 context could be made" +
+      "no OpenGL 4.5 context could be created" +
       (failures.empty() ? std::string(": EGL offers neither a device nor a surfaceless platform")
                         : ":" + failures) +
       "\nInstall Mesa's drivers (Debian and Ubuntu: apt install libgl1-mesa-dri libegl-mesa0), or "

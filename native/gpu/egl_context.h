@@ -6,7 +6,7 @@
 
 namespace snowbough::gpu {
 
-/// The driver behind a context and the limits that the passes have to keep to.
+/// The driver of a context and the limits that the passes respect.
 struct GpuInfo {
   std::string vendor;
   std::string renderer;
@@ -19,23 +19,23 @@ struct GpuInfo {
   int64_t max_storage_buffer_bytes = 0;
 };
 
-/// Whether a renderer of that name computes on the processor: Mesa's llvmpipe and softpipe.
+/// Whether a renderer of that name is a software renderer: Mesa's llvmpipe and softpipe.
 bool is_software(std::string_view renderer);
-/// Whether that of the current context does. GPU thread.
+/// The same for the current context. GPU thread.
 bool renders_in_software();
 
-/// Why no context on graphics hardware can be had, as far as that is known without making one: no
-/// EGL or OpenGL library, or only software devices. Empty: there may be one.
+/// Why no hardware context is possible, as far as can be known without creating one: no EGL or
+/// OpenGL library, or only software devices. Empty: there may be one.
 std::string why_no_hardware();
 
-/// An off-screen OpenGL 4.5 core context without a surface, current on the thread that made it.
-/// Creating and destroying it leaves every other context of the process alone.
+/// An off-screen OpenGL 4.5 core context without a surface, current on the thread that creates it.
+/// Creating and destroying it does not affect other contexts of the process.
 class EglContext {
  public:
-  /// Which device: "" = the environment variable SNOWBOUGH_EGL_DEVICE, else the first that works
-  /// (real GPUs before software); "0", "1", ...: that EGL device; "software": Mesa's llvmpipe;
+  /// Device: "" = the environment variable SNOWBOUGH_EGL_DEVICE, else the first that works
+  /// (hardware before software); "0", "1", ...: that EGL device; "software": Mesa's llvmpipe;
   /// "/dev/dri/...": the device with that file; "surfaceless": EGL's surfaceless platform.
-  /// @throws std::runtime_error naming the step that failed on each device tried, and what to do.
+  /// @throws std::runtime_error naming the step that failed on each device tried, and advice.
   explicit EglContext(const std::string& device);
   ~EglContext();
   EglContext(const EglContext&) = delete;

@@ -14,9 +14,8 @@ namespace {
 
 [[noreturn]] void refuse_forked() {
   throw std::runtime_error(
-      "this process was forked from one that uses OpenGL: start a new one instead "
-      "(multiprocessing's "
-      "'spawn'), or use the engine CPU");
+      "this process was forked from one that uses OpenGL: start a new process instead "
+      "(multiprocessing's 'spawn'), or use engine CPU");
 }
 
 }  // namespace
@@ -28,11 +27,11 @@ std::shared_ptr<GpuThread> GpuThread::shared(const std::string& device) {
 }
 
 std::shared_ptr<GpuThread> GpuThread::begin(const std::string& device) {
-  // Never destroyed: a simulation that outlives main must not find it gone.
+  // Never destroyed: a simulation may outlive main.
   static auto* mutex = new std::mutex();
   static auto* threads = new std::map<std::string, std::weak_ptr<GpuThread>>();
   static const base::ProcessMark made_in;
-  // Drivers have threads and locks of their own, which a forked process lacks or finds closed.
+  // A forked process lacks the driver's threads and may inherit locked mutexes.
   if (!made_in.is_here()) refuse_forked();
   const std::scoped_lock lock(*mutex);
   std::weak_ptr<GpuThread>& slot = (*threads)[device];
@@ -102,11 +101,7 @@ void GpuThread::loop(const std::string& device, std::promise<GpuInfo> started) {
   while (true) {
     std::unique_lock lock(mutex_);
     wake_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
-    if (queue_.empty()) {
-      lock.unlock();
-      resources_.clear();
-      return;
-    }
+    if (queue_.empty()) return;
     const std::function<void()> task = std::move(queue_.front());
     queue_.pop_front();
     lock.unlock();

@@ -5,42 +5,41 @@
 #include <exception>
 #include <functional>
 #include <future>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
 #include <type_traits>
-#include <typeindex>
 
 #include "base/process.h"
 #include "gpu/egl_context.h"
 
 namespace snowbough::gpu {
 
-/// A thread that owns an EGL context and runs closures on it one after the other, in the order they
-/// were handed in. Every GL object is made, used and destroyed in such closures, so the caller's
-/// thread (Blender's main thread with Blender's own context) sees no GL call.
+/// A thread that owns an EGL context and runs closures on it in the order of submission. Every GL
+/// object is created, used and destroyed in such closures, so the caller's thread (Blender's main
+/// thread with Blender's own context) makes no GL call.
 class GpuThread {
  public:
-  /// The process's thread for `device` (see EglContext); made on first use and ended with the last
-  /// owner, so that simulations share one context. @throws std::runtime_error when there is none.
+  /// The process's thread for `device` (see EglContext): created on first use and ended with its
+  /// last owner, so that simulations share one context. @throws std::runtime_error if no context
+  /// can be made.
   static std::shared_ptr<GpuThread> shared(const std::string& device = "");
-  /// The same without waiting for the context: whether there is one, `info` tells.
+  /// The same without waiting for the context; `info` reports whether there is one.
   static std::shared_ptr<GpuThread> begin(const std::string& device = "");
 
-  /// Returns while the thread still makes the context.
+  /// Returns while the thread is still creating the context.
   explicit GpuThread(const std::string& device);
-  /// Runs what is still queued, then destroys the context and joins the thread. Not to be called on
+  /// Runs the queued closures, then destroys the context and joins the thread. Do not call it on
   /// the thread itself.
   ~GpuThread();
   GpuThread(const GpuThread&) = delete;
   GpuThread& operator=(const GpuThread&) = delete;
 
-  /// Runs `work` on the thread, waits, and returns its result or throws its exception. A GL error
-  /// that it leaves behind becomes a std::runtime_error. Called on the thread itself it just runs.
-  /// Without a context it throws what `info` throws; in a forked process, which has not the thread,
-  /// a std::runtime_error.
+  /// Runs `work` on the thread, waits, and returns its result or throws its exception. A pending GL
+  /// error becomes a std::runtime_error. Called on the thread itself it runs `work` directly.
+  /// Without a context it throws as `info`; in a forked process, which lacks the thread, it throws
+  /// std::runtime_error.
   template <typename Work>
   std::invoke_result_t<Work> run(Work&& work) {
     using Result = std::invoke_result_t<Work>;
@@ -65,29 +64,18 @@ class GpuThread {
     return future.get();
   }
 
-  /// Has `work` run on the thread and returns at once; a GL error that it leaves behind counts as
-  /// an exception of its. What it throws is handed to `failed`, on the thread. Without a context
-  /// neither ever runs: see `is_ready`.
+  /// Queues `work` on the thread and returns at once. `failed` receives its exception or GL error,
+  /// on the thread. Without a context neither ever runs: see `is_ready`.
   void post(std::function<void()> work, std::function<void(std::exception_ptr)> failed);
-  /// Whether the context is made, or could not be: `info` does not wait then.
+  /// Whether creating the context has finished or failed: `info` does not wait then.
   bool is_ready() const;
 
-  /// The context's one object of type T (programs, say), made on first use and destroyed with the
-  /// context. Only on the thread itself.
-  template <typename T>
-  T& resource() {
-    std::shared_ptr<void>& slot = resources_[std::type_index(typeid(T))];
-    if (slot == nullptr) {
-      slot = std::make_shared<T>();
-    }
-    return *static_cast<T*>(slot.get());
-  }
-
-  /// Whether the process has the thread: a forked one has not. There, what lies on it is left.
+  /// Whether the process has the thread. A forked one does not: objects on the thread are leaked
+  /// there.
   bool is_in_this_process() const { return made_in_.is_here(); }
   /// True on the thread itself.
   bool is_current() const { return std::this_thread::get_id() == thread_.get_id(); }
-  /// Waits for the context. @throws std::runtime_error where none could be made.
+  /// Waits for the context. @throws std::runtime_error if it could not be made.
   const GpuInfo& info() const {
     require_own_process();
     return info_.get();
@@ -105,7 +93,6 @@ class GpuThread {
   std::deque<std::function<void()>> queue_;
   bool stopping_ = false;
   std::shared_future<GpuInfo> info_;
-  std::map<std::type_index, std::shared_ptr<void>> resources_;
   std::thread thread_;
 };
 

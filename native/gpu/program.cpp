@@ -153,7 +153,7 @@ void Program::reflect() {
 void Program::use() {
   glUseProgram(id_);
   for (auto& [name, input] : inputs_) {
-    // Uniforms belong to the program and keep their value; what is bound belongs to the context.
+    // Uniforms belong to the program and keep their value; bindings belong to the context.
     input.ready = input.ready && input.kind == Kind::kUniform;
   }
 }
@@ -228,7 +228,8 @@ void Program::bind_image(const std::string& image, const Texture& texture, GLenu
 void Program::require_ready() const {
   for (const auto& [name, input] : inputs_) {
     if (!input.ready) {
-      throw std::logic_error("shader program " + name_ + " runs without its input '" + name + "'");
+      throw std::logic_error("shader program " + name_ + " runs without a value for its input '" +
+                             name + "'");
     }
   }
 }

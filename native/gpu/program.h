@@ -15,8 +15,9 @@
 
 namespace snowbough::gpu {
 
-/// A linked shader program whose inputs are set by name and checked by reflection: a name that the
-/// program does not have is an error, and so is one that is not set when it runs. Used like this:
+/// A linked shader program whose inputs are set by name and checked by reflection: setting an input
+/// that the program does not have is an error, and so is running it with an input that is not set.
+/// Usage:
 ///
 ///   program.use();                         // forgets the bindings of the run before
 ///   program.set("pixel_size", 0.01f);      // uniforms keep their value from run to run
@@ -25,12 +26,12 @@ namespace snowbough::gpu {
 ///   program.bind_texture("occlusion", texture);
 ///   program.dispatch(groups);              // or draw(...)
 ///
-/// Shaders write no `binding =`: units are numbered here.
+/// Shaders contain no `binding =`: units are numbered here.
 class Program {
  public:
-  /// `files` are names in shaders/, the stage between the last dots: "stability.comp.glsl"; stages
-  /// are vert, tesc, tese, geom, frag, comp. `defines` go to all of them.
-  /// @throws std::runtime_error with the driver's log when it does not compile or link.
+  /// `files` are names in shaders/, with the stage between the last dots ("stability.comp.glsl"):
+  /// vert, tesc, tese, geom, frag or comp. `defines` apply to all of them.
+  /// @throws std::runtime_error with the driver's log if compiling or linking fails.
   explicit Program(const std::vector<std::string>& files,
                    const std::vector<std::string>& defines = {});
   ~Program();
@@ -56,22 +57,23 @@ class Program {
   /// Binds a texture to a sampler.
   void bind_texture(const std::string& sampler, const Texture& texture);
   void bind_texture(const std::string& sampler, const BufferTexture& texture);
-  /// Binds mip level 0 of a texture (all layers of an array, or the one layer named) to an image.
+  /// Binds mip level 0 of a texture (all layers of an array, or one layer) to an image.
   void bind_image(const std::string& image, const Texture& texture, GLenum access,
                   int32_t layer = -1);
 
   /// Runs a compute program. @throws std::logic_error naming inputs that were not set.
   void dispatch(int32_t groups_x, int32_t groups_y = 1, int32_t groups_z = 1);
-  /// Runs a compute program whose shader finds its item by item_index.h, in groups of `group_size`.
-  /// More groups than one dimension holds (`most_groups`; OpenGL promises 65,535) go into rows.
+  /// Runs a compute program whose shader finds its item with item_index.h, in groups of
+  /// `group_size`. Groups beyond one dimension's limit (`most_groups`; OpenGL guarantees 65,535) go
+  /// into rows.
   void dispatch_items(int64_t count, int32_t group_size, int32_t most_groups = 65535);
-  /// Runs a compute program with the numbers of groups (three uint32) that lie in the buffer,
-  /// `offset` bytes from its start.
+  /// Runs a compute program with the group counts (three uint32) in the buffer, `offset` bytes from
+  /// its start.
   void dispatch_indirect(const Buffer& groups, int64_t offset = 0);
   /// Draws `count` vertices with the bound vertex array, `instances` times. @throws as dispatch.
   void draw(GLenum mode, int32_t first, int32_t count, int32_t instances = 1);
-  /// Draws `draws` times with the arguments (four uint32 each: vertices, instances, first vertex,
-  /// first instance) that lie in the buffer, `offset` bytes from its start. @throws as dispatch.
+  /// Draws `draws` times with the arguments in the buffer (four uint32 each: vertices, instances,
+  /// first vertex, first instance), `offset` bytes from its start. @throws as dispatch.
   void draw_indirect(GLenum mode, const Buffer& arguments, int64_t offset = 0, int32_t draws = 1);
 
  private:

@@ -10,11 +10,11 @@
 
 namespace snowbough::gpu {
 
-/// One shader program in several variants, told apart by their defines. A variant is compiled when
-/// it is first asked for: a bake needs few of them, and compiling is what a first step waits for.
+/// One shader program in several variants, identified by their defines. A variant is compiled on
+/// first use: a bake needs few of them, and compiling delays its first step.
 class ProgramVariants {
  public:
-  /// As Program's.
+  /// `files`: as in Program.
   explicit ProgramVariants(std::vector<std::string> files) : files_(std::move(files)) {}
 
   /// The variant with these defines, in this order. GPU thread. @throws as Program's constructor.

@@ -7,7 +7,7 @@
 namespace snowbough::gpu {
 namespace {
 
-/// Allocation is the one call whose failure the user causes, so it gets a message of its own.
+/// Running out of memory depends on the user's scene, so its message gives advice.
 void require_memory(int64_t bytes, const std::string& what) {
   const GLenum error = glGetError();
   if (error != GL_NO_ERROR) {
@@ -124,7 +124,7 @@ Texture::~Texture() {
 
 namespace {
 
-/// Format and type that glClearTexImage takes for a null value: integer textures want integers.
+/// Format and type for glClearTexImage with a null value: integer textures need integer formats.
 std::pair<GLenum, GLenum> clear_format(GLenum internal_format) {
   switch (internal_format) {
     case GL_R8UI:

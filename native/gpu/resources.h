@@ -32,13 +32,13 @@ class Handle {
 class Buffer : public Handle {
  public:
   Buffer() = default;
-  /// `bytes` of memory (at least 16 are taken, so that an empty scene needs no special case);
-  /// with `data` null it is filled with zeros. @throws std::runtime_error when memory runs out.
+  /// `bytes` of memory (at least 16 are allocated, so that an empty scene needs no special case),
+  /// filled with zeros if `data` is null. @throws std::runtime_error if memory runs out.
   explicit Buffer(int64_t bytes, const void* data = nullptr);
   template <typename Element>
   explicit Buffer(const std::vector<Element>& elements)
       : Buffer(static_cast<int64_t>(elements.size() * sizeof(Element)), elements.data()) {}
-  /// A buffer of whatever content. @throws as above.
+  /// A buffer of undefined content. @throws as above.
   static Buffer unfilled(int64_t bytes);
   Buffer(Buffer&&) noexcept = default;
   Buffer& operator=(Buffer&&) noexcept = default;
@@ -65,14 +65,14 @@ class Buffer : public Handle {
 /// Mip levels of a texture down to one texel.
 int32_t all_mip_levels(int32_t width, int32_t height);
 
-/// A two-dimensional texture, or an array of them, with nearest or linear filtering, clamped at its
-/// edges. All that is read and written is its mip level 0.
+/// A two-dimensional texture or array texture with nearest or linear filtering, clamped at its
+/// edges. Reads and writes access mip level 0.
 class Texture : public Handle {
  public:
   Texture() = default;
-  /// `layers` 0 makes GL_TEXTURE_2D, 1 and more GL_TEXTURE_2D_ARRAY. Its content is zero.
-  /// `internal_format` is a sized one, e.g. GL_R32F.
-  /// @throws std::runtime_error when memory runs out.
+  /// `layers` 0 makes GL_TEXTURE_2D, 1 or more GL_TEXTURE_2D_ARRAY. Initially zero.
+  /// `internal_format` is a sized format, e.g. GL_R32F.
+  /// @throws std::runtime_error if memory runs out.
   Texture(GLenum internal_format, int32_t width, int32_t height, int32_t layers = 0,
           GLenum filter = GL_NEAREST, int32_t mip_levels = 1);
   Texture(Texture&&) noexcept = default;
@@ -87,7 +87,7 @@ class Texture : public Handle {
   /// Fills every texel with zeros.
   void clear();
   /// Copies one layer (0 for a plain texture) in or out, row 0 first, tightly packed. `format` and
-  /// `type` say how the data lies in memory, e.g. GL_RED and GL_FLOAT.
+  /// `type` describe the data in memory, e.g. GL_RED and GL_FLOAT.
   void write(int32_t layer, GLenum format, GLenum type, const void* data);
   /// The same for the `count` rows from `first` on.
   void write_rows(int32_t layer, int32_t first, int32_t count, GLenum format, GLenum type,
@@ -113,12 +113,12 @@ class BufferTexture : public Handle {
   ~BufferTexture();
 };
 
-/// Where the render pipeline draws: colour textures and an optional depth texture. An array texture
-/// is attached with all its layers, so that a geometry shader chooses one by gl_Layer.
+/// Render targets: colour textures and an optional depth texture. An array texture is attached with
+/// all its layers, so that a geometry shader can select one with gl_Layer.
 class Framebuffer : public Handle {
  public:
   Framebuffer() = default;
-  /// @throws std::runtime_error when the driver refuses the combination.
+  /// @throws std::runtime_error if the driver refuses the combination.
   explicit Framebuffer(const std::vector<const Texture*>& colors, const Texture* depth = nullptr);
   Framebuffer(Framebuffer&&) noexcept = default;
   Framebuffer& operator=(Framebuffer&&) noexcept = default;

@@ -13,7 +13,7 @@ const char* embedded_text(std::string_view name) {
       return shader->text;
     }
   }
-  throw std::runtime_error("no shader file named '" + std::string(name) + "' was built in");
+  throw std::runtime_error("there is no shader file '" + std::string(name) + "'");
 }
 
 /// The file name of an `#include "file"` line, or empty.

@@ -11,11 +11,11 @@
 
 namespace snowbough::gpu {
 
-/// A question to the GPU that is answered when it gets there. GPU thread.
+/// A GL query object. GPU thread.
 class Query : public Handle {
  public:
   Query() = default;
-  /// `target` as glBeginQuery's, or GL_TIMESTAMP.
+  /// `target` as in glBeginQuery, or GL_TIMESTAMP.
   explicit Query(GLenum target);
   Query(Query&&) noexcept = default;
   Query& operator=(Query&&) noexcept = default;
@@ -23,30 +23,29 @@ class Query : public Handle {
 
   /// Whether `result` would return at once.
   bool is_ready() const;
-  /// Waits until the GPU has got there.
+  /// Waits until the GPU has reached the query.
   uint64_t result() const;
 };
 
-/// What a pass took.
+/// Cost of a pass.
 struct PassTime {
   std::string name;
-  /// Seconds between the GPU's own clock before and after the pass.
+  /// Seconds by the GPU's clock from the pass's beginning to its end.
   double gpu_seconds = 0.0;
-  /// Seconds that the processor took to hand it in and, where the timer waits, for its end.
+  /// Seconds that the CPU took to submit it and, if the timer waits, until its end.
   double wall_seconds = 0.0;
-  /// Points, lines or triangles that the pass handed to the rasteriser, those that the tessellator
-  /// made included.
+  /// Points, lines or triangles that reached the rasteriser, including those from tessellation.
   uint64_t primitives = 0;
 };
 
-/// Measures passes with pairs of GL_TIMESTAMP and a GL_PRIMITIVES_GENERATED each. GPU thread. Used
-/// like this:
+/// Measures passes with two GL_TIMESTAMP queries and one GL_PRIMITIVES_GENERATED query each. GPU
+/// thread. Usage:
 ///
 ///   { const auto pass = timer.measure("draw"); program.draw(...); }
 ///   for (const PassTime& pass : timer.take()) ...
 class PassTimer {
  public:
-  /// Ends the pass when it goes.
+  /// Ends the pass in its destructor.
   class Pass {
    public:
     explicit Pass(PassTimer& timer) : timer_(timer) {}
@@ -58,17 +57,17 @@ class PassTimer {
     PassTimer& timer_;
   };
 
-  /// `waits`: waits for the GPU at the end of each pass. A software renderer puts drawing off until
-  /// it must, so only then is a pass's time its own; elsewhere it would keep the GPU idle.
+  /// `waits`: wait for the GPU at the end of each pass. A software renderer postpones drawing, so
+  /// only then are times per pass correct; on a GPU waiting would leave it idle.
   explicit PassTimer(bool waits = false) : waits_(waits) {}
 
-  /// Without being enabled `measure` measures nothing: what is taken would have to be waited for.
+  /// While disabled, `measure` records nothing, so that no results need waiting for.
   void set_enabled(bool enabled) { enabled_ = enabled; }
-  /// Begins a pass. @throws std::logic_error while another is being measured: OpenGL counts
-  /// primitives for one at a time.
+  /// Begins a pass. @throws std::logic_error during another pass: OpenGL counts primitives for one
+  /// at a time.
   [[nodiscard]] Pass measure(std::string name);
-  /// What was measured since the last call, in order. Waits for the GPU.
-  /// @throws std::logic_error while a pass is being measured.
+  /// The measurements since the last call, in order. Waits for the GPU.
+  /// @throws std::logic_error during a pass.
   std::vector<PassTime> take();
 
  private:
@@ -84,7 +83,7 @@ class PassTimer {
 
   void end();
 
-  /// The first `used_` are waiting; the others' queries are kept for later passes.
+  /// The first `used_` hold results to read; the queries of the rest are reused.
   std::vector<Measurement> measurements_;
   size_t used_ = 0;
   bool waits_;

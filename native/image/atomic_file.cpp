@@ -40,7 +40,7 @@ void AtomicFile::write(std::string_view bytes) {
     const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) fail("write", path_, errno);
-    // A full disk may also show as nothing written.
+    // A full disk may also report 0 bytes written.
     if (written == 0) fail("write", path_, ENOSPC);
     bytes.remove_prefix(static_cast<size_t>(written));
   }
@@ -62,7 +62,7 @@ void AtomicFile::publish() {
   if (::fsync(descriptor_) != 0) fail("write", path_, errno);
   const int closed = ::close(descriptor_);
   descriptor_ = -1;
-  // Network file systems report a full disk as late as here.
+  // Network file systems may report a full disk only on close.
   if (closed != 0) fail("write", path_, errno);
   if (std::rename(temporary_.c_str(), path_.c_str()) != 0) fail("write", path_, errno);
   renamed_ = true;

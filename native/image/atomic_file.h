@@ -7,11 +7,12 @@
 
 namespace snowbough::image {
 
-/// Writes a file so that a reader sees either the old one or the whole new one: under a temporary
-/// name in the same folder (`<name>.<process>.<number>.tmp`), flushed to the disk and renamed by
-/// publish(). Without that, and on failure, the temporary is removed and `path` is as it was.
+/// Writes a file so that a reader sees either the old file or the complete new one: under a
+/// temporary name in the same folder (`<name>.<process>.<number>.tmp`), which publish() flushes to
+/// the disk and renames. Without publish(), and on failure, the temporary file is removed and
+/// `path` is unchanged.
 /// @throws std::runtime_error, from all functions, with the path and the system's reason (no such
-///         folder, no permission, no space left).
+/// folder, no permission, no space left).
 class AtomicFile {
  public:
   explicit AtomicFile(const std::string& path);
@@ -21,7 +22,7 @@ class AtomicFile {
 
   /// Appends.
   void write(std::string_view bytes);
-  /// Replaces bytes that are there already.
+  /// Replaces bytes that are already written.
   void overwrite(uint64_t offset, std::string_view bytes);
   void publish();
 
@@ -32,7 +33,7 @@ class AtomicFile {
   bool renamed_ = false;
 };
 
-/// Writes `bytes` as a whole AtomicFile.
+/// Writes `bytes` through an AtomicFile.
 void atomic_write(const std::string& path, std::string_view bytes);
 
 /// The whole file. @throws std::runtime_error with the path and the system's reason.

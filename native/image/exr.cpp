@@ -21,7 +21,7 @@
 namespace snowbough::image {
 namespace {
 
-/// Collects what OpenEXR writes, so that only AtomicFile touches the disk.
+/// Collects OpenEXR's output, so that only AtomicFile writes to the disk.
 class MemoryWriter : public Imf::OStream {
  public:
   MemoryWriter() : Imf::OStream("memory") {}
@@ -110,8 +110,8 @@ Imf::Header make_header(const ExrLayout& layout) {
   return header;
 }
 
-/// Channels of an interleaved array whose row 0 is the file's last scanline: the base points at
-/// that array's last row and the rows run backwards.
+/// Channels of an interleaved array whose row 0 is the file's last scanline: the base points at the
+/// array's last row, with a negative stride.
 template <typename Scalar>
 Imf::FrameBuffer flipped_frame_buffer(const std::vector<std::string>& channels, Imf::PixelType type,
                                       const Scalar* pixels, int32_t width, int32_t height,
@@ -149,7 +149,7 @@ std::string encode(const ExrLayout& layout, const float* pixels) {
   return stream.bytes();
 }
 
-/// The file's first bytes, up to the table of the lines' places.
+/// The file's first bytes, up to the line offset table.
 std::string encode_header(const ExrLayout& layout) {
   const Imf::Header header = make_header(layout);
   constexpr size_t kLongestShortName = 31;
@@ -182,11 +182,11 @@ ExrCompression from_imf(Imf::Compression compression) {
   }
 }
 
-/// What zlib packs at most, the best of the packers here: bytes of pixels a byte of the file.
+/// Best compression ratio of all supported methods (zlib's): pixel bytes per file byte.
 constexpr uint64_t kBestRatio = 1100;
 
-/// Whether the attributes of the header end where the file says: OpenEXR takes memory for what each
-/// says of itself.
+/// Checks that the header's attributes end inside the file: OpenEXR allocates the sizes that they
+/// declare.
 void check_attributes(std::string_view bytes) {
   const auto end_of_text = [&](size_t at) {
     const size_t end = bytes.find('\0', at);
@@ -206,14 +206,14 @@ void check_attributes(std::string_view bytes) {
   }
 }
 
-/// Compares what the header announces with the file's length and kLargestExr.
+/// Compares the declared size with the file's length and kLargestExr.
 void check_size(const std::string& path, const std::string& bytes) {
   MemoryReader stream(path, bytes);
   int32_t start[2];
   stream.read(reinterpret_cast<char*>(start), sizeof start);
-  if (start[0] != Imf::MAGIC) throw std::runtime_error("it is no EXR file");
+  if (start[0] != Imf::MAGIC) throw std::runtime_error("it is not an EXR file");
   if (Imf::isMultiPart(start[1]) || Imf::isNonImage(start[1])) {
-    throw std::runtime_error("files of several parts or with deep pixels are not read");
+    throw std::runtime_error("files with several parts or deep pixels are not supported");
   }
   check_attributes(bytes);
   Imf::Header header;
@@ -223,13 +223,13 @@ void check_size(const std::string& path, const std::string& bytes) {
   const int64_t height = int64_t{window.max.y} - window.min.y + 1;
   if (width < 1 || height < 1 || width > kLargestExr || height > kLargestExr) {
     throw std::runtime_error("it has " + std::to_string(width) + " x " + std::to_string(height) +
-                             " pixels; at most " + std::to_string(kLargestExr) + " x " +
-                             std::to_string(kLargestExr) + " are read");
+                             " pixels; the maximum is " + std::to_string(kLargestExr) + " x " +
+                             std::to_string(kLargestExr));
   }
   if (header.hasTileDescription() &&
       std::max(header.tileDescription().xSize, header.tileDescription().ySize) >
           static_cast<uint32_t>(kLargestExr)) {
-    throw std::runtime_error("its tiles are larger than any image that is read");
+    throw std::runtime_error("its tiles are larger than the maximum image size");
   }
   uint64_t pixel_bytes = 0;
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
@@ -257,7 +257,8 @@ ExrImage decode(const std::string& path, const std::string& bytes) {
   bool all_half = true;
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
     if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1) {
-      throw std::runtime_error(std::string("the channel ") + channel.name() + " is subsampled");
+      throw std::runtime_error(std::string("the channel ") + channel.name() +
+                               " is subsampled, which is not supported");
     }
     all_half = all_half && channel.channel().type == Imf::HALF;
     layout.channels.emplace_back(channel.name());
@@ -286,29 +287,6 @@ void write_exr(const std::string& path, const ExrLayout& layout, const float* pi
   } else {
     atomic_write(path, encode(layout, pixels));
   }
-}
-
-void write_height_exr(const std::string& path, int32_t resolution, const float* height,
-                      const std::map<std::string, std::string>& attributes) {
-  ExrLayout layout;
-  layout.width = layout.height = resolution;
-  layout.channels = {"Y"};
-  layout.attributes = attributes;
-  write_exr(path, layout, height);
-}
-
-void write_normal_exr(const std::string& path, int32_t resolution, const float* normals,
-                      const std::map<std::string, std::string>& attributes) {
-  ExrLayout layout;
-  layout.width = layout.height = resolution;
-  layout.channels = {"R", "G", "B"};
-  layout.type = ExrPixelType::kHalf;
-  layout.compression = ExrCompression::kZip;
-  layout.attributes = attributes;
-  const size_t count = 3 * static_cast<size_t>(resolution) * static_cast<size_t>(resolution);
-  std::vector<float> encoded(count);
-  for (size_t i = 0; i < count; ++i) encoded[i] = 0.5f + 0.5f * normals[i];
-  write_exr(path, layout, encoded.data());
 }
 
 ExrImage read_exr(const std::string& path) {

@@ -9,21 +9,21 @@ namespace snowbough::image {
 
 enum class ExrPixelType : uint8_t { kFloat, kHalf };
 
-/// How pixels are packed. All are read by every Blender version; figures in docs/formats.md.
+/// Compression of the pixels. Every Blender version reads all of them; figures in docs/formats.md.
 enum class ExrCompression : uint8_t { kNone, kRle, kZips, kZip, kPiz };
 
-/// An image without its pixels.
+/// Everything about an image except its pixels.
 struct ExrLayout {
   int32_t width = 0;
   int32_t height = 0;
-  /// Channel names in the order in which a pixel's values are stored in memory ("Y", or "R", "G",
-  /// "B"). In the file they are sorted by name, as the format demands.
+  /// Channel names in the order of a pixel's values in memory ("Y", or "R", "G", "B"). The file
+  /// sorts them by name, as the format requires.
   std::vector<std::string> channels;
   ExrPixelType type = ExrPixelType::kFloat;
-  /// Smoothed heights have noise in their last bits, which zlib packs no better than runs of zeros
-  /// do: kRle is ten times faster at the same size.
+  /// Smoothed heights have noise in their last bits, which zlib packs no better than RLE: kRle is
+  /// ten times faster at the same size.
   ExrCompression compression = ExrCompression::kRle;
-  /// zlib's level for kZip and kZips, 1 to 9; the pixels are the same with each.
+  /// zlib level for kZip and kZips, 1 to 9; lossless at every level.
   int32_t compression_level = 1;
   /// Text attributes of the header, by name.
   std::map<std::string, std::string> attributes;
@@ -36,29 +36,19 @@ struct ExrImage {
 };
 
 /// Writes `pixels` (height x width x channels, row 0 = v 0) as a scanline file, atomically. The
-/// same input gives the same bytes: no dates, and the packing does not depend on threads. kRle uses
-/// no thread but the caller's; OpenEXR, which packs the others, uses its global pool's if there
-/// are.
-/// @throws std::invalid_argument for sizes below 1 or without channels, doubled or empty names, and
-///         attribute names that the format keeps for itself; std::runtime_error as atomic_write.
+/// same input gives the same bytes: no dates, and packing does not depend on threads. kRle runs on
+/// the calling thread; OpenEXR packs the others with its global pool, if there is one.
+/// @throws std::invalid_argument for sizes below 1, missing, repeated or empty channel names, and
+/// attribute names that the format reserves; std::runtime_error as atomic_write.
 void write_exr(const std::string& path, const ExrLayout& layout, const float* pixels);
 
-/// A height map in metres: one float32 channel `Y`, resolution x resolution, row 0 = v 0.
-void write_height_exr(const std::string& path, int32_t resolution, const float* height,
-                      const std::map<std::string, std::string>& attributes = {});
-
-/// Tangent-space normals (resolution x resolution x 3, each -1 to 1): half channels R, G, B encoded
-/// as 0.5 + 0.5 n, which is what Blender's Normal Map node expects.
-void write_normal_exr(const std::string& path, int32_t resolution, const float* normals,
-                      const std::map<std::string, std::string>& attributes = {});
-
-/// Largest edge of an image that is read, in pixels.
+/// Largest edge of an image that read_exr accepts, in pixels.
 constexpr int32_t kLargestExr = 8192;
 
-/// Reads any scanline or tiled single-part EXR file of float or half channels without subsampling;
-/// channels in the file's order (by name).
-/// @throws std::runtime_error with path and reason where it is missing, no EXR file, damaged, wider
-/// or higher than kLargestExr, or of a size that so short a file cannot hold: memory is taken only
+/// Reads a scanline or tiled single-part EXR file of float or half channels without subsampling.
+/// Channels are in the file's order (by name).
+/// @throws std::runtime_error with path and reason if the file is missing, no EXR file, damaged,
+/// wider or higher than kLargestExr, or too short for its size; memory is allocated only
 /// afterwards.
 ExrImage read_exr(const std::string& path);
 

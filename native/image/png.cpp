@@ -6,8 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "image/atomic_file.h"
-
 namespace snowbough::image {
 namespace {
 
@@ -27,7 +25,7 @@ void append_chunk(std::string& file, const char* type, std::string_view data) {
       file, static_cast<uint32_t>(crc32(0, checked, static_cast<uInt>(file.size() - begin))));
 }
 
-/// Rows from the top, each after the filter byte "up": differences to the row above pack well.
+/// Rows from the top, each with the filter type "up": differences to the row above compress well.
 template <typename Sample>
 std::string filtered_rows(int32_t width, int32_t height, int32_t channels, const Sample* samples) {
   const size_t row_samples = static_cast<size_t>(width) * static_cast<size_t>(channels);
@@ -64,8 +62,7 @@ std::string deflate_all(const std::string& data) {
 }
 
 template <typename Sample>
-void write_png(const std::string& path, int32_t width, int32_t height, int32_t channels,
-               const Sample* samples) {
+std::string encode(int32_t width, int32_t height, int32_t channels, const Sample* samples) {
   if (width < 1 || height < 1 || channels < 1 || channels > 4) {
     throw std::invalid_argument("a PNG image needs a width, a height and 1 to 4 channels");
   }
@@ -80,25 +77,23 @@ void write_png(const std::string& path, int32_t width, int32_t height, int32_t c
   std::string file("\x89PNG\r\n\x1a\n", 8);
   append_chunk(file, "IHDR", header);
   const std::string packed = deflate_all(filtered_rows(width, height, channels, samples));
-  // A chunk's length has 31 bits: large images are cut into several.
+  // A chunk's length has 31 bits: large images use several chunks.
   constexpr size_t kChunk = size_t{1} << 30;
   for (size_t begin = 0; begin < packed.size(); begin += kChunk) {
     append_chunk(file, "IDAT", std::string_view(packed).substr(begin, kChunk));
   }
   append_chunk(file, "IEND", {});
-  atomic_write(path, file);
+  return file;
 }
 
 }  // namespace
 
-void write_png8(const std::string& path, int32_t width, int32_t height, int32_t channels,
-                const uint8_t* samples) {
-  write_png(path, width, height, channels, samples);
+std::string encode_png(int32_t width, int32_t height, int32_t channels, const uint8_t* samples) {
+  return encode(width, height, channels, samples);
 }
 
-void write_png16(const std::string& path, int32_t width, int32_t height, int32_t channels,
-                 const uint16_t* samples) {
-  write_png(path, width, height, channels, samples);
+std::string encode_png(int32_t width, int32_t height, int32_t channels, const uint16_t* samples) {
+  return encode(width, height, channels, samples);
 }
 
 }  // namespace snowbough::image

@@ -14,7 +14,7 @@
 namespace snowbough::image {
 namespace {
 
-/// Puts image rows into the order of the file's lines: channel by channel, sorted by name.
+/// Converts image rows to the file's lines: channel by channel, sorted by name.
 class LineMaker {
  public:
   LineMaker(const ExrLayout& layout, const float* pixels)
@@ -30,7 +30,7 @@ class LineMaker {
 
   size_t size() const { return size_; }
 
-  /// Line `y` from the top, which is the image's last row; valid until the next call.
+  /// Line `y` from the top (the image's last row first); valid until the next call.
   const uint8_t* line(int32_t y) {
     const size_t count = static_cast<size_t>(layout_.width) * channel_.size();
     const float* row = pixels_ + count * static_cast<size_t>(layout_.height - 1 - y);
@@ -56,7 +56,7 @@ class LineMaker {
   const float* pixels_;
   std::vector<size_t> channel_;
   size_t size_ = 0;
-  /// Empty where rows are lines as they are: one channel of floats.
+  /// Empty if rows can be used directly: one channel of floats.
   std::vector<uint8_t> line_;
 };
 

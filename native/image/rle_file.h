@@ -7,10 +7,10 @@
 namespace snowbough::image {
 
 /// Writes an OpenEXR file with RLE compression, line by line, with the bytes that OpenEXR would
-/// write. OpenEXR's own writer hands every line to another thread of its pool where the process has
-/// one, as Blender's has, which takes five times as long.
-/// @param header the file's first bytes, up to the table of the lines' places.
-/// @param pixels as write_exr's.
+/// write. OpenEXR's own writer passes every line to a pool thread if the process has a pool, as
+/// Blender has, which takes five times as long.
+/// @param header the file's first bytes, up to the line offset table.
+/// @param pixels as in write_exr.
 /// @throws std::runtime_error as AtomicFile.
 void write_rle_file(const std::string& path, const ExrLayout& layout, std::string header,
                     const float* pixels);

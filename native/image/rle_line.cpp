@@ -29,7 +29,7 @@ void take_differences(const uint8_t* line, size_t size, uint8_t* differences) {
   }
 }
 
-/// How many bytes from `from` on are equal, kLongestRun at most.
+/// Number of equal bytes from `from` on, at most kLongestRun.
 size_t run_length(const uint8_t* from, const uint8_t* end) {
   const size_t most = std::min(static_cast<size_t>(end - from), kLongestRun);
   const uint64_t same = 0x0101010101010101ull * *from;
@@ -43,14 +43,14 @@ size_t run_length(const uint8_t* from, const uint8_t* end) {
   return length;
 }
 
-/// The first byte from `from` on that is followed by two of its kind; `end` without any.
+/// The first byte from `from` on that starts a run of three; `end` if there is none.
 const uint8_t* find_run(const uint8_t* from, const uint8_t* end) {
   constexpr uint64_t kOnes = 0x0101010101010101ull;
   constexpr ptrdiff_t kWindow = sizeof(uint64_t) + kShortestRun - 1;
   for (; end - from >= kWindow; from += sizeof(uint64_t)) {
     const uint64_t next = word_at(from + 1);
     const uint64_t differ = (word_at(from) ^ next) | (next ^ word_at(from + 2));
-    // The lowest of these bits is the first zero byte's.
+    // The lowest set bit belongs to the first zero byte.
     const uint64_t zeros = (differ - kOnes) & ~differ & (kOnes << 7);
     if (zeros != 0) return from + std::countr_zero(zeros) / 8;
   }
@@ -64,7 +64,7 @@ const uint8_t* find_run(const uint8_t* from, const uint8_t* end) {
 
 bool RleLinePacker::pack(const uint8_t* line, size_t size) {
   differences_.resize(size);
-  // What no run shortens grows by a count for every kMostLiterals bytes.
+  // Incompressible data grows by one count per kMostLiterals bytes.
   packed_.resize(size + size / kMostLiterals + 2);
   take_differences(line, size, differences_.data());
 

@@ -7,15 +7,13 @@
 namespace snowbough::image {
 
 /// Packs one line of pixels as OpenEXR's RLE compression does: even bytes first, then odd ones,
-/// each as its difference from the byte before, and of these runs of three and more as a count and
-/// a value. Source of the format: OpenEXR File Layout, openexr.com, and OpenEXR's own writer, whose
-/// bytes these are.
-///
-/// It keeps its working memory, so one packer is for one thread.
+/// each as its difference from the byte before; runs of three or more become a count and a value.
+/// Format: OpenEXR File Layout, openexr.com; the bytes match OpenEXR's own writer.
+/// Keeps its working memory: one packer per thread.
 class RleLinePacker {
  public:
-  /// `line`: `size` bytes, an even number. Returns whether that made it shorter; then packed()
-  /// holds the result, else the format wants the line as it is.
+  /// `line`: `size` bytes, an even number. Returns true if packing made it shorter; packed() then
+  /// holds the result. Otherwise the format stores the line unpacked.
   bool pack(const uint8_t* line, size_t size);
 
   const uint8_t* packed() const { return packed_.data(); }

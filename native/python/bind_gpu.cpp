@@ -16,7 +16,7 @@ namespace py = pybind11;
 namespace snowbough::python {
 namespace {
 
-/// Keeps the process's thread for a device, and with it the context, until it is closed.
+/// Keeps the process's thread for a device, and its context, until closed.
 class HeldGpu {
  public:
   explicit HeldGpu(const std::string& device) {
@@ -66,30 +66,29 @@ void bind_gpu(py::module_& module) {
   using namespace py::literals;
   py::class_<HeldGpu, HeldWithoutGil<HeldGpu>>(
       module, "Gpu",
-      "Holds the context on the GPU that snow runs on: simulations made while one is held share "
-      "it\n"
-      "instead of making their own. Returns while the context is still being made. A context\n"
-      "manager: leaving it lets go.")
+      R"(Holds the GPU context of the simulations: those created meanwhile share it instead of
+creating their own. Returns while the context is still being created. A context manager: leaving it
+releases the context.)")
       .def(py::init<const std::string&>(), "device"_a = "")
       .def_property_readonly(
           "info", &info_dict,
-          "Vendor, renderer, version and limits, as a dict. Raises RuntimeError, saying\n"
-          "what to do, where no OpenGL 4.5 context can be made.")
-      .def("close", &HeldGpu::close, "Lets go of the context, which ends with its last simulation.")
+          R"(Vendor, renderer, version and limits, as a dict. Raises RuntimeError with advice if no
+OpenGL 4.5 context can be created.)")
+      .def("close", &HeldGpu::close, "Releases the context, which ends with its last simulation.")
       .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__", [](HeldGpu& self, const py::args&) { self.close(); });
 
   module.def(
       "gpu_info", [](const std::string& device) { return info_dict(HeldGpu(device)); },
       "device"_a = "",
-      "Vendor, renderer, version and limits of the GPU that snow runs on, as a dict. Raises what\n"
-      "Gpu.info raises.");
+      R"(Vendor, renderer, version and limits of the simulations' GPU, as a dict. Raises as
+Gpu.info.)");
 
-  module.def("shader_source", &gpu::shader_source, "name"_a,
-             "defines"_a = std::vector<std::string>{},
-             "A shader's source as the GL compiler takes it: its #version, a #define for each of\n"
-             "defines ('NAME' or 'NAME value'), and its text with all includes in place. Needs no\n"
-             "GPU. Raises RuntimeError naming a file that is not built in.");
+  module.def(
+      "shader_source", &gpu::shader_source, "name"_a, "defines"_a = std::vector<std::string>{},
+      R"(A shader's source for the GL compiler: its #version, a #define for each of defines ('NAME'
+or 'NAME value'), and its text with all includes inserted. Needs no GPU. Raises RuntimeError naming
+a file that does not exist.)");
 }
 
 }  // namespace snowbough::python

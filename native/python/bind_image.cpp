@@ -1,6 +1,7 @@
 #include <pybind11/stl.h>
 
 #include "bindings.h"
+#include "image/atomic_file.h"
 #include "image/exr.h"
 #include "image/png.h"
 #include "numpy_arrays.h"
@@ -34,7 +35,7 @@ std::vector<std::string> default_channels(int32_t count) {
       return {"R", "G", "B", "A"};
     default:
       throw std::invalid_argument("name the channels of an image with " + std::to_string(count) +
-                                  " values a pixel");
+                                  " values per pixel");
   }
 }
 
@@ -58,7 +59,7 @@ void write_exr(const std::string& path, const InputArray<float>& pixels,
   layout.height = shape.height;
   layout.channels = channels.empty() ? default_channels(shape.channels) : channels;
   if (layout.channels.size() != static_cast<size_t>(shape.channels)) {
-    throw std::invalid_argument("as many channel names as values a pixel are needed");
+    throw std::invalid_argument("give one channel name per value of a pixel");
   }
   layout.type = half ? image::ExrPixelType::kHalf : image::ExrPixelType::kFloat;
   layout.compression = compression_named(compression);
@@ -84,21 +85,23 @@ py::tuple read_exr(const std::string& path) {
   return py::make_tuple(to_numpy<float>(std::move(image.pixels), std::move(shape)), header);
 }
 
-void write_png(const std::string& path, const py::array& pixels) {
+template <typename Sample>
+std::string encode_samples(const py::array& pixels) {
   const PixelShape shape = pixel_shape(pixels);
-  if (py::isinstance<py::array_t<uint8_t>>(pixels)) {
-    const auto samples = InputArray<uint8_t>::ensure(pixels);
-    const uint8_t* data = samples.data();
-    ReleasedGil unlocked;
-    image::write_png8(path, shape.width, shape.height, shape.channels, data);
-  } else if (py::isinstance<py::array_t<uint16_t>>(pixels)) {
-    const auto samples = InputArray<uint16_t>::ensure(pixels);
-    const uint16_t* data = samples.data();
-    ReleasedGil unlocked;
-    image::write_png16(path, shape.width, shape.height, shape.channels, data);
-  } else {
-    throw std::invalid_argument("a PNG image needs an array of uint8 or uint16");
-  }
+  const auto samples = InputArray<Sample>::ensure(pixels);
+  const Sample* data = samples.data();
+  ReleasedGil unlocked;
+  return image::encode_png(shape.width, shape.height, shape.channels, data);
+}
+
+std::string encoded_png(const py::array& pixels) {
+  if (py::isinstance<py::array_t<uint8_t>>(pixels)) return encode_samples<uint8_t>(pixels);
+  if (py::isinstance<py::array_t<uint16_t>>(pixels)) return encode_samples<uint16_t>(pixels);
+  throw std::invalid_argument("a PNG image needs an array of uint8 or uint16");
+}
+
+void write_png(const std::string& path, const py::array& pixels) {
+  image::atomic_write(path, encoded_png(pixels));
 }
 
 }  // namespace
@@ -108,13 +111,17 @@ void bind_image(py::module_& module) {
       "write_exr", &write_exr, py::arg("path"), py::arg("pixels"),
       py::arg("channels") = std::vector<std::string>{}, py::arg("half") = false,
       py::arg("attributes") = std::map<std::string, std::string>{}, py::arg("compression") = "RLE",
-      "Writes (H, W) or (H, W, channels) float pixels, row 0 = v 0, as an EXR file: whole or "
-      "not at all, the same bytes for the same input. Channels default to Y, RGB or RGBA. "
-      "ValueError for wrong shapes, RuntimeError with path and reason when the disk refuses.");
+      R"(Writes float pixels (H, W) or (H, W, channels), row 0 = v 0, as an EXR file, atomically.
+The same input gives the same bytes. Channels default to Y, RGB or RGBA. Raises ValueError for
+wrong shapes, RuntimeError with path and reason if the file cannot be written.)");
   module.def(
       "read_exr", &read_exr, py::arg("path"),
-      "Returns (pixels, header): float32 (H, W) or (H, W, channels), row 0 = v 0, and a dict "
-      "with channels, half, attributes (the header's text attributes).");
+      R"(Returns (pixels, header): float32 (H, W) or (H, W, channels), row 0 = v 0, and a dict with
+channels, half, attributes (the header's text attributes).)");
+  module.def(
+      "encode_png", [](const py::array& pixels) { return py::bytes(encoded_png(pixels)); },
+      py::arg("pixels"),
+      "The bytes of a PNG file with (H, W) or (H, W, 1 to 4) uint8 or uint16 samples.");
   module.def("write_png", &write_png, py::arg("path"), py::arg("pixels"),
              "Writes (H, W) or (H, W, 1 to 4) uint8 or uint16 samples, row 0 at the bottom.");
 }

@@ -40,7 +40,7 @@ Simplify simplify_from(const std::string& name) {
   throw std::invalid_argument("simplify must be NONE, THESIS or TOLERANCE, not '" + name + "'");
 }
 
-/// foliage: a bool, "AUTO" (keep it), "NONE" (leave it out), or the names that are foliage.
+/// foliage: a bool, "AUTO" (keep it), "NONE" (leave it out), or the name prefixes of foliage.
 void set_foliage(const py::object& foliage, ReadTreeOptions& options) {
   if (py::isinstance<py::bool_>(foliage)) {
     options.foliage = foliage.cast<bool>();
@@ -48,7 +48,7 @@ void set_foliage(const py::object& foliage, ReadTreeOptions& options) {
   }
   if (!py::isinstance<py::str>(foliage)) {
     throw std::invalid_argument(
-        "foliage must be True, False, 'AUTO', 'NONE' or names separated by commas");
+        "foliage must be True, False, 'AUTO', 'NONE' or name prefixes separated by commas");
   }
   const auto text = foliage.cast<std::string>();
   options.foliage = text != "NONE";
@@ -149,7 +149,7 @@ py::ssize_t count_of(const auto& values) {
   return static_cast<py::ssize_t>(values.size());
 }
 
-/// A read-only (N,) or (N, Columns) view of a member vector, kept alive by the object that has it.
+/// A read-only (N,) or (N, Columns) view of a member vector, kept alive by its object.
 template <typename Class, typename Scalar, int Columns, typename Element>
 auto array_view(std::vector<Element> Class::*member) {
   return [member](const py::object& self) {
@@ -176,39 +176,39 @@ void bind_skeleton(py::module_& module) {
   py::class_<Branch>(module, "Branch", "One limb from its root to its tip; metres, Z up.")
       .def_readonly("name", &Branch::name)
       .def_readonly("level", &Branch::level, "0 is the trunk.")
-      .def_readonly("parent", &Branch::parent, "Index of the branch it grows from, -1 for a root.")
+      .def_readonly("parent", &Branch::parent, "Index of the parent branch, -1 for a root.")
       .def_property_readonly(
           "attach_point", [](const Branch& branch) { return point_array(branch.attach_point); },
-          "(3,): where on the parent's centreline it sits.")
+          "(3,): attach point on the parent's centreline.")
       .def_property_readonly("points", array_view<Branch, float, 3>(&Branch::points),
                              "(N, 3): centres of the rings, root to tip.")
       .def_property_readonly("radii", array_view<Branch, float, 1>(&Branch::radii), "(N,)")
       .def_property_readonly("areas", array_view<Branch, float, 1>(&Branch::areas), "(N,) in m2.");
 
-  py::class_<MaterialTexture>(module, "MaterialTexture", "A texture that a material names.")
+  py::class_<MaterialTexture>(module, "MaterialTexture", "A texture of a material.")
       .def_property_readonly(
           "path",
           [](const MaterialTexture& texture) {
-            // A file's name may be no UTF-8.
+            // A file name may not be valid UTF-8.
             return py::module_::import("os").attr("fsdecode")(py::bytes(texture.path));
           },
           "Absolute path of an existing file, or empty.")
       .def_property_readonly(
           "scale", [](const MaterialTexture& texture) { return pair_of(texture.scale); },
-          "(u, v): the texture is looked up at uv * scale + offset.")
+          "(u, v): the texture is sampled at uv * scale + offset.")
       .def_property_readonly(
           "offset", [](const MaterialTexture& texture) { return pair_of(texture.offset); });
 
   py::class_<ObjMaterial>(module, "ObjMaterial", "A material of the export's MTL file.")
       .def_readonly("name", &ObjMaterial::name)
-      .def_readonly("defined", &ObjMaterial::defined, "A library describes it.")
+      .def_readonly("defined", &ObjMaterial::defined, "Whether a library defines it.")
       .def_property_readonly(
           "diffuse", [](const ObjMaterial& material) { return point_array(material.diffuse); })
       .def_readonly("opacity", &ObjMaterial::opacity)
       .def_property_readonly(
           "transmission",
           [](const ObjMaterial& material) { return point_array(material.transmission); },
-          "Tf: colour of the light that passes through; white where nothing is said.")
+          "Tf: colour of the transmitted light; white by default.")
       .def_readonly("bump_strength", &ObjMaterial::bump_strength)
       .def_readonly("diffuse_texture", &ObjMaterial::diffuse_texture)
       .def_readonly("alpha_texture", &ObjMaterial::alpha_texture)
@@ -216,7 +216,7 @@ void bind_skeleton(py::module_& module) {
       .def_readonly("bump_texture", &ObjMaterial::bump_texture)
       .def_readonly("normal_texture", &ObjMaterial::normal_texture);
 
-  py::class_<Foliage>(module, "Foliage", "Leaves, needles and flowers as they stand in the file.")
+  py::class_<Foliage>(module, "Foliage", "Leaves, needles and flowers as in the file.")
       .def_property_readonly("vertices", array_view<Foliage, float, 3>(&Foliage::vertices),
                              "(V, 3)")
       .def_property_readonly("face_begin", array_view<Foliage, int32_t, 1>(&Foliage::face_begin),
@@ -258,8 +258,8 @@ void bind_skeleton(py::module_& module) {
             const glm::dvec3& at = skeleton.origin;
             return py::make_tuple(at.x, at.y, at.z);
           },
-          "(x, y, z): where the origin of all points lies in the file's space, metres, Z up; not 0 "
-          "for trees far from the file's origin.")
+          R"((x, y, z): origin of all points in the file's space, metres, Z up; not 0 for trees far
+from the file's origin.)")
       .def_readonly("foliage", &Skeleton::foliage)
       .def_property_readonly(
           "wood_materials",
@@ -267,25 +267,32 @@ void bind_skeleton(py::module_& module) {
           "Materials of the wood's own polygons: see original_uvs.")
       .def_static(
           "from_branches", &skeleton_from_branches, py::arg("branches"),
-          "A skeleton from dicts with name, level, parent (index or -1), attach_point (3,), "
-          "points (N, 3), radii (N,) and areas (N,); metres, Z up, parents before children. "
-          "Raises ValueError for anything else.");
+          R"(A skeleton from dicts with name, level, parent (index or -1), attach_point (3,),
+points (N, 3), radii (N,) and areas (N,); metres, Z up, parents before children. Raises ValueError
+for anything else.)");
 
-  module.def(
-      "read_tree", &read_tree, py::arg("path"), py::arg("up_axis") = "AUTO", py::arg("levels") = "",
-      py::arg("simplify") = "NONE", py::arg("tolerance") = 0.5f, py::arg("foliage") = "AUTO",
-      py::arg("unit") = 1.0, py::arg("height") = 0.0, py::arg("progress") = py::none(),
-      py::arg("outside_files") = false,
-      "Reads a tree from a Wavefront OBJ file and finds its skeleton; Z up, metres.\n\n"
-      "foliage: 'AUTO' or True keeps leaves, 'NONE' or False leaves them out; any other string "
-      "names what is foliage, separated by commas: parts whose group, object or material starts "
-      "with one of the names, and no others.\n\n"
-      "unit: metres that one unit of the file is; height: metres that the wood shall be high "
-      "instead, 0 = as unit says.\n\n"
-      "outside_files: whether libraries and textures are read that lie neither below the file's "
-      "folder nor below the folder above it.\n\n"
-      "progress(share) is called now and then; a return of False (not None) cancels with "
-      "KeyboardInterrupt. Raises ValueError with file and line for malformed input.");
+  module.def("read_tree", &read_tree, py::arg("path"), py::arg("up_axis") = "AUTO",
+             py::arg("levels") = "", py::arg("simplify") = "NONE", py::arg("tolerance") = 0.5f,
+             py::arg("foliage") = "AUTO", py::arg("unit") = 1.0, py::arg("height") = 0.0,
+             py::arg("progress") = py::none(), py::arg("outside_files") = false,
+             R"(Reads a tree from a Wavefront OBJ file and finds its skeleton; Z up, metres.
+
+levels: level names from the trunk on, separated by commas; '' derives them from the group names.
+
+simplify: 'NONE', 'THESIS' or 'TOLERANCE'; tolerance: for TOLERANCE, in local radii.
+
+foliage: 'AUTO' or True keeps leaves, 'NONE' or False leaves them out; any other string lists name
+prefixes, separated by commas: exactly the parts whose group, object or material starts with one
+of them are foliage.
+
+unit: length of one unit of the file in metres; height: height of the wood in metres, 0 keeps the
+height that unit gives.
+
+outside_files: whether to read material libraries and textures outside the file's folder and its
+parent folder.
+
+progress(share) is called regularly; returning False (not None) cancels with KeyboardInterrupt.
+Raises ValueError with file and line for malformed input.)");
 }
 
 }  // namespace snowbough::python

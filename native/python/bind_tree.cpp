@@ -70,8 +70,8 @@ void bind_mesh_class(py::module_& module) {
   };
   py::class_<BoundMesh>(
       module, "TreeMesh",
-      "One closed, rigged, unwrapped surface around a skeleton. Arrays are read-only "
-      "views. Metres, Z up.")
+      R"(One closed, rigged, unwrapped surface around a skeleton. Arrays are read-only views.
+Metres, Z up.)")
       .def_property_readonly("vertices", view(SNOWBOUGH_FIELD(vertices), float{}, {3}))
       .def_property_readonly("quads", view(SNOWBOUGH_FIELD(quads), int32_t{}, {4}))
       .def_property_readonly("uv_bark", view(SNOWBOUGH_FIELD(uv_bark), float{}, {4, 2}))
@@ -98,7 +98,7 @@ void bind_mesh_class(py::module_& module) {
             }
             return view_numpy<int32_t>(map, {size(map.size())}, self);
           },
-          "After reduce_bones: per old bone the new one that does its work; else None.")
+          "After reduce_bones: per old bone the new bone that replaces it; else None.")
       .def_property_readonly("continues_parent",
                              view(SNOWBOUGH_FIELD(continues_parent), uint8_t{}, {}))
       .def_property_readonly("branch_rows", view(SNOWBOUGH_FIELD(branch_rows), int32_t{}, {}))
@@ -117,7 +117,8 @@ void bind_mesh_class(py::module_& module) {
             dict["crossing_junctions"] = m.report.crossing_junctions;
             return dict;
           },
-          "What check_mesh finds on the four-sided base of this mesh.");
+          R"(The result of check_mesh for the four-sided base of this mesh, with junctions and
+crossing_junctions.)");
 #undef SNOWBOUGH_FIELD
 }
 
@@ -157,14 +158,13 @@ void bind_mesh_functions(py::module_& module) {
       py::arg("lod") = 0, py::arg("close_root") = true, py::arg("close_tips") = true,
       py::arg("snow_resolution") = 1024, py::arg("max_influences") = 4, py::arg("threads") = 0,
       py::arg("progress") = py::none(), py::arg("detail") = py::none(),
-      "Rebuilds a tree as one continuous, rigged, weighted and unwrapped quad mesh.\n\n"
-      "width: ORIGINAL or INVERSE; species: BROADLEAF or EVERGREEN; lod: 0 (four-sided) to 4;\n"
-      "detail: DRAFT, GAME, DEFAULT or FILM instead of lod: sides by thickness, limbs that curve,\n"
-      "forks with fillets; None = lod.\n"
-      "threads: 0 = one a core; the mesh does not depend on them.\n"
-      "progress(share) is called now and then; a return of False (not None) cancels with\n"
-      "KeyboardInterrupt.\n"
-      "Raises ValueError for options out of range.");
+      R"(Rebuilds a tree as one continuous, rigged, weighted and unwrapped quad mesh.
+
+width: ORIGINAL or INVERSE; species: BROADLEAF or EVERGREEN; lod: 0 (four-sided) to 4; detail:
+DRAFT, GAME, DEFAULT or FILM instead of lod: sides by thickness, curved limbs, forks with fillets;
+None: lod. threads: 0 = one per core; does not change the mesh. progress(share) is called
+regularly; returning False (not None) cancels with KeyboardInterrupt. Raises ValueError for
+options out of range.)");
 
   module.def(
       "reduce_bones",
@@ -179,9 +179,8 @@ void bind_mesh_functions(py::module_& module) {
       },
       py::arg("mesh"), py::arg("max_bones") = BoneBudget{}.max_bones,
       py::arg("max_bone_level") = BoneBudget{}.max_bone_level,
-      "A copy of the mesh without its deepest bones (0 and -1: no limit); their weights go to the "
-      "nearest\n"
-      "kept ancestor. Its bone_map says for each old bone which one that is.");
+      R"(A copy of the mesh without its deepest bones (0 and -1: no limit); the nearest kept
+ancestors receive their weights. Its bone_map holds the new bone of each old one.)");
 
   module.def(
       "leaf_bones",
@@ -195,7 +194,7 @@ void bind_mesh_functions(py::module_& module) {
         return to_numpy<int32_t>(std::move(bones), {count});
       },
       py::arg("skeleton"), py::arg("mesh"),
-      "(L,) per leaf of skeleton.foliage: the bone of its branch nearest to where it hangs.");
+      "(L,) per leaf of skeleton.foliage: the bone of its branch nearest to its attach point.");
 
   module.def(
       "original_uvs",
@@ -210,12 +209,10 @@ void bind_mesh_functions(py::module_& module) {
       },
       py::arg("skeleton"), py::arg("mesh"), py::arg("threads") = 0,
       py::arg("progress") = py::none(),
-      "(uv (F, 4, 2) or None, material (F,)): the export's own texture coordinates and materials "
-      "on a\n"
-      "mesh that was built from `skeleton`, looked up on each branch's own polygons. Faces of "
-      "pieces\n"
-      "without coordinates have those of uv_bark; None: no piece has any. material: index into\n"
-      "skeleton.wood_materials, -1 = none.");
+      R"((uv (F, 4, 2) or None, material (F,)): the export's own texture coordinates and materials
+for a mesh that was built from `skeleton`, looked up on each branch's own polygons. Faces of pieces
+without coordinates have those of uv_bark; None: no piece has any. material: index into
+skeleton.wood_materials, -1 = none.)");
 
   module.def(
       "crossing_quads",
@@ -238,7 +235,7 @@ void bind_mesh_functions(py::module_& module) {
         return to_numpy<int32_t>(std::move(pairs), {count, 2});
       },
       py::arg("vertices"), py::arg("quads"),
-      "(K, 2) the pairs of quads that cross each other. Exact; for measuring, not for speed.");
+      "(K, 2) the pairs of intersecting quads. Exact; for measurements, not fast.");
 
   module.def(
       "check_mesh",
@@ -253,9 +250,9 @@ void bind_mesh_functions(py::module_& module) {
         return check_dict(check);
       },
       py::arg("vertices"), py::arg("quads"),
-      "What is right and wrong with a quad mesh: components, euler (one number a component),\n"
-      "boundary_edges, nonmanifold_edges, nonmanifold_faces, flipped_edges, zero_area_faces,\n"
-      "unused_vertices, winding_ok, closed, volume.");
+      R"(Checks a quad mesh: components, euler (one number per component), boundary_edges,
+nonmanifold_edges, nonmanifold_faces, flipped_edges, zero_area_faces, unused_vertices, winding_ok,
+closed, volume.)");
 }
 
 }  // namespace

@@ -93,30 +93,31 @@ py::dict measure_uv_layout(const InputArray<float>& uv, const InputArray<float>&
 }  // namespace
 
 void bind_tree_uvs(py::module_& module) {
-  module.def(
-      "leaf_uvs", &leaf_uvs, py::arg("skeleton"), py::arg("resolution"),
-      "(C, 2) float32: the foliage's `snow` UV map, one coordinate per corner of "
-      "skeleton.foliage.corner_vertex, unique and without overlap.\n\n"
-      "Where `resolution` squared texels do not suffice for all leaves, the layout is for the "
-      "smallest power of two that does, and a UserWarning says which.");
+  module.def("leaf_uvs", &leaf_uvs, py::arg("skeleton"), py::arg("resolution"),
+             R"((C, 2) float32: the foliage's `snow` UV map, one coordinate per corner of
+skeleton.foliage.corner_vertex, without overlap.
+
+If the leaves do not fit a map of `resolution` squared texels, the layout is made for the smallest
+power of two at which they do, and a UserWarning names it.)");
   module.def(
       "layout_leaf_uvs", &layout_leaf_uvs, py::arg("skeleton"), py::arg("resolution"),
       py::arg("progress") = py::none(),
-      "As leaf_uvs, as a dict: uv (C, 2); resolution it was made for (larger than asked where "
-      "that did not suffice); chart_count; scale in texels a metre. No warning is raised.\n\n"
-      "progress(share) is called now and then; a return of False (not None) cancels with "
-      "KeyboardInterrupt.");
+      R"(As leaf_uvs, as a dict: uv (C, 2); resolution of the layout (larger than requested if the
+leaves do not fit); chart_count; scale in texels per metre. Raises no warning.
+
+progress(share) is called regularly; returning False (not None) cancels with KeyboardInterrupt.)");
   module.def(
       "measure_uv_layout", &measure_uv_layout, py::arg("uv"), py::arg("vertices"), py::arg("faces"),
       py::arg("resolution"),
-      "How good a unique UV layout is on a map of `resolution` squared texels, by exact "
-      "clipping of every face against every texel.\n\n"
-      "uv (F, N, 2), vertices (V, 3) in metres, faces (F, N), N = 3 or 4. Returns a dict: "
-      "chart_count, fill (covered share of the map), overlap_texels (touched by two charts or "
-      "covered twice), narrow_gutter_texels (another chart in the next texel), "
-      "narrow_wide_gutter_texels (of charts wider than four texels: another within two), "
-      "outside_faces, min_face_area (texels, signed), min_chart_extent, min_chart_mean_width "
-      "(texels), density_p5, density_p50, density_p95 (texels per m2, weighted by area).");
+      R"(Quality of a unique UV layout on a map of `resolution` squared texels, by exact clipping
+of every face against every texel.
+
+uv (F, N, 2), vertices (V, 3) in metres, faces (F, N), N = 3 or 4. Returns a dict: chart_count,
+fill (covered fraction of the map), overlap_texels (touched by two charts or covered twice),
+narrow_gutter_texels (another chart in the next texel), narrow_wide_gutter_texels (of charts wider
+than four texels: another within two), outside_faces, min_face_area (texels, signed),
+min_chart_extent, min_chart_mean_width (texels), density_p5, density_p50, density_p95 (texels per
+m2, weighted by area).)");
 }
 
 }  // namespace snowbough::python

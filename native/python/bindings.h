@@ -9,7 +9,8 @@
 
 namespace snowbough::python {
 
-/// Deletes what waits for the GPU thread, without the GIL. A forked process leaves it where it is.
+/// Deletes an object whose destructor waits for the GPU thread, without the GIL. In a forked
+/// process the object leaks, since the thread does not exist there.
 struct ReleaseGil {
   base::ProcessMark made_in;
 
@@ -20,11 +21,11 @@ struct ReleaseGil {
     delete owner;
   }
 };
-/// Holds what Python drops last.
+/// Owner of such an object, for Python classes.
 template <typename Owner>
 using HeldWithoutGil = std::unique_ptr<Owner, ReleaseGil>;
 
-/// What `work` returns, which runs without the GIL and so touches nothing of Python's.
+/// Calls `work` without the GIL and returns its result; `work` must not use Python objects.
 template <typename Work>
 auto without_gil(Work&& work) {
   const ReleasedGil release;
@@ -49,7 +50,7 @@ void bind_snow_state(pybind11::module_& module);
 void bind_surface(pybind11::module_& module);
 /// Renderer, Camera, RenderSettings.
 void bind_render(pybind11::module_& module);
-/// read_exr, write_exr, write_png.
+/// read_exr, write_exr, encode_png, write_png.
 void bind_image(pybind11::module_& module);
 /// texel_table, output_map.
 void bind_maps(pybind11::module_& module);

@@ -7,7 +7,7 @@
 
 namespace snowbough::python {
 
-/// A mesh as Python sees it: the arrays, and what building it had to say.
+/// A mesh as Python sees it: the arrays and the build report.
 struct BoundMesh {
   tree::TreeMesh mesh;
   tree::BuildReport report;

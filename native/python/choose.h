@@ -7,7 +7,7 @@
 
 namespace snowbough::python {
 
-/// The choice that an option's value names. @throws std::invalid_argument listing the names.
+/// The choice with the name `value`. @throws std::invalid_argument listing the names.
 template <typename Choice>
 Choice choose(const std::string& option, const std::string& value,
               std::initializer_list<std::pair<const char*, Choice>> choices) {

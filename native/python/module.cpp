@@ -7,11 +7,12 @@ namespace {
 
 [[noreturn]] void* refuse_unmade(size_t) {
   throw pybind11::type_error(
-      "the object was never made: call its class, not __new__; it cannot be copied or pickled");
+      R"(this object was not initialised: call its class, not __new__; it cannot be copied or
+pickled)");
 }
 
-/// Lets every class of the module refuse objects that come from `__new__` alone, as `copy` makes
-/// them: pybind11 would hand out memory that no constructor has seen.
+/// Makes every class of the module refuse objects created by `__new__` alone, as `copy` does:
+/// pybind11 would use uninitialised memory.
 void refuse_unmade_objects(const pybind11::module_& module) {
   for (const auto& [name, member] : module.attr("__dict__").cast<pybind11::dict>()) {
     if (!PyType_Check(member.ptr())) continue;
@@ -22,13 +23,13 @@ void refuse_unmade_objects(const pybind11::module_& module) {
 
 }  // namespace
 
-// The table of contents: one bind function a topic.
+// One bind function per topic.
 PYBIND11_MODULE(snowbough_native, module) {
-  module.doc() = "Snowbough's native core: trees from OBJ, and snow that stays where it fell.";
+  module.doc() =
+      R"(Snowbough's native core: trees from OBJ files, and snow that accumulates on moving objects.)";
   module.attr("__version__") = SNOWBOUGH_VERSION;
-  // pybind11 looks NumPy up when the first array is made and lets other threads run meanwhile: one
-  // that made its first array as well would wait for the first thread, and that one for its turn,
-  // for ever.
+  // pybind11 imports NumPy when the first array is created and releases the GIL meanwhile: a second
+  // thread that also creates its first array would deadlock with it.
   pybind11::dtype::of<float>();
   snowbough::python::bind_skeleton(module);
   snowbough::python::bind_tree(module);

@@ -16,7 +16,7 @@ namespace snowbough::python {
 template <typename Scalar>
 using InputArray = pybind11::array_t<Scalar, pybind11::array::c_style | pybind11::array::forcecast>;
 
-/// A numpy array of `shape` over `data`, which lives as long as `owner`: the array keeps that.
+/// A numpy array of `shape` over `data`; the array keeps `owner` alive.
 template <typename Scalar, typename Owner>
 pybind11::array_t<Scalar> owned_numpy(std::unique_ptr<Owner> owner, Scalar* data,
                                       std::vector<pybind11::ssize_t> shape) {
@@ -24,8 +24,8 @@ pybind11::array_t<Scalar> owned_numpy(std::unique_ptr<Owner> owner, Scalar* data
   return pybind11::array_t<Scalar>(std::move(shape), data, std::move(capsule));
 }
 
-/// Moves a vector into a numpy array of `shape` without copying.
-/// `Scalar` is the element type seen from Python; Element may be a packed struct of Scalars.
+/// Moves a vector into a numpy array of `shape` without copying. `Scalar` is the element type in
+/// Python; Element may be a packed struct of Scalars.
 template <typename Scalar, typename Element>
 pybind11::array_t<Scalar> to_numpy(std::vector<Element>&& values,
                                    std::vector<pybind11::ssize_t> shape) {
@@ -47,11 +47,11 @@ pybind11::array_t<Scalar> view_numpy(const std::vector<Element>& values,
   return view;
 }
 
-/// Largest coordinate that is accepted, in metres: products of four still fit into a float.
+/// Largest accepted coordinate, in metres: the product of four still fits a float.
 constexpr double kFarthest = 1e9;
 
 /// @throws std::invalid_argument naming `what` and the first row that holds NaN, infinity or a
-/// number beyond kFarthest. Other types than floats pass.
+/// number beyond kFarthest. Does not check integer types.
 template <typename Scalar>
 void require_finite(const InputArray<Scalar>& array, const std::string& what) {
   if constexpr (std::is_floating_point_v<Scalar>) {
@@ -67,7 +67,7 @@ void require_finite(const InputArray<Scalar>& array, const std::string& what) {
 }
 
 /// Copies an (N, Columns) array into packed structs. @throws std::invalid_argument naming `what`,
-/// also for numbers that require_finite refuses.
+/// also as require_finite.
 template <typename Element, typename Scalar, int Columns>
 std::vector<Element> rows_from_numpy(const InputArray<Scalar>& array, const std::string& what) {
   static_assert(sizeof(Element) == sizeof(Scalar) * Columns);

@@ -14,7 +14,7 @@ namespace snowbough::python {
 namespace py = pybind11;
 
 /// Calls Python's progress(share) with the GIL; a false return or a pending Ctrl-C stops the work.
-/// What Python raised is kept and raised again once the C++ work has unwound.
+/// A Python exception is kept and raised again once the C++ work has unwound.
 class PythonProgress {
  public:
   explicit PythonProgress(py::object callback) : callback_(std::move(callback)) {}
@@ -36,7 +36,7 @@ class PythonProgress {
     }
   }
 
-  /// To be called with the GIL when the work ended with Cancelled.
+  /// Call with the GIL when the work ended with Cancelled.
   [[noreturn]] void raise() {
     if (raised_) throw py::error_already_set(*raised_);
     PyErr_SetString(PyExc_KeyboardInterrupt, "cancelled");
@@ -48,8 +48,8 @@ class PythonProgress {
   std::unique_ptr<py::error_already_set> raised_;
 };
 
-/// Runs work(tree::Progress) without the GIL and returns what it returns. Between its steps it asks
-/// Python's progress(share), or only whether Ctrl-C was pressed where that is None.
+/// Runs work(tree::Progress) without the GIL and returns its result. Between steps it calls
+/// Python's progress(share), or only checks for Ctrl-C if that is None.
 template <typename Work>
 auto run_cancellable(const py::object& callback, const Work& work) {
   PythonProgress progress(callback);
@@ -60,7 +60,7 @@ auto run_cancellable(const py::object& callback, const Work& work) {
     try {
       result.emplace(work(asked));
     } catch (const base::Cancelled&) {
-      // Told below, with the GIL.
+      // Raised below, with the GIL.
     }
   }
   if (!result) progress.raise();

@@ -7,9 +7,9 @@
 
 namespace snowbough::python {
 
-/// Calls `take`, which takes Python's lock. While Python ends, a daemon thread that does so is
-/// ended by unwinding its stack, which C++ does not survive where others wait for its work: it
-/// stops here instead, until the process is gone.
+/// Calls `take`, which acquires the GIL. While Python shuts down, a daemon thread that acquires it
+/// is ended by unwinding its stack, which crashes C++ code whose work other threads wait for. Such
+/// a thread stops here instead until the process ends.
 template <typename Take>
 void take_gil(const Take& take) {
   struct StopWhenUnwound {
@@ -22,7 +22,7 @@ void take_gil(const Take& take) {
   guard.has_gil = true;
 }
 
-/// Lets other threads of Python's run while it lives, as pybind11's own guard does.
+/// Releases the GIL while it lives, as pybind11's own guard does.
 class ReleasedGil {
  public:
   ReleasedGil() : state_(PyEval_SaveThread()) {}

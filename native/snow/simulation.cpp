@@ -43,7 +43,7 @@ void check_settings(const SimulationSettings& s) {
 glm::dvec3 unit_fall(const glm::dvec3& direction) {
   const double length = glm::length(direction);
   if (!std::isfinite(length) || length < 1e-12) {
-    refuse("direction must be a vector of some length");
+    refuse("direction must not be zero");
   }
   const glm::dvec3 unit = direction / length;
   if (unit.z >= 0.0) {
@@ -58,7 +58,7 @@ SnowSimulation::SnowSimulation(const SimulationSettings& settings) : settings_(s
   check_settings(settings);
   base::start_thread_pool();
   choice_ = std::make_unique<EngineChoice>(
-      EngineChoice::Wish{settings.engine, settings.mapping, settings.device});
+      EngineRequest{settings.engine, settings.mapping, settings.device});
   if (settings.wait_for_gpu) choice_->engine();
 }
 
@@ -138,7 +138,7 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
   frame.repose.cohesion = settings_.cohesion;
   frame.dt = dt;
   frame.tile_size = settings_.tile_size;
-  take_positions(positions);
+  set_positions(positions);
   try {
     step_on(engine(), frame);
   } catch (const std::runtime_error& error) {
@@ -222,7 +222,8 @@ std::vector<float> SnowSimulation::texel_area(const std::string& name) {
   require_open();
   const SceneObject& object = *find_receiver(name);
   if (object.positions.empty()) {
-    refuse("object '" + name + "' has no positions yet: texel_area is known after its first step");
+    refuse("object '" + name +
+           "' has no positions yet: texel_area is available after its first step");
   }
   const TexelTable& table = object.table;
   const std::vector<float> owned =
@@ -326,7 +327,7 @@ void SnowSimulation::check_map(const std::string& name, int32_t resolution) cons
   const int32_t own = find_receiver(name)->description.topology.resolution;
   if (resolution != own) {
     refuse("the checkpoint's map of '" + name + "' has " + std::to_string(resolution) +
-           " texels a side, the object has " + std::to_string(own));
+           " texels per side, the object has " + std::to_string(own));
   }
 }
 
@@ -342,7 +343,7 @@ void SnowSimulation::set_state(const SimulationState& state) {
     check_map(saved.name, saved.resolution);
     if (!std::all_of(saved.height.begin(), saved.height.end(), finite) ||
         !std::all_of(saved.sums.begin(), saved.sums.end(), finite)) {
-      refuse("the checkpoint's map or sums of '" + saved.name + "' hold what is no finite number");
+      refuse("the checkpoint's map or sums of '" + saved.name + "' are not finite numbers");
     }
   }
   if (state.objects.size() != receivers) {

@@ -23,62 +23,62 @@
 
 namespace snowbough::snow {
 
-/// What stays the same over a simulation.
+/// Settings of a simulation.
 struct SimulationSettings {
   /// Edge of an occlusion pixel in metres.
   double pixel_size = 0.01;
-  /// Probability, over 0 to 1, with which a pixel gets snow in a step; those that do get
-  /// 1 / density as much.
+  /// Probability, over 0 to 1, that a pixel receives snow in a step. A pixel that does receives 1 /
+  /// density times as much.
   double noise_density = 1.0;
-  /// Radians by which flakes stray from the direction of the fall, 0 to pi / 4.
+  /// Largest angle in radians between a flake's path and the fall direction, 0 to pi / 4.
   double flutter = 0.0;
-  /// Metres that level ground holds before snow slides.
+  /// Depth in metres that level ground holds before snow slides.
   double max_depth = 1.0;
-  /// Seconds in which what is too much for a slope halves.
+  /// Seconds in which the snow beyond a slope's capacity halves.
   double slide_half_life = 2.0;
-  /// Radians from level that snow's own surface keeps before it moves to what lies lower, over 0 to
-  /// pi / 2; pi / 2: it stays where it fell, also on walls.
+  /// Angle of repose in radians from level, over 0 to pi / 2: steeper snow moves to lower
+  /// neighbours. At pi / 2 snow stays where it fell, also on walls.
   double repose = 65.0 / 180.0 * std::numbers::pi;
-  /// Metres that a front of snow stands upright: what is shaded smooth and curves about as tightly
-  /// as that, as twigs do, carries steeper snow. 0: it does not hold together.
+  /// Height in metres at which a vertical snow face stays up. Surfaces that are shaded smooth and
+  /// curve about as tightly as that, such as twigs, carry steeper snow. 0: snow does not cohere.
   double cohesion = 0.0;
-  /// Sigma in metres of the blur of `output`; the stored map stays sharp.
+  /// Standard deviation in metres of the blur of `output`; the stored map stays unblurred.
   double blur_radius = 0.0;
   uint32_t seed = 0;
   gl::DepositMapping mapping = gl::DepositMapping::kCompute;
   /// Largest edge of an occlusion tile in pixels: a power of two from 64 to 4096. It changes memory
-  /// and speed, never the result.
+  /// use and speed, never the result.
   int32_t tile_size = 2048;
-  /// Which engine does the passes; see EngineChoice.
+  /// Engine that runs the passes; see EngineChoice.
   EngineKind engine = EngineKind::kAuto;
-  /// Which EGL device, see gpu::EglContext.
+  /// EGL device, see gpu::EglContext.
   std::string device;
-  /// Whether the constructor waits for the engine and throws where there is none; else the first
-  /// call that needs it does, and objects come in while the driver is still being loaded.
+  /// True: the constructor waits for the engine and throws if there is none. False: the first call
+  /// that needs the engine does so, and objects can be added while the driver loads.
   bool wait_for_gpu = true;
 };
 
-/// Which engine a simulation has.
+/// The engine of a simulation.
 struct EngineInfo {
   /// "GL" or "CPU".
   std::string name;
-  /// What decides about last bits.
+  /// Everything that can change the last bits of a result: renderer and version, or the CPU build.
   std::string driver;
-  /// Why this one: a sentence without its full stop.
+  /// Why this engine was chosen: a sentence without its full stop.
   std::string reason;
 };
 
-/// Positions of one object, N of them, in metres.
+/// Vertex positions of each object in metres, by name.
 using PositionMap = std::map<std::string, std::span<const glm::vec3>>;
 
-/// A receiver's map at one moment. What the outside sees of it may be worked out on any thread
-/// while the simulation goes on, and also when it is closed.
+/// A copy of a receiver's map at one moment. Its output can be computed on any thread while the
+/// simulation continues, and after it is closed.
 class OutputSnapshot {
  public:
   int32_t resolution() const { return resolution_; }
-  /// See SnowSimulation::output. @throws std::runtime_error for a second call.
+  /// See SnowSimulation::output. @throws std::runtime_error on a second call.
   MapOutput output();
-  /// Takes back the memory of the output's heights when they are done with; may be null.
+  /// Pool to which the memory of the output's heights is returned; may be null.
   const std::shared_ptr<MapMemory>& memory() const { return memory_; }
 
  private:
@@ -90,84 +90,86 @@ class OutputSnapshot {
   std::shared_ptr<MapMemory> memory_;
 };
 
-/// Snow that accumulates on moving objects. Calls from several threads are taken one at a time.
+/// Simulates snow that accumulates on moving objects. Calls from several threads run one at a time.
 class SnowSimulation {
  public:
-  /// @throws std::invalid_argument for settings out of range, std::runtime_error where the engine
-  /// that is asked for is not to be had.
+  /// @throws std::invalid_argument for settings out of range, std::runtime_error if the requested
+  /// engine is not available.
   explicit SnowSimulation(const SimulationSettings& settings);
   ~SnowSimulation();
   SnowSimulation(const SnowSimulation&) = delete;
   SnowSimulation& operator=(const SnowSimulation&) = delete;
 
-  /// @throws std::invalid_argument for a name that is taken and for what build_texel_table refuses.
+  /// @throws std::invalid_argument for a name that is already in use, and as build_texel_table.
   void add_object(ObjectDescription description);
 
-  /// Gives an object another mesh. A receiver keeps its map, texel by texel, wherever the new mesh
-  /// has a surface in UV space; what lay where it has none goes, and the change of volume counts as
-  /// stretching. The next step must name the object.
-  /// The object stays as it was where it throws.
-  /// @throws std::invalid_argument for a name that is not there, another resolution, a receiver
-  /// that becomes none or the reverse, and for what add_object refuses.
+  /// Replaces an object's mesh. A receiver keeps its map, texel by texel, wherever the new mesh has
+  /// a surface in UV space; snow elsewhere is removed, and the change of volume counts as
+  /// stretching. The next step must give the object's positions. If it throws, the object is
+  /// unchanged.
+  /// @throws std::invalid_argument for an unknown name, another resolution, a receiver that becomes
+  /// an occluder or the reverse, and as add_object.
   void replace_object(ObjectDescription description);
 
-  /// Lets snow fall for one step. `positions` names the objects that moved; all must have been
-  /// named once. `depth`: metres on open level ground; `direction`: of the fall, any length,
-  /// downwards; `dt`: seconds, only for sliding and repose (0 = nothing moves).
+  /// Simulates one step of snowfall. `positions` holds the objects that moved; each object must
+  /// have been given once. `depth`: metres on open level ground; `direction`: of the fall,
+  /// downwards, any length; `dt`: seconds for sliding and repose (0: no snow moves).
   /// @throws std::invalid_argument with the object's name for an unknown name, a vertex count that
-  /// is too small or not that of the step before, or positions that are not finite.
+  /// is too small or differs from the step before, or positions that are not finite.
   void step(const PositionMap& positions, double depth, const glm::dvec3& direction, double dt);
 
-  /// Takes other settings from the next step on; the snow stays. pixel_size, mapping, tile_size,
-  /// engine and device stay what they were, whatever `settings` says.
+  /// Applies other settings from the next step on; the snow stays. pixel_size, mapping, tile_size,
+  /// engine and device keep their first values.
   /// @throws std::invalid_argument for settings out of range.
   void change_settings(const SimulationSettings& settings);
   const SimulationSettings& settings() const { return settings_; }
-  /// Another sigma, in metres, for the blur of a receiver's output; the stored map stays.
-  /// @throws std::invalid_argument for no receiver, or what is not 0 or more.
+  /// Sets the standard deviation in metres of the blur of one receiver's output; the stored map
+  /// stays.
+  /// @throws std::invalid_argument for a name that is no receiver, and a radius that is negative or
+  /// not finite.
   void set_blur_radius(const std::string& name, double blur_radius);
 
   /// Stored thickness in metres, resolution x resolution, row 0 = v 0.
   std::vector<float> height(const std::string& name);
-  /// What the outside sees: smoothed by blur_radius, continued by 4 texels beyond the charts, level
-  /// at seams; with normals in tangent space on request. Before the object's first step
-  /// std::invalid_argument.
+  /// The map as users see it: smoothed by blur_radius, extended by 4 texels beyond the charts, and
+  /// level across seams; with tangent-space normals on request. @throws std::invalid_argument
+  /// before the object's first step.
   MapOutput output(const std::string& name, bool with_normals);
-  /// What `output` would give now, to be worked out later. Before the object's first step
-  /// std::invalid_argument.
+  /// The input of `output` at this moment, for evaluation later. @throws std::invalid_argument
+  /// before the object's first step.
   OutputSnapshot snapshot(const std::string& name, bool with_normals);
-  /// Much the same as a texture that the real-time renderer draws from, without reading the map
-  /// back (see LiveFilter); the next call changes its content. Null where the heights do not lie on
-  /// a GPU: `output` has them. Before the object's first step std::invalid_argument.
+  /// Nearly the same as a texture that the real-time renderer draws from, without reading the map
+  /// back (see LiveFilter). The next call overwrites it. Null if the heights are not on a GPU: use
+  /// `output`. @throws std::invalid_argument before the object's first step.
   std::shared_ptr<const gpu::ThreadTexture> live_output(const std::string& name);
-  /// Begins with what `output` of a receiver needs to build first, in threads beside the next
+  /// Starts building the tables that `output` of a receiver needs, on threads beside the next
   /// steps, and returns at once. Changes no result. @throws std::invalid_argument for a receiver
   /// that was added without its rest pose and has had no step yet.
   void prepare_output(const std::string& name);
-  /// Area in m2 that every texel covers now; 0 where there is no surface. Before the first step
-  /// std::invalid_argument.
+  /// Area in m2 that each texel covers in the current pose; 0 outside the surface. @throws
+  /// std::invalid_argument before the first step.
   std::vector<float> texel_area(const std::string& name);
   int32_t resolution(const std::string& name) const;
   std::vector<std::string> receivers() const;
   SnowStatistics statistics();
   MemoryEstimate memory_estimate() const;
-  /// See Engine; waits for it.
+  /// See Engine; both wait for it.
   void measure_passes(bool on);
   std::vector<PassCost> take_costs();
-  /// What does the passes, and why; waits for it.
+  /// The engine and why it was chosen; waits for it.
   EngineInfo engine_info();
 
-  /// What a checkpoint holds; positions are not part of it.
+  /// The content of a checkpoint; positions are not part of it.
   SimulationState state();
-  /// Takes a state of a simulation with the same receivers. @throws std::invalid_argument naming
-  /// what differs, or whose heights or sums are not finite.
+  /// Restores a state of a simulation with the same receivers. @throws std::invalid_argument naming
+  /// the difference, or for heights or sums that are not finite.
   void set_state(const SimulationState& state);
 
-  /// Writes a checkpoint. @throws std::runtime_error when the disk refuses.
+  /// Writes a checkpoint. @throws std::runtime_error if the file cannot be written.
   void save(const std::string& path);
-  /// Takes a checkpoint of a simulation with the same settings, objects and (unless `any_driver`)
-  /// driver. @throws std::runtime_error for a file that is none or is damaged,
-  /// std::invalid_argument naming what differs.
+  /// Restores a checkpoint of a simulation with the same settings, objects and (unless
+  /// `any_driver`) driver. @throws std::runtime_error for a file that is no checkpoint or is
+  /// damaged, std::invalid_argument naming the difference.
   void restore(const std::string& path, bool any_driver);
 
   /// Releases everything. Further calls throw std::runtime_error.
@@ -182,10 +184,10 @@ class SnowSimulation {
   MemoryEstimate estimate() const;
   void require_open() const;
   SceneObject make_object(ObjectDescription description);
-  /// Takes the maps and sums off the engine, before the set of objects changes.
+  /// Copies the maps and sums from the engine to pending_state_, before the set of objects changes.
   void set_state_aside();
-  void take_positions(const PositionMap& positions);
-  /// Lays the engine's scene out anew; the maps keep their content.
+  void set_positions(const PositionMap& positions);
+  /// Rebuilds the engine's scene; the maps keep their content.
   void build_scene();
   void step_on(Engine& engine, const FrameStep& step);
   double blur_radius_of(const SceneObject& receiver) const;
@@ -202,14 +204,14 @@ class SnowSimulation {
   std::unique_ptr<EngineChoice> choice_;
   /// By name: the drawing order.
   std::map<std::string, std::shared_ptr<SceneObject>> objects_;
-  /// Alpha masks of all objects so far, so that equal ones are held once.
+  /// Alpha masks of all objects so far: equal masks are stored once.
   std::vector<std::weak_ptr<const AlphaMask>> masks_;
   OutputFilterCache outputs_;
   std::shared_ptr<MapMemory> map_memory_ = std::make_shared<MapMemory>();
   bool scene_is_current_ = false;
   uint32_t step_number_ = 0;
-  /// Set before the engine has the scene: taken over when it is laid out, and kept until that
-  /// engine has done a step.
+  /// State that waits for the engine's scene: applied when the scene is built, and kept until that
+  /// engine has finished a step.
   SimulationState pending_state_;
 };
 

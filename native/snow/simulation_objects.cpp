@@ -1,4 +1,4 @@
-// The objects of a simulation: how they come in, change and move.
+// The objects of a simulation: adding, replacing and moving them.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -15,7 +15,7 @@ namespace {
   throw std::invalid_argument(message);
 }
 
-/// Puts the equal mask among `known` in the place of this one, or adds it to them.
+/// Replaces a mask by an equal one of `known`, or adds it to them.
 void share(std::shared_ptr<const AlphaMask>& mask,
            std::vector<std::weak_ptr<const AlphaMask>>& known) {
   std::erase_if(known, [](const auto& one) { return one.expired(); });
@@ -29,7 +29,7 @@ void share(std::shared_ptr<const AlphaMask>& mask,
   known.push_back(mask);
 }
 
-/// A map with the texels that the table does not own at zero.
+/// A copy of a map with 0 for texels without owner.
 std::vector<float> only_owned(const TexelTable& table, const std::vector<float>& height) {
   std::vector<float> kept(height.size(), 0.0f);
   for (const int32_t texel : table.texel) {
@@ -38,8 +38,8 @@ std::vector<float> only_owned(const TexelTable& table, const std::vector<float>&
   return kept;
 }
 
-/// Gives numbers that run to more than there are corners others, from 0 on and in the same order:
-/// arrays are indexed by them.
+/// Renumbers shading numbers larger than the number of corners, from 0 on and in the same order:
+/// they index arrays.
 void close_gaps(std::vector<int32_t>& shading) {
   if (shading.empty() ||
       static_cast<size_t>(std::max(0, *std::max_element(shading.begin(), shading.end()))) <
@@ -56,7 +56,7 @@ void close_gaps(std::vector<int32_t>& shading) {
   }
 }
 
-/// Notes which triangles take snow on both sides; the rest pose is known.
+/// Finds the triangles that take snow on both sides; needs the rest pose.
 void find_sides(SceneObject& object) {
   const ObjectDescription& description = object.description;
   if (!description.receive || description.sides == Sides::kFront) return;
@@ -81,7 +81,7 @@ SceneObject SnowSimulation::make_object(ObjectDescription description) {
   topology.vertex_count = highest + 1;
   if (!description.rest.empty() && static_cast<int32_t>(description.rest.size()) <= highest) {
     refuse("object '" + description.name + "': rest has " +
-           std::to_string(description.rest.size()) + " vertices, a triangle asks for number " +
+           std::to_string(description.rest.size()) + " vertices, a triangle uses number " +
            std::to_string(highest));
   }
   for (const glm::vec3& point : description.rest) {
@@ -143,12 +143,12 @@ void SnowSimulation::replace_object(ObjectDescription description) {
   }
   const ObjectDescription& before = found->second->description;
   if (before.receive != description.receive) {
-    refuse("object '" + description.name + "' must go on " +
-           (before.receive ? "as a receiver" : "without a map") + " when it is replaced");
+    refuse("object '" + description.name + "' must stay " +
+           (before.receive ? "a receiver" : "without a map") + " when it is replaced");
   }
   if (before.receive && before.topology.resolution != description.topology.resolution) {
     refuse("object '" + description.name + "' must keep its map of " +
-           std::to_string(before.topology.resolution) + " texels a side when it is replaced");
+           std::to_string(before.topology.resolution) + " texels per side when it is replaced");
   }
   SceneObject object = make_object(std::move(description));
   set_state_aside();
@@ -161,8 +161,8 @@ void SnowSimulation::replace_object(ObjectDescription description) {
   found->second = std::make_shared<SceneObject>(std::move(object));
 }
 
-void SnowSimulation::take_positions(const PositionMap& positions) {
-  // Everything is checked before anything changes.
+void SnowSimulation::set_positions(const PositionMap& positions) {
+  // Checks everything before changing anything.
   for (const auto& [name, points] : positions) {
     const auto found = objects_.find(name);
     if (found == objects_.end()) {
@@ -172,8 +172,8 @@ void SnowSimulation::take_positions(const PositionMap& positions) {
     const auto needed = static_cast<size_t>(object.description.topology.vertex_count);
     if (object.positions.empty() ? points.size() < needed
                                  : points.size() != object.positions.size()) {
-      refuse("step: object '" + name + "' comes with " + std::to_string(points.size()) +
-             " vertices, it has " +
+      refuse("step: object '" + name + "' has " + std::to_string(points.size()) +
+             " vertices instead of " +
              std::to_string(object.positions.empty() ? needed : object.positions.size()) +
              ": its topology must stay as it was added");
     }
@@ -186,7 +186,7 @@ void SnowSimulation::take_positions(const PositionMap& positions) {
   for (const auto& [name, object] : objects_) {
     if (object->positions.empty() && !positions.contains(name) &&
         object->description.topology.vertex_count > 0) {
-      refuse("step: object '" + name + "' has no positions yet: name it in its first step");
+      refuse("step: object '" + name + "' has no positions yet: give them in its first step");
     }
   }
   for (const auto& [name, points] : positions) {
@@ -202,7 +202,7 @@ void SnowSimulation::take_positions(const PositionMap& positions) {
     object.positions.assign(points.begin(), points.end());
     object.moved = true;
     object.layers = nullptr;
-    // Only vertices in use count: stray ones would widen the grid.
+    // Only vertices in use count: unused ones would enlarge the grid.
     glm::vec3 low(1e30f);
     glm::vec3 high(-1e30f);
     for (const int32_t index : object.description.topology.triangles) {

@@ -1,4 +1,4 @@
-// The outside of a simulation: smoothed maps and checkpoints.
+// Output of a simulation: smoothed maps and checkpoints.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -28,21 +28,21 @@ std::string hexadecimal(uint64_t value) {
   return text;
 }
 
-/// Exact, whatever the locale.
+/// Exact and independent of the locale.
 std::string number(double value) {
   char text[40];
   std::snprintf(text, sizeof text, "%a", value);
   return text;
 }
 
-/// Lines "name=value" of all that decides about the bits of the result.
+/// Lines "name=value" of everything that affects the bits of the result.
 std::string describe(const SimulationSettings& s,
                      const std::map<std::string, std::shared_ptr<SceneObject>>& objects,
                      const Engine& engine) {
   std::string text;
   text += "pixel_size=" + number(s.pixel_size) + "\n";
   text += "noise_density=" + number(s.noise_density) + "\n";
-  // `flutter` alone was in degrees, of which none is none in radians, too.
+  // Older checkpoints hold `flutter` in degrees; 0 is the same in both.
   text += (s.flutter > 0.0 ? "flutter in radians=" : "flutter=") + number(s.flutter) + "\n";
   text += "max_depth=" + number(s.max_depth) + "\n";
   text += "slide_half_life=" + number(s.slide_half_life) + "\n";
@@ -51,7 +51,7 @@ std::string describe(const SimulationSettings& s,
   text += "seed=" + std::to_string(s.seed) + "\n";
   text += std::string("mapping=") +
           (s.mapping == gl::DepositMapping::kCompute ? "COMPUTE" : "GEOMETRY") + "\n";
-  // The first deposit shared pixels out among texels and was not written here.
+  // Older checkpoints of the scattered deposit lack this line.
   text += "deposit=gathered\n";
   text += "driver=" + engine.name() + ", " + engine.driver() + "\n";
   for (const auto& [name, object] : objects) {
@@ -93,7 +93,7 @@ std::map<std::string, std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// The names of what differs between two descriptions, the driver apart where it is allowed to.
+/// The names that differ between two descriptions, except the driver if `any_driver`.
 std::string differences(const std::string& one, const std::string& other, bool any_driver) {
   const auto a = lines_of(one);
   const auto b = lines_of(other);
@@ -129,8 +129,8 @@ void SnowSimulation::prepare_output(const std::string& name) {
   require_open();
   const std::shared_ptr<SceneObject>& object = find_receiver(name);
   if (object->description.rest.empty()) {
-    throw std::invalid_argument(
-        "object '" + name + "' has no rest pose yet: its output is prepared after its first step");
+    throw std::invalid_argument("object '" + name +
+                                "' has no rest pose yet: prepare its output after its first step");
   }
   outputs_.begin(object, blur_radius_of(*object));
 }
@@ -153,14 +153,14 @@ const std::shared_ptr<SceneObject>& SnowSimulation::find_stepped_receiver(
   const std::shared_ptr<SceneObject>& object = find_receiver(name);
   if (object->positions.empty()) {
     throw std::invalid_argument("object '" + name +
-                                "' has no positions yet: output is known after its first step");
+                                "' has no positions yet: output is available after its first step");
   }
   return object;
 }
 
 MapOutput OutputSnapshot::output() {
   if (filter_ == nullptr) {
-    throw std::runtime_error("output() of this snapshot was called before: take a new snapshot");
+    throw std::runtime_error("output() of this snapshot was already called: take a new snapshot");
   }
   const std::shared_ptr<OutputFilter> filter = std::move(filter_);
   return filter->run(std::move(stored_), surface_);
@@ -233,8 +233,7 @@ void SnowSimulation::restore(const std::string& path, bool any_driver) {
     const std::string changed =
         differences(outline.description, describe(settings_, objects_, engine()), any_driver);
     if (!changed.empty()) {
-      throw std::invalid_argument(path +
-                                  " belongs to another simulation; what differs: " + changed);
+      throw std::invalid_argument(path + " belongs to another simulation; differences: " + changed);
     }
     for (const auto& [name, resolution] : outline.maps) check_map(name, resolution);
   });

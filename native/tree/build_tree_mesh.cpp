@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/parallel_for.h"
-#include "tree/crossings/relief.h"
+#include "tree/crossings/uncrossed_surface.h"
 #include "tree/detail/refine.h"
 #include "tree/mesh/bones.h"
 #include "tree/mesh/limb_sections.h"
@@ -19,16 +19,16 @@
 namespace snowbough::tree {
 namespace {
 
-/// Share of the base's time until its surface stands and until its charts are laid out.
+/// Progress of the base at which its surface, and its charts, are finished.
 constexpr float kSurfaceDone = 0.5f;
 constexpr float kChartsDone = 0.9f;
-/// Time that the first level of the subdivision takes of the base's; each takes four times the one
+/// Time of the first subdivision level relative to the base; each level takes four times the one
 /// before.
 constexpr float kFirstLevel = 0.3f;
-/// Share of the time that the base takes of a detailed surface's.
+/// Fraction of a detailed surface's time that the base takes.
 constexpr float kBaseOfDetail = 0.3f;
 
-/// Share of the time that the base takes.
+/// Fraction of the time that the base takes.
 float base_share(const TreeMeshOptions& options) {
   if (options.detail) return kBaseOfDetail;
   const int lod = options.lod;
@@ -68,7 +68,7 @@ std::string some_names(const Skeleton& skeleton, const std::vector<int32_t>& bra
              : text;
 }
 
-/// Warns that branches, "a, b, c and 5 more", have something in common; of none it does not.
+/// Warns about branches, listed as "a, b, c and 5 more"; no warning for an empty list.
 void warn_of(const Skeleton& skeleton, const std::vector<int32_t>& branches, const char* what,
              TreeMesh& mesh) {
   if (branches.empty()) return;
@@ -90,15 +90,14 @@ TreeMesh to_mesh(const Skeleton& skeleton, const UncrossedSurface& uncrossed) {
     mesh.branch_rows.push_back(static_cast<int32_t>(limb.rings.size()) - 1);
   }
   warn_of(skeleton, surface.clamped,
-          "are thicker than their parent where they leave it and were narrowed to it there", mesh);
-  warn_of(skeleton, surface.squeezed, "were squeezed for lack of room on their parent", mesh);
-  warn_of(skeleton, uncrossed.narrowed, "were narrowed at their base to get clear of others", mesh);
-  warn_of(skeleton, uncrossed.crossing, "cross others where they leave their parent", mesh);
+          "are thicker than their parent where they leave it, and were narrowed there", mesh);
+  warn_of(skeleton, surface.squeezed, "were squeezed because their parent lacks room", mesh);
+  warn_of(skeleton, uncrossed.narrowed, "were narrowed at their base to avoid others", mesh);
+  warn_of(skeleton, uncrossed.crossing, "intersect others where they leave their parent", mesh);
   return mesh;
 }
 
-/// Calls both, at the same time where threads allow. What `first` reports comes from the calling
-/// thread.
+/// Calls both, in parallel if there are threads. `first` reports progress from the calling thread.
 template <typename First, typename Second>
 void do_both(int threads, const First& first, const Second& second) {
   if (threads == 1) {
@@ -143,7 +142,7 @@ TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& option
     if (options.lod == 0 && !options.detail) mesh.sections = limb_sections(surface);
     if (report != nullptr) check = check_mesh(mesh.vertices, mesh.quads);
   };
-  // Charts take as long as all that follows from the surface otherwise.
+  // Charts take as long as everything else that follows the surface.
   do_both(options.threads, unwrap, rig);
   base::report_progress(execution.progress, kChartsDone);
 

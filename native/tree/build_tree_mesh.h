@@ -4,49 +4,47 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "tree/tubes/detail.h"
 #include "tree/mesh/bones_reduce.h"
 #include "tree/mesh/mesh_check.h"
 #include "tree/skeleton/skeleton.h"
 #include "tree/skeleton/tree_mesh.h"
 #include "tree/skeleton/width.h"
+#include "tree/tubes/detail.h"
 
 namespace snowbough::tree {
 
 struct TreeMeshOptions {
   WidthOptions width;
-  /// The surface as an artist wants it: refine. Without, `lod` counts.
+  /// Refined surface for artists: see refine. Without it, `lod` applies.
   std::optional<Detail> detail;
   /// 0 = the four-sided base; each level up to 4 doubles the sides.
   int lod = 0;
   bool close_root = true;
   bool close_tips = true;
-  /// Pixels across the square accumulation map that the snow UVs are laid out for.
+  /// Edge in pixels of the square accumulation map for which the snow UVs are laid out.
   int snow_resolution = 1024;
-  /// Most bones a vertex follows, 1 to 4.
+  /// Maximum number of bones that influence a vertex, 1 to 4.
   int max_influences = 4;
-  /// Threads that may share the work, the calling one included; 0 = one a core. The mesh does not
-  /// depend on it.
+  /// Threads that may share the work, the calling one included; 0 = one per core. Does not change
+  /// the mesh.
   int threads = 0;
   base::Progress progress = {};
 };
 
-/// What the finished mesh was checked for.
+/// Result of the checks on the finished mesh.
 struct BuildReport {
   /// check_mesh on the four-sided base; finer meshes keep its topology.
   MeshCheck check;
-  /// Places where a branch leaves its parent's side, and how many of them have faces within two
-  /// edges that cross each other (find_crossings).
+  /// Number of junctions where a branch leaves its parent's side, and of those with intersecting
+  /// faces within two edges (find_crossings).
   int32_t junctions = 0;
   int32_t crossing_junctions = 0;
 };
 
-/// Rebuilds a tree as one continuous, rigged, weighted and unwrapped quad mesh, one component a
+/// Rebuilds a tree as one continuous, rigged, weighted and unwrapped quad mesh, one component per
 /// root. Same input, same bytes.
-///
-/// @param report  receives what the mesh was checked for, which takes time; null checks nothing.
-/// @throws std::invalid_argument for options out of range and for a skeleton that complete_skeleton
-///   would refuse.
+/// @param report  receives the result of the mesh checks, which take time; null skips them.
+/// @throws std::invalid_argument for options out of range, and as complete_skeleton.
 /// @throws Cancelled when progress says stop.
 ///
 /// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, chapter 3.

@@ -28,13 +28,13 @@
 namespace snowbough::tree {
 namespace {
 
-/// Level names are believed while no more than this share of the branches finds no parent by them.
+/// Level names are used while no more than this fraction of the branches finds no parent by them.
 constexpr double kMostUnattached = 0.2;
-/// Where more of the wood than this share is none, and so few limbs remain, it is no tree. A tree
-/// on its ground has more.
+/// If more of the wood than this is left out, and few limbs remain, it is not a tree. A tree with
+/// ground has a higher fraction.
 constexpr double kMostLeftOut = 0.75;
 constexpr size_t kFewLimbs = 4;
-/// Sizes of a tree from the file's origin beyond which it gets an origin of its own.
+/// Distance from the file's origin, in tree sizes, beyond which the tree gets its own origin.
 constexpr double kFar = 100.0;
 
 void report_scene(const ObjScene& scene, ImportReport& report) {
@@ -51,12 +51,12 @@ void report_scene(const ObjScene& scene, ImportReport& report) {
 void report_squares(const TracedBranches& traced, ImportReport& report) {
   if (traced.shuffled) {
     report.warnings.emplace_back(
-        "the squares stand in no order in the file; they were put together to branches by place "
+        "the squares are in random order in the file; they were joined to branches by position "
         "and direction");
   }
   if (traced.lone_planes > 0) {
     report.skipped_parts.emplace_back(
-        "(squares)", std::to_string(traced.lone_planes) + " squares that face no other");
+        "(squares)", std::to_string(traced.lone_planes) + " squares without a neighbour");
   }
 }
 
@@ -73,7 +73,7 @@ float extent_of(const std::vector<Branch>& branches) {
   return std::max({extent.x, extent.y, extent.z});
 }
 
-/// Connects by level names, and again by thickness if the names turn out to tell no levels.
+/// Connects by level names, and again by thickness if the names prove to give no levels.
 void connect(TracedBranches& traced, bool levels_given, std::vector<std::string>& warnings,
              const base::Progress& progress) {
   const float size = extent_of(traced.branches);
@@ -93,11 +93,11 @@ void connect(TracedBranches& traced, bool levels_given, std::vector<std::string>
   }
   attach_branches(traced.branches, traced.reversible, size, base::part_of(progress, 0.5f, 1.0f));
   warnings.emplace_back(
-      "the groups' names tell no levels; branches were connected by thickness (set level names to "
+      "the groups' names give no levels; branches were connected by thickness (set level names to "
       "overrule)");
 }
 
-/// Merged forms have no names of their own: trunk, branch1_1, branch1_2, branch2_1 ...
+/// Merged forms have no names: trunk, branch1_1, branch1_2, branch2_1 ...
 void name_by_level(std::vector<Branch>& branches) {
   std::map<int32_t, int32_t> count;
   for (Branch& branch : branches) {
@@ -110,8 +110,8 @@ void name_by_level(std::vector<Branch>& branches) {
   }
 }
 
-/// A root whose ends look alike stands on its lower end.
-void turn_upside_up(TracedBranches& traced) {
+/// A root with similar ends has its base at the lower one.
+void orient_roots(TracedBranches& traced) {
   for (size_t b = 0; b < traced.branches.size(); ++b) {
     Branch& branch = traced.branches[b];
     if (branch.parent < 0 && traced.reversible[b] &&
@@ -124,7 +124,7 @@ void turn_upside_up(TracedBranches& traced) {
   }
 }
 
-/// Fills in what the libraries say of the materials that wood and leaves use.
+/// Fills in the library data of the materials of wood and leaves.
 void describe_materials(const ObjScene& scene, const std::string& path, bool outside_files,
                         Skeleton& skeleton) {
   if (scene.materials.empty() && scene.material_libraries.empty()) return;
@@ -143,7 +143,7 @@ void describe_materials(const ObjScene& scene, const std::string& path, bool out
   }
 }
 
-/// The file's parts and the names they go by.
+/// The file's parts and their labels.
 struct NamedParts {
   Parts parts;
   PartLabels labels;
@@ -159,39 +159,38 @@ NamedParts find_parts(const ObjScene& scene, const std::string& foliage_names,
   return {std::move(parts), std::move(labels)};
 }
 
-/// @throws std::invalid_argument where there are none, or hardly any and no name says that they
-/// are.
+/// @throws std::invalid_argument if there are none, or hardly any without names that confirm them.
 void check_branches(const TracedBranches& traced, int32_t foliage_count, const LeftOut& left_out,
                     const std::string& path) {
   if (!traced.branches.empty()) {
     if (traced.named || left_out.share < kMostLeftOut || traced.branches.size() >= kFewLimbs)
       return;
     throw std::invalid_argument(
-        path + ": holds no tree: " + std::to_string(static_cast<int>(100.0 * left_out.share)) +
-        " % of it is left out, its largest part is " + left_out.why +
-        "; if it is one, name its groups trunk, branch and so on");
+        path + ": is not a tree: " + std::to_string(static_cast<int>(100.0 * left_out.share)) +
+        " % of it is not wood, its largest part is " + left_out.why +
+        "; if it is a tree, name its groups trunk, branch and so on");
   }
   if (!left_out.why.empty()) {
-    throw std::invalid_argument(path + ": holds no branches; its largest part is " + left_out.why +
+    throw std::invalid_argument(path + ": has no branches; its largest part is " + left_out.why +
                                 "; export the tree with its trunk and branches");
   }
   throw std::invalid_argument(
-      path + ": holds no branches, " +
+      path + ": has no branches, " +
       (foliage_count > 0 ? "only " + std::to_string(foliage_count) + " leaves or other loose parts"
                          : std::string("none of its parts is a tube or a row of planes")) +
       "; export the tree with its trunk and branches");
 }
 
-/// @throws std::invalid_argument where what was found by shape alone is no tree.
+/// @throws std::invalid_argument if branches found by shape alone are not a tree.
 void check_tree(const TracedBranches& traced, const std::string& path) {
   const std::string why = traced.named ? "" : why_no_tree(traced.branches);
   if (why.empty()) return;
-  throw std::invalid_argument(path + ": holds no tree: " + why +
-                              "; if it is one, say its level names, or name its groups trunk, "
+  throw std::invalid_argument(path + ": is not a tree: " + why +
+                              "; if it is one, give its level names, or name its groups trunk, "
                               "branch and so on");
 }
 
-/// The middle of what faces use, where that is so far from the file's origin that single precision
+/// The centre of the used vertices, if it is so far from the file's origin that single precision
 /// would lose parts of the tree; else zero.
 glm::dvec3 place_far_away(const ObjScene& scene) {
   glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
@@ -205,16 +204,14 @@ glm::dvec3 place_far_away(const ObjScene& scene) {
   return is_far ? middle : glm::dvec3(0.0);
 }
 
-/// Reads the file, around the place of its tree where that is far away.
+/// Reads the file, relative to the tree's centre if that is far away.
 ObjScene read_scene(const std::string& path, ObjReadOptions options, Skeleton& skeleton) {
   ObjScene scene = read_obj_file(path, options);
   skeleton.origin = place_far_away(scene);
   if (skeleton.origin == glm::dvec3(0.0)) return scene;
   options.origin = skeleton.origin;
   skeleton.report.warnings.emplace_back(
-      "the tree stands far from the file's origin: it was built around its own place, and put "
-      "there "
-      "as a whole");
+      "the tree is far from the file's origin: it was built at the origin and then moved there");
   return read_obj_file(path, options);
 }
 
@@ -256,7 +253,7 @@ TracedBranches read_parts(const std::string& path, const ReadTreeOptions& option
   return traced;
 }
 
-/// Turns wood and leaves so that Z is up.
+/// Rotates wood and leaves so that Z is up.
 void turn_z_up(UpAxis up_axis, TracedBranches& traced, Skeleton& skeleton) {
   const bool y_up =
       up_axis == UpAxis::kY || (up_axis == UpAxis::kAuto && grows_along_y(traced.branches));
@@ -268,12 +265,12 @@ void turn_z_up(UpAxis up_axis, TracedBranches& traced, Skeleton& skeleton) {
   skeleton.origin = {skeleton.origin.x, -skeleton.origin.z, skeleton.origin.y};
 }
 
-/// Makes the tree as large as the options say.
+/// Scales the tree to the options' size.
 void scale_tree(const ReadTreeOptions& options, Skeleton& skeleton) {
   double factor = options.unit;
   if (options.height > 0.0) {
     if (!(skeleton.height > 0.0f)) {
-      throw std::invalid_argument("the tree has no height of its own that could be made " +
+      throw std::invalid_argument("the tree has no height, so it cannot be scaled to " +
                                   std::to_string(options.height) + " metres");
     }
     factor = options.height / static_cast<double>(skeleton.height);
@@ -311,7 +308,7 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
   base::report_progress(options.progress, 0.85f);
   check_tree(traced, path);
   turn_z_up(options.up_axis, traced, skeleton);
-  turn_upside_up(traced);
+  orient_roots(traced);
   if (is_merged(skeleton.report.form)) name_by_level(traced.branches);
 
   skeleton.branches = std::move(traced.branches);

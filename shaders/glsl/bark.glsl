@@ -1,13 +1,13 @@
-// Bark as a height over a limb's round surface, -1 to 1: furrows along the limb, plates, and grain, an octave each.
-// Coordinates run once round the limb in x and by circumferences along it in y, so it has no seam. An octave fades
-// out before the samples are too far apart for it, so it comes and goes without a step.
+// Bark as a height over a limb's round surface, -1 to 1: furrows along the limb, plates, and grain, one octave each. x
+// runs once around the limb and y along it in circumferences, so there is no seam. An octave fades out before the
+// sample distance exceeds it, so that it does not pop.
 
 const int kBarkOctaves = 4;
-/// Waves of the coarsest octave round a limb; each octave has twice as many.
+/// Waves of the coarsest octave around a limb; each octave has twice as many.
 const int kBarkWaves = 8;
-/// How many times as long as wide a furrow is.
+/// Ratio of a furrow's length to its width.
 const float kFurrowStretch = 5.0;
-/// Samples a wave at which an octave begins to show, and from which on it shows fully.
+/// Samples per wave at which an octave begins to show, and at which it shows fully.
 const float kOctaveBegins = 2.0;
 const float kOctaveStands = 4.0;
 
@@ -33,7 +33,7 @@ float bark_noise(vec2 p, int waves, int octave) {
   return mix(mix(a, b, s.x), mix(c, d, s.x), s.y);
 }
 
-/// `samples`: how many lie round the limb.
+/// `samples`: number of samples around the limb.
 float bark_height(vec2 bark_uv, float samples) {
   float height = 0.0;
   float weight = 0.5;

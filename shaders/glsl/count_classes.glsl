@@ -1,5 +1,5 @@
-// The main of a pass that sorts patches into classes and counts those that are drawn for each work group. Included
-// behind `uint class_of(int index)`, which knows them.
+// The main of a pass that sorts patches into classes and counts the drawn ones per work group. Include it after `uint
+// class_of(int index)`.
 #include "lib/tree_shared.h"
 
 layout(local_size_x = int(kPatchGroup)) in;
@@ -11,7 +11,7 @@ uniform int count;
 shared uint plain_count;
 shared uint tessellated_count;
 
-/// Whether a sphere is outside of the picture, or so small that it covers less than the least pixels.
+/// Whether a sphere is outside the picture, or smaller than the minimum number of pixels.
 bool is_unseen(vec3 centre, float radius) {
   for (int k = 0; k < 6; ++k) {
     if (dot(view.planes[k], vec4(centre, 1.0)) < -radius) {

@@ -1,5 +1,5 @@
-// A pixel of what shows an image: holes where that is less than half there; how the rest is lit is `lit_image`, which
-// the shader that includes this defines.
+// A pixel with an image: a hole where the image is less than half opaque. The including shader defines its lighting in
+// `lit_image`.
 //
 // SHADOW: depth alone. WIRE: one colour, unlit.
 uniform sampler2D image;
@@ -10,11 +10,11 @@ layout(location = 0) out vec4 color;
 uniform vec4 wire_color;
 #else
 #include "glsl/lighting.glsl"
-/// Linear; times that of the image.
+/// Linear colour, multiplied by the image's.
 uniform vec4 image_color;
 in vec3 world;
 
-/// Light of a pixel whose colour is this.
+/// Light of a pixel with this colour.
 vec3 lit_image(vec3 albedo);
 #endif
 #endif

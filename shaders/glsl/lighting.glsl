@@ -1,22 +1,22 @@
-// Sun with its shadow map, and a sky term: linear colours in, what the target holds out.
+// Sun with its shadow map, and a sky term: takes linear colours, returns the target's encoding.
 #include "glsl/tree_view.glsl"
 
 uniform sampler2D shadow_map;
 
-/// Share of the sun that arrives at a point, over 3 x 3 texels with soft edges. `reach`: metres into what stands before
-/// it from which 1 / e of the light still arrives, as in snow; 0: none does.
+/// Fraction of the sun's light that reaches a point, over 3 x 3 texels with soft edges. `reach`: depth in metres inside
+/// an occluder at which 1 / e of the light remains, as in snow; 0: no light passes.
 /// Source of the latter: C. Dachsbacher, M. Stamminger, Translucent Shadow Maps, 2003.
 float sunlit(vec3 position, vec3 normal, float reach) {
   if (view.sun_direction.w < 0.5) {
     return 1.0;
   }
   const ivec2 size = textureSize(shadow_map, 0);
-  // One texel along the normal, so that a surface does not shade itself.
+  // Offset by one texel along the normal, against self-shadowing.
   const float texel = 2.0 / (length(vec3(view.shadow_from_world[0].x, view.shadow_from_world[1].x,
                                          view.shadow_from_world[2].x)) *
                              float(size.x));
   vec3 at = (view.shadow_from_world * vec4(position + 2.0 * texel * normal, 1.0)).xyz * 0.5 + 0.5;
-  // What lies behind all that casts shadows, as the ground far off, is behind all of the map.
+  // Points behind all shadow casters, such as distant ground, are behind the whole map.
   at.z = min(at.z, 1.0);
   if (any(lessThan(at, vec3(0.0))) || any(greaterThan(at, vec3(1.0)))) {
     return 1.0;
@@ -43,7 +43,7 @@ float sunlit(vec3 position, vec3 normal, float reach) {
   return open / 9.0;
 }
 
-/// Light that a surface of an albedo sends back; `through`: share of the sun that comes through from behind.
+/// Light reflected by a surface of this albedo; `through`: fraction of the sun's light transmitted from behind.
 vec3 lit(vec3 albedo, vec3 position, vec3 geometric_normal, vec3 normal, float through) {
   const float facing = dot(normal, view.sun_direction.xyz);
   const float sun = max(facing, 0.0) + through * max(-facing, 0.0);
@@ -60,7 +60,7 @@ vec3 lit(vec3 albedo, vec3 position, vec3 geometric_normal, vec3 normal, float t
 /// into white.
 const float kToneShoulder = 0.25;
 
-/// Linear light as the target takes it, as it is or as sRGB, with an opaque alpha.
+/// Linear light in the target's encoding, linear or sRGB, with an opaque alpha.
 vec4 encoded(vec3 light) {
   if (view.sky_color.w > 0.5) {
     return vec4(light, 1.0);

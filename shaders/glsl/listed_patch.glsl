@@ -1,4 +1,4 @@
-// Hands a listed patch to the tessellator: its one control point is its number, its record holds the rest.
+// Passes a listed patch to the tessellator: its single control point is its number; its record holds the rest.
 
 layout(std430) readonly buffer TessellatedPatches { uint tessellated_patches[]; };
 out uint listed_patch;

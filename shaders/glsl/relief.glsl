@@ -1,4 +1,4 @@
-// Bumps of a surface's normals, from a height by pixel.
+// Bump mapping from a height per pixel.
 
 /// Least share of a pixel's area that a surface is taken to face the normal with: seen from aside, the differences
 /// between pixels would outweigh the normal.

@@ -6,10 +6,10 @@ KERNEL_VIEW_R32UI(fragment_begin);
 /// A Fragment each.
 KERNEL_VIEW_RGBA32UI(fragments);
 
-/// What the fragments of a texel are together.
+/// Sums over a texel's fragments.
 struct FragmentSum {
   TexelSurface surface;
-  /// Whether parts face the fall with their front, and with their back.
+  /// Whether parts face the fall with their front, or with their back.
   bool faces_front;
   bool faces_back;
 };
@@ -26,12 +26,12 @@ float fragment_up(uvec4 fragment, vec4 surface) {
   return surface_up(surface);
 }
 
-/// Of the texel whose fragments are [i, end).
+/// For the texel with the fragments [i, end).
 FragmentSum sum_of_fragments(int i, int end) {
   SurfaceSums sums = SurfaceSums(0.0f, 0.0f, 0.0f, 0.0f, 0.0f);
   bool faces_front = false;
   bool faces_back = false;
-  // The test stands at the end for software renderers' sake (CONTRIBUTING.md).
+  // Tested at the end for software renderers (CONTRIBUTING.md).
   do {
     const uvec4 fragment = texelFetch(fragments, i);
     const vec4 surface = texelFetch(triangle_surface, int(fragment.x));

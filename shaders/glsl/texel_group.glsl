@@ -1,7 +1,7 @@
-// GLSL only: which texel an invocation works on, in the passes over listed groups of texels.
+// GLSL only: the texel of an invocation, in passes over listed groups of texels.
 #include "../lib/snow_shared.h"
 
-/// A list as texel_groups leaves it.
+/// A list from the texel_groups pass.
 uniform usamplerBuffer groups;
 
 int listed_group() { return int(texelFetch(groups, int(kGroupListBegin + gl_WorkGroupID.y)).x); }

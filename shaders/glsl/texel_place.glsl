@@ -1,7 +1,7 @@
-// GLSL only: where a texel lies on its group's maps.
+// GLSL only: a texel's place on its group's maps.
 
-/// Column, row and layer of a texel's `place` on maps of `resolution`. By floats, since vectors of
-/// integers are divided one by one: a row is at most one off, which the column tells.
+/// Column, row and layer of a texel's `place` on maps of `resolution`. Divides in floats, since software renderers
+/// divide integers lane by lane: a row is off by at most one, which the column reveals.
 ivec3 decoded_place(uint place, int resolution, float one_over_resolution) {
   int row = int(float(place) * one_over_resolution);
   int column = int(place) - row * resolution;

@@ -4,9 +4,9 @@
 
 /// See TriangleSetup.
 uniform samplerBuffer triangle_corners;
-/// Two texels a triangle: uv of its corners, bits of home and chart.
+/// Two vectors per triangle: uv of its corners, bits of home and chart.
 uniform samplerBuffer map_triangles;
-/// By slot: what to add to a scene triangle's index to get its index among the map triangles.
+/// By slot: offset from a scene triangle's index to its index in the map triangles.
 uniform isamplerBuffer map_offsets;
 /// A SeenPixel each.
 uniform usamplerBuffer occlusion;
@@ -15,10 +15,10 @@ uniform usampler2DArray owners;
 uniform uvec2 group_objects;
 uniform ivec2 tile_origin;
 
-/// 1 + the texel (its index in the map group) that takes the snow under the centre of a pixel of the
-/// tile: the one there, if it is the chart's own; else the nearest of the chart's around it, which holds
-/// the part that lies in another chart's texel; else the one that holds most of the triangle. Each of
-/// them holds a part of the triangle that the pixel shows. 0 = none.
+/// 1 + index in the map group of the texel that takes the snow under the centre of a pixel of the tile: the texel
+/// there, if it is the chart's own; otherwise the nearest of the chart's texels around it, which holds the part in
+/// another chart's texel; otherwise the one that holds most of the triangle. Each of them holds a part of the triangle
+/// shown. 0 = none.
 uint texel_under(ivec2 pixel, uint triangle, uint slot) {
   const vec2 a = texelFetch(triangle_corners, 3 * int(triangle)).xy;
   const vec2 ab = texelFetch(triangle_corners, 3 * int(triangle) + 1).xy - a;
@@ -46,8 +46,8 @@ uint texel_under(ivec2 pixel, uint triangle, uint slot) {
   uint best = home;
   float least = 1e30;
   ivec2 at = centre;
-  // The texel itself first, and the nine around it only where it is not good: as a loop, so that software
-  // renderers leave them out (CONTRIBUTING.md).
+  // The texel itself first, and its eight neighbours only if it does not fit: as a loop, so that software renderers
+  // skip them (CONTRIBUTING.md).
   int i = -1;
   bool good;
   do {

@@ -1,6 +1,7 @@
-// A pixel of the tree, plain or tessellated alike.
+// A pixel of the tree, plain or tessellated.
 //
-// SNOW: with the snow of its map. IMAGE: in the colours of its bark's image. SHADOW: depth alone. WIRE: the lines of a wireframe, or the paper that hides those behind.
+// SNOW: with the snow of its map. IMAGE: in the colours of its bark's image. SHADOW: depth only. WIRE: the lines of a
+// wireframe, or the background that hides lines behind it.
 #ifndef SHADOW
 layout(location = 0) out vec4 color;
 #ifdef WIRE
@@ -24,7 +25,8 @@ in vec4 snow_noises;
 /// Share of the snow's own slopes that shows on limbs.
 const float kTwigRelief = 0.6;
 
-/// Light of the snow on the limb over that of its bark. Snow on its back, as maps may have it, is none of a limb's.
+/// Blends the light of the snow on the limb over its bark's. Limbs show no snow on their back, even if the map has
+/// some.
 vec3 with_snow(vec3 bare) {
   const vec3 limb = normalize(smooth_normal);
   const float depth =

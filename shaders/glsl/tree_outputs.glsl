@@ -1,8 +1,8 @@
-// What a vertex of a limb, tessellated or plain, hands on.
+// Outputs of a limb's vertex, tessellated or plain.
 //
-// CAPTURE: world positions to transform feedback. SHADOW: the sun's picture, of depth alone.
+// CAPTURE: world positions for transform feedback. SHADOW: shadow map, depth only.
 
-/// Plain and tessellated patches meet: both programs compute it to the same bits.
+/// Plain and tessellated patches share edges: both programs must compute the same bits.
 invariant gl_Position;
 #ifdef CAPTURE
 layout(xfb_buffer = 0, xfb_offset = 0, xfb_stride = 12) out vec3 captured;
@@ -18,7 +18,7 @@ out vec3 image_place;
 #endif
 #ifdef SNOW
 #ifndef WIRE
-/// Where the snow is on its map, and the bark in the rest pose.
+/// Coordinates on the snow map, and the bark's in the rest pose.
 out vec2 snow_place;
 out vec3 rest_place;
 /// See limb_noise.

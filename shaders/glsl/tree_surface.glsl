@@ -1,7 +1,7 @@
 // The tree's surface: vertices from their pose, points of edges from the edge's record alone (both faces of an edge
-// find the same bits), points within a patch from the patch.
+// compute the same bits), points within a patch from the patch.
 //
-// SNOW: the map's snow lies on the bark.
+// SNOW: includes the map's snow on the bark.
 #include "glsl/bark.glsl"
 #include "glsl/tree_view.glsl"
 #include "lib/limb_section.h"
@@ -16,11 +16,11 @@ layout(std430) readonly buffer TreeEdges { TreeEdge edges[]; };
 layout(std430) readonly buffer TreePatches { TreePatch patches[]; };
 
 struct SurfacePoint {
-  /// Posed, on the bark.
+  /// Posed, including bark.
   vec3 position;
-  /// Posed, of the limb without its bark.
+  /// Posed, of the limb without bark.
   vec3 normal;
-  /// Circumference of the limb, and how far its bark rises and falls (m).
+  /// Circumference of the limb, and amplitude of its bark (m).
   vec2 limb;
   /// In the rest pose, without bark.
   vec3 rest;
@@ -28,7 +28,7 @@ struct SurfacePoint {
   vec4 noise;
 };
 
-/// What a point of the rest pose is made of.
+/// A point in the rest pose.
 struct RestPoint {
   vec3 position;
   vec3 normal;
@@ -42,7 +42,8 @@ struct RestPoint {
   vec4 row_z;
 };
 
-/// Poses a point and lays bark on it. Vertices of the tessellation are a few pixels apart, so many lie round it.
+/// Poses a point and adds bark. Tessellated vertices are a few pixels apart, which gives the number of samples around
+/// the limb.
 SurfacePoint on_bark(RestPoint rest) {
   const vec4 p = vec4(rest.position, 1.0);
   precise vec3 bare = vec3(dot(rest.row_x, p), dot(rest.row_y, p), dot(rest.row_z, p));
@@ -74,7 +75,7 @@ SurfacePoint vertex_point(int index) {
   return SurfacePoint(vec3(at.position), vec3(at.normal), vec2(at.normal.w, at.position.w), rest, noise);
 }
 
-/// The point at a share t, within 0 and 1, from an edge's first to its last vertex.
+/// The point at fraction t, within 0 and 1, between an edge's first and last vertex.
 SurfacePoint edge_point(int index, float t) {
   const TreeEdge edge = edges[index];
   const TreeVertex a = vertices[edge.ends.x];
@@ -112,12 +113,12 @@ vec4 bilinear(vec4 a, vec4 b, vec4 c, vec4 d, vec2 at) {
   return mix(mix(a, b, at.x), mix(d, c, at.x), at.y);
 }
 
-/// Coordinates within a patch from those of corners 0 and 1, 2 and 3.
+/// Interpolates coordinates within a patch from corners 0 and 1, 2 and 3.
 vec2 patch_uv(vec4 uv_01, vec4 uv_23, vec2 at) {
   return mix(mix(uv_01.xy, uv_01.zw, at.x), mix(uv_23.zw, uv_23.xy, at.x), at.y);
 }
 
-/// The bark's coordinates, those of the patch's own side of a seam.
+/// The bark's coordinates on the patch's own side of a seam.
 vec2 patch_bark_uv(TreePatch of, vec2 at) {
   return patch_uv(of.bark_uv_01, of.bark_uv_23, at);
 }

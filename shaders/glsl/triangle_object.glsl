@@ -1,6 +1,6 @@
 #pragma once
 
-// Whose triangle it is.
+// The object of a triangle.
 
 #include "../lib/kernel.h"
 #include "../lib/snow_shared.h"

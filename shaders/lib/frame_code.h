@@ -1,9 +1,9 @@
 #pragma once
 
-// How a picture's linear light travels as 24 bits in the float of a one-channel texture: 0x3F000000 + red, green and
-// blue of 8 bits each, red highest. As floats these are 0.5 to 2, never a NaN or denormal that a driver would change on
-// the way. A channel of 8 bits holds 255 * (c / (1 + c))^(1 / 2.2): steps of about 2 % from dark to dazzling, as sRGB's,
-// but with room for light over 1, which view transforms show. addon/snowbough/realtime/frame_code.py takes them apart.
+// Encoding of a picture's linear light as 24 bits in the float of a one-channel texture: 0x3F000000 + red, green and
+// blue of 8 bits each, red highest. As floats these are 0.5 to 2, never a NaN or denormal that a driver would change.
+// An 8-bit channel holds 255 * (c / (1 + c))^(1 / 2.2): steps of about 2 % over the whole range, as in sRGB, but with
+// room for light over 1, which view transforms show. addon/snowbough/realtime/frame_code.py decodes them.
 #include "shared_functions.h"
 #include "shared_types.h"
 
@@ -13,11 +13,11 @@ namespace snowbough::shared {
 
 const uint kFrameBits = 0x3F000000u;
 const float kFrameGamma = 2.2f;
-/// The highest byte: 255 would be light without end.
+/// The highest byte: 255 would be infinite light.
 const float kFrameHighest = 254.0f;
 const float kFrameMostLight = 1e6f;
 
-/// 0 to 1, even over each 8 x 8 pixels: what is added before rounding down, so that slow gradients do not show bands.
+/// 0 to 1, evenly distributed over each 8 x 8 pixels: added before rounding down, so that slow gradients show no bands.
 /// Source: B. E. Bayer, An Optimum Method for Two-Level Rendition of Continuous-Tone Pictures, 1973.
 SNOWBOUGH_SHARED_FUNCTION float frame_dither(uint x, uint y) {
   uint rank = 0u;

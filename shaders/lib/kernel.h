@@ -1,29 +1,28 @@
 #pragma once
 
-// What lets one source be a part of a GLSL shader and of a C++ class, so that a pass's arithmetic is written once
-// for both engines; see native/snow/step/cpu/kernel.h. In C++ the inputs are members, views are pointers, and
-// KERNEL_VIEW's formats are the elements that texelFetch returns. Such a source gives every number of type float
-// its f, builds short vectors from long ones by their constructors instead of swizzles, and has no parameters but
-// plain inputs. Why views are buffer textures: CONTRIBUTING.md, "Writing shaders for software renderers".
+// Macros that let one source be a part of a GLSL shader and of a C++ class, so that a pass's arithmetic is written once
+// for both engines; see native/snow/step/cpu/kernel.h. In C++ inputs are members, views are pointers, and the formats
+// in KERNEL_VIEW are the elements that texelFetch returns. Such a source writes float literals with f, builds short
+// vectors from long ones by constructors instead of swizzles, and has only plain input parameters. Why views are buffer
+// textures: CONTRIBUTING.md, "Writing shaders for software renderers".
 #ifdef SNOWBOUGH_GLSL
 #define KERNEL_CONSTANT const
-/// A struct of that many members.
+/// A struct of so many members.
 #define KERNEL_MAKE2(type, a, b) type(a, b)
 #define KERNEL_MAKE3(type, a, b, c) type(a, b, c)
 #define KERNEL_MAKE4(type, a, b, c, d) type(a, b, c, d)
 #define KERNEL_MAKE5(type, a, b, c, d, e) type(a, b, c, d, e)
-/// What was found last, by two numbers, for a kernel that asks for it again: neighbouring texels lie in the
-/// same triangle.
+/// Caches the last result by a key of two numbers: neighbouring texels often lie in the same triangle.
 #define KERNEL_MEMO(type, name)
 #define KERNEL_MEMOIZED(name, key, found) found
 #define KERNEL_CONST_REF(type) const type
-/// A shader's variants have all of their blocks bound, a kernel's may be null.
+/// A shader's variants have all blocks bound; a kernel's may be null.
 #define KERNEL_IS_BOUND(name) true
 #define KERNEL_UNIFORM(type, name) uniform type name
 #define KERNEL_UNIFORM_BLOCK(block, type, name) layout(std140) uniform block { type name; }
 #define KERNEL_BLOCK(block, type, name) layout(std430) buffer block { type name[]; }
 #define KERNEL_BLOCK_WRITEONLY(block, type, name) layout(std430) writeonly buffer block { type name[]; }
-/// A buffer texture of one to four numbers an element; OpenGL 4.1 has no storage blocks.
+/// A buffer texture with one to four numbers per element; OpenGL 4.1 has no storage blocks.
 #define KERNEL_VIEW_R32UI(name) uniform usamplerBuffer name
 #define KERNEL_VIEW_RG32UI(name) uniform usamplerBuffer name
 #define KERNEL_VIEW_RGBA32UI(name) uniform usamplerBuffer name

@@ -1,6 +1,6 @@
 #pragma once
 
-// How points of the four-sided base come to lie on the limbs' round surface, as those of the subdivided meshes do
+// Projection of points of the four-sided base onto the limbs' round surface, as for the subdivided meshes
 // (native/tree/mesh/lod.h).
 #include "shared_functions.h"
 #include "tree_shared.h"
@@ -16,8 +16,8 @@ SNOWBOUGH_SHARED_FUNCTION float limb_radius(KERNEL_CONST_REF(TreeSection) sectio
   return section.radii.x + (section.radii.y - section.radii.x) * t;
 }
 
-/// p put on a section's radius: the nearest point on its infinite line plus the radius along the offset. Points on the
-/// line stay, and a section that leaves a hole becomes round over its first width only.
+/// Projects p onto a section's radius: the nearest point on its infinite line plus the radius along the offset. Points
+/// on the line stay, and a section that starts at a hole becomes round only over its first width.
 /// Source: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, eq. 3.4.2.
 SNOWBOUGH_SHARED_FUNCTION vec3 on_limb(KERNEL_CONST_REF(TreeSection) section, vec3 p) {
   const vec3 begin = vec3(section.begin);
@@ -34,14 +34,13 @@ SNOWBOUGH_SHARED_FUNCTION vec3 on_limb(KERNEL_CONST_REF(TreeSection) section, ve
   return p + (round_point - p) * share;
 }
 
-/// Share of the way across a side of a limb, 0 to 1, at which the chord stands below the arc's share t: a quarter of
-/// a circle from -45 to 45 degrees, so that points on the arc are evenly apart.
+/// Position across a side of a limb, 0 to 1, at which the chord is below the arc's fraction t: a quarter circle from
+/// -45 to 45 degrees, so that points on the arc are evenly spaced.
 SNOWBOUGH_SHARED_FUNCTION float chord_share(float t) {
   return 0.5f + 0.5f * tan((2.0f * t - 1.0f) * 0.785398163f);
 }
 
-/// How much of the distance to a vertex is added at a share t from it, 1 to 0: nothing from the middle on, where the
-/// surface is the round one.
+/// Weight of the distance to a vertex at fraction t from it, 1 to 0: 0 from the middle on, where the surface is round.
 SNOWBOUGH_SHARED_FUNCTION float rest_share(float t) {
   const float left = max(1.0f - 2.0f * t, 0.0f);
   return left * left;

@@ -1,6 +1,6 @@
 #pragma once
 
-// A corner of a mesh that is drawn as it is, for C++ and GLSL.
+// A corner of a mesh that is drawn without tessellation, for C++ and GLSL.
 #include "shared_types.h"
 
 #ifndef SNOWBOUGH_GLSL

@@ -1,6 +1,6 @@
 #pragma once
 
-// How a receiver's balance opens and closes a step. For C++ and GLSL.
+// Opens and closes a receiver's balance for a step. For C++ and GLSL.
 #include "snow_shared.h"
 #include "shared_functions.h"
 
@@ -19,8 +19,7 @@ SNOWBOUGH_SHARED_FUNCTION ObjectSums opened(KERNEL_CONST_REF(ObjectSums) before)
   return sum;
 }
 
-/// The balance with its totals brought up to date. `back_pixels`: pixels of back faces, of
-/// `pixel_area` m2 each.
+/// The balance with its totals updated. `back_pixels`: pixels of back faces, of `pixel_area` m2 each.
 SNOWBOUGH_SHARED_FUNCTION ObjectSums closed(KERNEL_CONST_REF(ObjectSums) before, uint back_pixels,
                                             float pixel_area) {
   ObjectSums sum = before;

@@ -1,7 +1,7 @@
 #pragma once
 
-// What a triangle shows in a pixel of the grid: its snapped corners, its depth there, and whether an alpha image
-// cuts a hole. For C++ and GLSL.
+// A triangle in a pixel of the grid: its snapped corners, its depth, and whether an alpha image cuts a hole. For C++
+// and GLSL.
 #include "snow_shared.h"
 #include "shared_functions.h"
 
@@ -9,12 +9,12 @@
 namespace snowbough::shared {
 #endif
 
-/// Steps in which corners lie on the grid: every tile rasterises the same triangle, whatever its origin.
+/// Sub-pixel steps to which corners are snapped: every tile rasterises the same triangle, independent of its origin.
 KERNEL_CONSTANT float kStepsAPixel = 256.0f;
 
-/// A triangle's depth as a plane over the grid, the same for all of its pixels.
+/// A triangle's depth as a plane over the grid, the same for all its pixels.
 struct DepthPlane {
-  /// xy: first corner in local pixels, zw: depth that the plane gains in one pixel along the grid's axes.
+  /// xy: first corner in local pixels, zw: depth change of the plane per pixel along the grid's axes.
   vec4 corner_gradient;
   /// Depth at the first corner, smallest and largest depth, in metres along the fall.
   vec3 range;
@@ -22,7 +22,7 @@ struct DepthPlane {
   uint seen;
 };
 
-/// How an alpha image lies on a triangle.
+/// An alpha image on a triangle.
 struct AlphaPlane {
   /// First corner in the image.
   vec2 corner;
@@ -30,19 +30,19 @@ struct AlphaPlane {
   vec4 gradient;
 };
 
-/// A corner of the triangle set-up (xyz: local pixel and depth) on the steps of the grid.
+/// A corner of the triangle set-up (xyz: local pixel and depth), snapped to the grid's steps.
 SNOWBOUGH_SHARED_FUNCTION vec3 snapped(vec4 corner) {
   return vec3(floor(corner.x * kStepsAPixel + 0.5f) * (1.0f / kStepsAPixel),
               floor(corner.y * kStepsAPixel + 0.5f) * (1.0f / kStepsAPixel), corner.z);
 }
 
-/// Twice the area of a triangle in pixels, negative where it is turned away from the sky: the cross product of
-/// the grid's axes points to the sky, so faces turned there wind anticlockwise.
+/// Twice the area of a triangle in pixels, negative if it faces away from the sky: the cross product of the grid's axes
+/// points to the sky, so triangles that face it wind anticlockwise.
 SNOWBOUGH_SHARED_FUNCTION float area_in_pixels(vec3 a, vec3 b, vec3 c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// The depth of triangle number `index` by its snapped corners.
+/// The depth plane of triangle `index` from its snapped corners.
 SNOWBOUGH_SHARED_FUNCTION DepthPlane depth_plane(vec3 a, vec3 b, vec3 c, uint index) {
   const vec3 ab = b - a;
   const vec3 ac = c - a;
@@ -55,14 +55,14 @@ SNOWBOUGH_SHARED_FUNCTION DepthPlane depth_plane(vec3 a, vec3 b, vec3 c, uint in
                       (index + 1u) | (area > 0.0f ? 0u : kBackFace));
 }
 
-/// Depth in metres at `offset` (local pixels) from the plane's corner, never beyond that of the corners.
+/// Depth in metres at `offset` (local pixels) from the plane's corner, clamped to the range of the corners.
 SNOWBOUGH_SHARED_FUNCTION float depth_at(float offset_x, float offset_y, vec4 corner_gradient,
                                          vec3 range) {
   return clamp(range.x + offset_x * corner_gradient.z + offset_y * corner_gradient.w, range.y,
                range.z);
 }
 
-/// How an image lies on a triangle by its snapped corners.
+/// The mapping of an image onto a triangle from its snapped corners.
 SNOWBOUGH_SHARED_FUNCTION AlphaPlane alpha_plane(vec3 a, vec3 b, vec3 c, vec2 uv_a, vec2 uv_b,
                                                  vec2 uv_c) {
   const vec3 ab = b - a;
@@ -75,13 +75,12 @@ SNOWBOUGH_SHARED_FUNCTION AlphaPlane alpha_plane(vec3 a, vec3 b, vec3 c, vec2 uv
   return KERNEL_MAKE2(AlphaPlane, uv_a, area == 0.0f ? vec4(0.0f) : across / area);
 }
 
-/// Where a pixel lies in the image, `offset` (local pixels) from the first corner.
+/// Image coordinates of a pixel, `offset` (local pixels) from the first corner.
 SNOWBOUGH_SHARED_FUNCTION vec2 alpha_uv(float offset_x, float offset_y, vec2 corner, vec4 gradient) {
   return corner + offset_x * vec2(gradient.x, gradient.z) + offset_y * vec2(gradient.y, gradient.w);
 }
 
-/// Which bit of a mask decides at uv, the place in its image: that of the texel that uv lies in. kNowhere:
-/// there is none, and the surface is not there.
+/// The mask bit at uv: of the texel that contains it. kNowhere: none; snow falls through.
 SNOWBOUGH_SHARED_FUNCTION uint mask_bit(vec2 uv, KERNEL_CONST_REF(AlphaMaskPlace) mask) {
   if (mask.extension == kAlphaClip &&
       (min(uv.x, uv.y) < 0.0f || max(uv.x, uv.y) > 1.0f)) {
@@ -99,7 +98,7 @@ SNOWBOUGH_SHARED_FUNCTION uint mask_bit(vec2 uv, KERNEL_CONST_REF(AlphaMaskPlace
   return uint(texel.y * size.x + texel.x);
 }
 
-/// Whether a mask's bit, in its word, cuts a hole.
+/// Whether a mask's bit, in its word, is a hole.
 SNOWBOUGH_SHARED_FUNCTION bool is_hole(uint word, uint bit) {
   return ((word >> (bit & 31u)) & 1u) == 0u;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// The step's projection as the passes get it, and which of the grid's pixels give snow.
+// The step's projection for the passes, and which pixels of the grid give snow.
 #include "kernel.h"
 #include "snow_shared.h"
 
@@ -19,8 +19,8 @@ uvec3 pcg3d(uvec3 v) {
   return v;
 }
 
-/// Whether snow falls through a pixel of the grid in this step: with the probability of the noise density,
-/// by seed, step and grid pixel alone. WITHOUT_NOISE: for a density of 1.
+/// Whether a pixel of the grid gives snow in this step: with the probability of the noise density, from seed, step and
+/// grid pixel alone. WITHOUT_NOISE: for a density of 1.
 bool gives_snow(ivec2 local_pixel) {
 #ifdef WITHOUT_NOISE
   return true;
@@ -35,6 +35,6 @@ bool gives_snow(ivec2 local_pixel) {
 #endif
 }
 
-/// Thickness perpendicular to the fall that a pixel through which snow falls brings in this step: depth /
-/// |d.z|, so much more as fewer pixels do.
+/// Thickness, perpendicular to the fall, of the snow in a pixel that gives snow in this step: depth / |d.z|, divided by
+/// the fraction of pixels that do.
 float snow_thickness() { return snow_depth(projection) / min(noise_density(projection), 1.0f); }

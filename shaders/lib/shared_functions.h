@@ -1,8 +1,8 @@
 #pragma once
 
-// What lets C++ and GLSL compile the same functions: GLSL's own by the same names, and `inline`. Such a function
-// has plain inputs (KERNEL_CONST_REF for structs), gives every number of type float its f, and builds short
-// vectors from long ones by their constructors instead of swizzles.
+// Makes functions compile as C++ and GLSL: GLSL's functions under the same names, and `inline`. Such a function has
+// plain inputs (KERNEL_CONST_REF for structs), writes float literals with f, and builds short vectors from long ones by
+// constructors instead of swizzles.
 #include "kernel.h"
 #include "shared_types.h"
 

@@ -1,8 +1,8 @@
 #pragma once
 
-// What lets one header be compiled by C++ and GLSL: the vector types get the same names in both.
-// Structs in std430 storage blocks match C++ when they have only scalars, vec2 and vec4 members
-// that fill whole 16-byte rows (never a bare vec3); their sizes are asserted beside them.
+// Makes a header compile as C++ and GLSL: the vector types get the same names in both. Structs in std430 storage blocks
+// match C++ if they have only scalars, vec2 and vec4 members that fill whole 16-byte rows (never a bare vec3); their
+// sizes are asserted beside them.
 #ifdef SNOWBOUGH_GLSL
 #define SNOWBOUGH_SHARED_SIZE(type, bytes)
 #else

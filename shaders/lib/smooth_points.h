@@ -1,10 +1,10 @@
 #pragma once
 
-// What falls on a surface that is shaded smooth, at its smooth points: the corners that share a normal. Thickness
-// is interpolated between them, so that it shows no facets, and what falls on the flat triangles lies on the smooth
-// surface in sum: each triangle shares its snow out among its three points, by how far their smooth normals face the
-// fall, and a point spreads what it gets over its third of the triangles around it. Sums of a triangle alone cannot
-// be kept without terraces: the two halves of a quad of a ball are equally steep, and hold different amounts.
+// Snow on smooth-shaded surfaces, at their smooth points: the corners that share a normal. Thickness is interpolated
+// between them, so that it shows no facets, and the total on the smooth surface equals the total on the flat triangles:
+// each triangle distributes its snow to its three points, by how far their smooth normals face the fall, and a point
+// spreads its snow over its third of the triangles around it. Keeping the sum per triangle would show terraces: the two
+// halves of a quad of a ball are equally steep, and hold different amounts.
 #include "facing.h"
 #include "kernel.h"
 #include "projection_frame.h"
@@ -14,21 +14,22 @@
 KERNEL_VIEW_RGB32F(positions);
 /// A SceneTriangle each.
 KERNEL_VIEW_RGBA32UI(triangles);
-/// The smooth points at every triangle's corners, kNowhere where it is shaded flat.
+/// The smooth points at every triangle's corners, kNowhere if it is shaded flat.
 KERNEL_VIEW_RGBA32UI(triangle_points);
 /// The corners (3 * triangle + corner) of point p: [point_begin[p], point_begin[p + 1]) of point_corners.
 KERNEL_VIEW_R32UI(point_begin);
 KERNEL_VIEW_R32UI(point_corners);
 /// See TriangleSetup.
 KERNEL_VIEW_RGBA32F(triangle_surface);
-/// Per point: its smooth normal, as smooth_normal finds it.
+/// Per point: its smooth normal from smooth_normal.
 KERNEL_VIEW_RGBA32F(point_normals);
 
-/// What a corner counts that does not face the fall by its smooth normal.
+/// Weight of a corner whose smooth normal does not face the fall.
 KERNEL_CONSTANT float kLeastShare = 1e-4f;
 
-/// The angle whose sine and cosine are in this proportion, 0 to pi; `sine` is not negative. Within 1e-5: M. Abramowitz,
-/// I. A. Stegun, Handbook of Mathematical Functions, 4.4.49. Written out so that every driver finds the same.
+/// The angle with this sine and cosine, up to a common factor, 0 to pi; `sine` is not negative. Within 1e-5: M.
+/// Abramowitz, I. A. Stegun, Handbook of Mathematical Functions, 4.4.49. Written out so that every driver gives the
+/// same result.
 float angle_of(float sine, float cosine) {
   const float high = max(sine, abs(cosine));
   if (!(high > 0.0f)) {
@@ -44,7 +45,7 @@ float angle_of(float sine, float cosine) {
 vec3 position_of(uint vertex) { return vec3(texelFetch(positions, int(vertex))); }
 
 vec3 unit_or_zero(vec3 v) {
-  // Scaled first: the square of a very short edge is out of float's range.
+  // Scaled first: the square of a very short edge underflows.
   const float scale = max(abs(v.x), max(abs(v.y), abs(v.z)));
   return scale > 0.0f ? normalize(v / scale) : vec3(0.0f);
 }
@@ -61,8 +62,8 @@ vec3 corner_normal(uint corner) {
   return sine > 0.0f ? across * (angle_of(sine, dot(after, before)) / sine) : vec3(0.0f);
 }
 
-/// The unit normal of a smooth point: the mean of its triangles', weighted by their angles at it. Source: G. Thuermer,
-/// C. A. Wuethrich, Computing Vertex Normals from Polygonal Facets, Journal of Graphics Tools 3(1), 1998.
+/// The unit normal of a smooth point: the mean of its triangles' normals, weighted by their angles there. Source: G.
+/// Thuermer, C. A. Wuethrich, Computing Vertex Normals from Polygonal Facets, Journal of Graphics Tools 3(1), 1998.
 vec4 smooth_normal(int point) {
   const int end = int(texelFetch(point_begin, point + 1).x);
   vec3 sum = vec3(0.0f);
@@ -72,13 +73,13 @@ vec4 smooth_normal(int point) {
   return vec4(unit_or_zero(sum), 0.0f);
 }
 
-/// How far a point's normal, turned to the side that faces the sky, faces the fall.
+/// Cosine between a point's normal, turned to the side that faces the sky, and the direction to the sky.
 float facing_of(uint point, float side) {
   const vec3 normal = vec3(texelFetch(point_normals, int(point)));
   return max(0.0f, -side * dot(normal, vec3(projection.direction))) + kLeastShare;
 }
 
-/// Which part of what falls on a triangle a corner gets.
+/// The part of a triangle's snow that a corner gets.
 float corner_share(uint corner, float side) {
   const uvec4 points = uvec4(texelFetch(triangle_points, int(corner / 3u)));
   const float a = facing_of(points.x, side);
@@ -88,8 +89,8 @@ float corner_share(uint corner, float side) {
   return (k == 0u ? a : k == 1u ? b : c) / (a + b + c);
 }
 
-/// What lies at a smooth point where it sees all of the sky: thickness on the front (x) and on the back (y) of the
-/// triangles there, as part of what lies across the fall, 0 to 3; the upward part of the front's normal (z).
+/// Snow at a smooth point under open sky: thickness on the front (x) and back (y) of its triangles, relative to the
+/// thickness perpendicular to the fall, 0 to 3; the upward part of the front's normal (z).
 vec4 smooth_point(int point) {
   const int end = int(texelFetch(point_begin, point + 1).x);
   vec2 falls = vec2(0.0f);

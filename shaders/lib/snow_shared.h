@@ -1,6 +1,6 @@
 #pragma once
 
-// What the snow passes read and write on the GPU, declared once for C++ and GLSL.
+// Data that the snow passes read and write on the GPU, declared once for C++ and GLSL.
 #include "shared_functions.h"
 #include "shared_types.h"
 
@@ -8,8 +8,8 @@
 namespace snowbough::shared {
 #endif
 
-/// A triangle of the scene: its vertices in the scene's position buffer, and its object's slot with
-/// kReceives set when that object gathers snow and kTwoSided when the triangle does so on both sides.
+/// A triangle of the scene: its vertices in the scene's position buffer, and its object's slot, with kReceives if the
+/// object gathers snow and kTwoSided if the triangle does so on both sides.
 struct SceneTriangle {
   uint a;
   uint b;
@@ -18,7 +18,7 @@ struct SceneTriangle {
 };
 SNOWBOUGH_SHARED_SIZE(SceneTriangle, 16)
 
-/// How a receiver's triangle lies on its map. `home` and `chart` are for GEOMETRY only.
+/// A receiver's triangle on its map. `home` and `chart` are only for GEOMETRY.
 struct MapTriangle {
   vec2 uv_a;
   vec2 uv_b;
@@ -30,7 +30,7 @@ struct MapTriangle {
 };
 SNOWBOUGH_SHARED_SIZE(MapTriangle, 32)
 
-/// How a triangle lies on the image whose alpha cuts holes into it.
+/// A triangle on the image whose alpha cuts holes into it.
 struct AlphaTriangle {
   vec2 uv_a;
   vec2 uv_b;
@@ -41,7 +41,7 @@ struct AlphaTriangle {
 };
 SNOWBOUGH_SHARED_SIZE(AlphaTriangle, 32)
 
-/// An alpha mask among all masks' bits.
+/// An alpha mask in the buffer of all masks' bits.
 struct AlphaMaskPlace {
   uint first_word;
   uint width;
@@ -51,10 +51,10 @@ struct AlphaMaskPlace {
 };
 SNOWBOUGH_SHARED_SIZE(AlphaMaskPlace, 16)
 
-/// A part of a triangle that a texel holds.
+/// The part of a triangle in a texel.
 struct Fragment {
   uint triangle;
-  /// Of the triangle's area, 0 to 1.
+  /// Fraction of the triangle's area, 0 to 1.
   float share;
   /// Weights of the triangle's second and third corner at the part's centroid.
   float weight_b;
@@ -62,39 +62,39 @@ struct Fragment {
 };
 SNOWBOUGH_SHARED_SIZE(Fragment, 16)
 
-/// What a step finds out about a texel.
+/// A texel's data in a step.
 struct TexelStep {
-  /// What falls on it, in units of the step's thickness perpendicular to the fall / kGainUnits: a texel
-  /// that faces the fall and is seen as a whole gains kGainUnits. Integers, so that the sum over tiles does
-  /// not depend on how they were cut. With kBackSide where it falls on the back; with kMixedSides what falls on
-  /// front and back lies in kMixedBits each, in units of 1 / kMixedUnits.
+  /// Gained snow, in units of the step's thickness perpendicular to the fall / kGainUnits: a fully visible texel that
+  /// faces the fall gains kGainUnits. Integers, so that the sum over tiles does not depend on their layout. kBackSide:
+  /// the snow falls on the back. kMixedSides: the front's and the back's gain take kMixedBits each, in units of 1 /
+  /// kMixedUnits.
   uint gain;
   /// Covered area in m2.
   float area;
   /// Upward part of the normal, 1 on level ground.
   float up;
-  /// The same of the back's normal, of what is two-sided; 0 where nothing is.
+  /// The same of the back's normal for two-sided parts; 0 without any.
   float back_up;
 };
 SNOWBOUGH_SHARED_SIZE(TexelStep, 16)
 
-/// What the sky sees in a pixel.
+/// The surface that the sky sees in a pixel.
 struct SeenPixel {
-  /// 1 + triangle with kBackFace, 0 = nothing.
+  /// 1 + triangle with kBackFace, 0 = none.
   uint triangle;
-  /// In metres along the fall; kOpenSky where there is nothing.
+  /// In metres along the fall; kOpenSky without a surface.
   float depth;
 };
 SNOWBOUGH_SHARED_SIZE(SeenPixel, 8)
 
-/// How one step is projected: the direction of the fall and the grid across it. Local pixels are counted from the grid pixel `base`, so that floats stay
-/// exact far away from the world's origin.
+/// The projection of one step: the direction of the fall and the grid perpendicular to it. Local pixels are counted
+/// from the grid pixel `base`, so that floats stay exact far from the world's origin.
 struct ProjectionFrame {
   /// xyz: a point near the scene's middle, subtracted first.
   vec4 anchor;
-  /// xy: where in its cell a texel's samples lie in this step, 0 to 1.
+  /// xy: position of a texel's samples in their cell in this step, 0 to 1.
   vec4 sampling;
-  /// xyz: the grid's axes divided by the pixel size; w: the anchor's place in local pixels.
+  /// xyz: the grid's axes divided by the pixel size; w: the anchor in local pixels.
   vec4 grid_x;
   vec4 grid_y;
   /// xyz: the unit direction of the fall; w: pixel size in metres.
@@ -113,11 +113,11 @@ SNOWBOUGH_SHARED_SIZE(ProjectionFrame, 112)
 SNOWBOUGH_SHARED_FUNCTION float pixel_size(KERNEL_CONST_REF(ProjectionFrame) frame) {
   return frame.direction.w;
 }
-/// Where the anchor lies, in local pixels.
+/// The anchor in local pixels.
 SNOWBOUGH_SHARED_FUNCTION vec2 anchor_pixel(KERNEL_CONST_REF(ProjectionFrame) frame) {
   return vec2(frame.grid_x.w, frame.grid_y.w);
 }
-/// Where in its cell a texel's sample lies in this step, 0 to 1.
+/// Position of a texel's samples in their cell in this step, 0 to 1.
 SNOWBOUGH_SHARED_FUNCTION vec2 cell_shift(KERNEL_CONST_REF(ProjectionFrame) frame) {
   return vec2(frame.sampling.x, frame.sampling.y);
 }
@@ -129,16 +129,16 @@ SNOWBOUGH_SHARED_FUNCTION float least_depth(KERNEL_CONST_REF(ProjectionFrame) fr
 SNOWBOUGH_SHARED_FUNCTION float one_over_depth(KERNEL_CONST_REF(ProjectionFrame) frame) {
   return frame.range.y;
 }
-/// Thickness perpendicular to the fall that a step brings in the mean, in metres.
+/// Mean thickness in metres, perpendicular to the fall, of a step's snow.
 SNOWBOUGH_SHARED_FUNCTION float snow_depth(KERNEL_CONST_REF(ProjectionFrame) frame) {
   return frame.range.z;
 }
-/// Probability, 0 to 1, with which snow falls through a pixel.
+/// Probability, 0 to 1, that a pixel receives snow.
 SNOWBOUGH_SHARED_FUNCTION float noise_density(KERNEL_CONST_REF(ProjectionFrame) frame) {
   return frame.range.w;
 }
 
-/// The arguments of a dispatch as OpenGL reads them, and the end of their row.
+/// Arguments of an indirect dispatch as OpenGL reads them, padded to a row.
 struct DispatchIndirectArgs {
   uint groups_x;
   uint groups_y;
@@ -147,15 +147,15 @@ struct DispatchIndirectArgs {
 };
 SNOWBOUGH_SHARED_SIZE(DispatchIndirectArgs, 16)
 
-/// The head of a list of groups of texels that a pass works on; their numbers follow. `blocks`: an
-/// invocation a texel, kBlocksAGroup work groups each; `whole`: one work group each. groups_y counts them.
+/// Header of a list of groups of texels for a pass; the group numbers follow. `blocks`: one invocation per texel,
+/// kBlocksAGroup work groups per group; `whole`: one work group per group. groups_y counts the groups.
 struct GroupListHeader {
   DispatchIndirectArgs blocks;
   DispatchIndirectArgs whole;
 };
 SNOWBOUGH_SHARED_SIZE(GroupListHeader, 32)
 
-/// Which work groups of a batch hold an object's texels.
+/// The work groups of a batch that hold an object's texels.
 struct StatisticsSegment {
   uint slot;
   uint first_group;
@@ -166,15 +166,15 @@ SNOWBOUGH_SHARED_SIZE(StatisticsSegment, 16)
 
 /// One receiver's balance. Volumes in m3.
 struct ObjectSums {
-  /// Of the last step. `held_before` is what lay there when it began, measured then.
+  /// Of the last step. `held_before`: volume at its start, on the surface of that moment.
   double deposited;
   double slid;
   double held;
   double held_before;
-  /// Perpendicular to the fall, in m2: seen by the sky, of front and of back faces.
+  /// Area seen by the sky, perpendicular to the fall, in m2: of front and of back faces.
   double visible_area;
   double back_face_area;
-  /// Of all steps. `total_stretched` is the change of volume by stretching surfaces.
+  /// Of all steps. `total_stretched`: change of volume from stretching surfaces.
   double total_deposited;
   double total_slid;
   double total_stretched;
@@ -185,41 +185,41 @@ SNOWBOUGH_SHARED_SIZE(ObjectSums, 128)
 
 const uint kReceives = 0x80000000u;
 const uint kTwoSided = 0x40000000u;
-/// What is left of a SceneTriangle's `object` without them: the slot.
+/// Mask for the slot in a SceneTriangle's `object`.
 const uint kSlotBits = 0x3FFFFFFFu;
-/// In a TexelStep's gain, which is less than these: no texel gains more than 3 * kGainUnits.
+/// Flags in a TexelStep's gain; gains stay below them: no texel gains more than 3 * kGainUnits.
 const uint kBackSide = 0x80000000u;
 const uint kMixedSides = 0x40000000u;
 const uint kMixedBits = 15u;
 const uint kMixedMask = (1u << kMixedBits) - 1u;
 const float kMixedUnits = 4096.0f;
 const uint kNowhere = 0xFFFFFFFFu;
-/// How an alpha image goes on beyond 0 to 1.
+/// Extension of an alpha image beyond 0 to 1.
 const uint kAlphaRepeat = 0u;
 const uint kAlphaMirror = 1u;
 const uint kAlphaExtend = 2u;
 const uint kAlphaClip = 3u;
 const uint kBackFace = 0x80000000u;
-/// Deeper than anything.
+/// Deeper than any surface.
 const float kOpenSky = 3e38f;
 /// See TexelStep::gain.
 const float kGainUnits = 268435456.0f;
-/// Pixels on every side of a tile that its neighbours own: what lies at its edge looks at them, too.
+/// Margin of a tile in pixels: points at its edge also sample these pixels of its neighbours.
 const int kTileMargin = 1;
-/// Texels a work group handles; an object's texels begin at a multiple of it.
+/// Texels of a group; an object's texels begin at a multiple of it.
 const uint kTexelGroup = 1024u;
-/// Invocations of a work group, and how many such blocks make a group of texels.
+/// Work-group size, and number of such blocks in a group of texels.
 const uint kBlock = 64u;
 const uint kBlocksAGroup = kTexelGroup / kBlock;
-/// Where the numbers begin in a list of groups.
+/// Position of the group numbers in a list of groups.
 const uint kGroupListBegin = 8u;
 /// A group's state: snow lies on one of its texels.
 const uint kHoldsSnow = 1u;
-/// Work groups in one direction that OpenGL promises for a dispatch.
+/// Maximum number of work groups in one dimension that OpenGL guarantees.
 const uint kMostGroups = 65535u;
 /// Largest LOCAL_SIZE, see native/snow/step/gl/driver.h.
 const uint kMaxLocalSize = 64u;
-/// Pixels of a row that a work group takes.
+/// Pixels of a row per work group.
 const uint kRowRun = 1024u;
 
 #ifndef SNOWBOUGH_GLSL

@@ -1,6 +1,6 @@
 #pragma once
 
-// Into how many parts an edge of a base is cut.
+// Tessellation levels of a base edge.
 #include "shared_functions.h"
 #include "tree_shared.h"
 
@@ -25,8 +25,8 @@ SNOWBOUGH_SHARED_FUNCTION float thesis_snow_level(float up, float area, float fa
   return clamp(max(up, 0.0f) * factor * 0.25f * area, 1.0f, highest);
 }
 
-/// The level at which parts of an edge cover `target` pixels: its length with the bark's rise and fall (m), seen
-/// broadside on, so that it does not change as the view turns.
+/// The level at which the parts of an edge cover `target` pixels: its length plus the bark's displacement (m), seen
+/// perpendicular, so that it does not change as the view turns.
 SNOWBOUGH_SHARED_FUNCTION float screen_level(float away, float edge_length, float bark, float pixels_at_one_metre,
                                              float target, float highest) {
   const float whole = edge_length + 2.0f * bark;
@@ -34,12 +34,12 @@ SNOWBOUGH_SHARED_FUNCTION float screen_level(float away, float edge_length, floa
   return clamp(pixels / target, 1.0f, highest);
 }
 
-/// Share of the target by which a limb's outline may stray from its circle, in pixels.
+/// Maximum deviation of a limb's outline from its circle, as a fraction of the target, in pixels.
 const float kOutlineShare = 0.025f;
 
-/// The level at which a quarter of a limb's circle, seen from the side, strays from its chords by no more than
-/// `kOutlineShare` of the target: the largest distance of a chord that spans an angle 2 a is radius * (1 - cos(a)).
-/// `chord`: from a quarter's begin to its end (m), bark and snow included: what swells a limb needs parts as well.
+/// The level at which a quarter of a limb's circle, seen from the side, deviates from its chords by at most
+/// `kOutlineShare` of the target: a chord that spans an angle 2 a deviates by radius * (1 - cos(a)). `chord`: length
+/// from a quarter's beginning to its end (m), including bark and snow.
 SNOWBOUGH_SHARED_FUNCTION float outline_level(float away, float chord, float pixels_at_one_metre, float target,
                                               float highest) {
   const float radius = 0.70710678f * chord;
@@ -48,7 +48,7 @@ SNOWBOUGH_SHARED_FUNCTION float outline_level(float away, float chord, float pix
   return clamp(0.78539816f / acos(max(1.0f - strays, 0.0f)), 1.0f, highest);
 }
 
-/// Whether patches of a branch level are left out at a distance: levels over 1 beyond
+/// Whether patches of a branch level are dropped at a distance: levels over 1 beyond
 /// Mtd * levels * (1 - level / levels). Source as above.
 SNOWBOUGH_SHARED_FUNCTION bool is_level_too_far(float away, float branch_level, vec4 thesis) {
   return branch_level > 1.0f && away > thesis.x * thesis.z * (1.0f - branch_level / thesis.z);

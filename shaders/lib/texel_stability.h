@@ -1,25 +1,25 @@
 #pragma once
 
-// Adds a texel's deposit of the step to its height, on the side on which it falls, and lets slide what the slope
-// cannot hold: equation 4.2.2 of D. T. Reynolds, Real-Time Rendering and Simulation of Trees and Snow, 2014, solved in
-// closed form, so that the result does not depend on the length of a step.
+// Adds a texel's deposit of the step to its height, on the side on which it falls, and lets snow beyond the slope's
+// capacity slide: equation 4.2.2 of D. T. Reynolds, Real-Time Rendering and Simulation of Trees and Snow, 2014, solved
+// in closed form, so that the result does not depend on the length of a step.
 #include "kernel.h"
 #include "snow_shared.h"
 
-/// Metres that a texel which gains kGainUnits is given: the step's thickness perpendicular to the fall.
+/// Thickness in metres of a gain of kGainUnits: the step's thickness perpendicular to the fall.
 KERNEL_UNIFORM(float, full_gain);
 KERNEL_UNIFORM(float, max_depth);
 /// Seconds; the half-life is positive.
 KERNEL_UNIFORM(float, dt);
 KERNEL_UNIFORM(float, half_life);
 
-/// (1 - 2^(-t / half_life)) / (t ln 2 / half_life): the part of a steady deposit that stays.
+/// (1 - 2^(-t / half_life)) / (t ln 2 / half_life): the fraction of a steady deposit that stays.
 float staying_part(float t, float halving) {
   const float x = 0.69314718f * t / halving;
   return x < 1e-2f ? 1.0f - x * (0.5f - x * (1.0f / 6.0f - x / 24.0f)) : (1.0f - exp(-x)) / x;
 }
 
-/// Parts of the whole step: of what is too much, that slides off; of a steady deposit, that stays.
+/// Fractions for the whole step: of the excess that slides off; of a steady deposit that stays.
 struct WholeStep {
   float slides;
   float stays;
@@ -29,7 +29,7 @@ WholeStep whole_step() {
   return KERNEL_MAKE2(WholeStep, 1.0f - exp2(-dt / half_life), staying_part(dt, half_life));
 }
 
-/// Whether all of it stays: what lies there and what comes. `up`: upward part of the normal.
+/// True if old plus new snow stays within the slope's capacity. `up`: upward part of the normal.
 bool keeps_all(float height, float deposit, float up) {
   const float capacity = height + deposit == 0.0f ? 1.0f : max_depth * up;
   return height < capacity && height + deposit <= capacity;
@@ -37,29 +37,29 @@ bool keeps_all(float height, float deposit, float up) {
 
 float stable_height(float height, float deposit, float capacity, WholeStep whole) {
   if (height >= capacity) {
-    // What goes is taken from the height, not what stays added to the capacity: beside a capacity of
-    // metres past vertical a float would round the height away.
+    // Subtracts from the height instead of adding to the capacity: a capacity of minus several metres, past vertical,
+    // would round the height away.
     return max(0.0f, height - (height - capacity) * whole.slides + deposit * whole.stays);
   }
   const float after_crossing = 1.0f - (capacity - height) / deposit;
   return capacity + deposit * after_crossing * staying_part(dt * after_crossing, half_life);
 }
 
-/// A texel that gains less than this of what it would across the fall and under open sky gains nothing: the
-/// veil that steep faces would get from pixels at their edge.
+/// A texel with less than this fraction of a full gain gains nothing: it removes the veil that steep faces would get
+/// from pixels at their edge.
 KERNEL_CONSTANT float kLeastGain = 0.005f;
 
-/// What a gain is worth in metres; `gain`: as part of what falls across the fall under open sky.
+/// Thickness in metres of a gain; `gain`: relative to a full gain.
 float worth_of(float gain) { return gain < kLeastGain ? 0.0f : gain * full_gain; }
 
-/// Whether a texel gains on its front only.
+/// Whether a texel gains only on its front.
 bool gains_in_front(uint gain) { return (gain & (kBackSide | kMixedSides)) == 0u; }
 
-/// Thickness in metres that it is given then.
+/// Thickness in metres of such a gain.
 float front_deposit(uint gain) { return worth_of(float(int(gain)) * (1.0f / kGainUnits)); }
 
-/// Thickness in metres that a step brings, negative on the back. Where it falls on both sides, all of it lies on the
-/// one that gets more.
+/// Thickness in metres of a step's deposit, negative on the back. If snow falls on both sides, all of it lies on the
+/// side with more.
 float deposit_of(uvec4 step) {
   float gain = float(step.x & ~(kBackSide | kMixedSides)) * (1.0f / kGainUnits);
   bool is_back = (step.x & kBackSide) != 0u;
@@ -72,25 +72,25 @@ float deposit_of(uvec4 step) {
   return is_back ? -worth_of(gain) : worth_of(gain);
 }
 
-/// What a step does to a texel.
+/// Result of a step for a texel.
 struct StableTexel {
   /// Negative on the back.
   float height;
-  /// What it adds to the step's sums: deposited, slid and held volume in m3, visible area in m2.
+  /// Contribution to the step's sums: deposited, slid and held volume in m3, visible area in m2.
   vec4 sums;
 };
 
-/// The side that snow lies on, 1 = front, -1 = back.
+/// The side on which snow lies, 1 = front, -1 = back.
 float side_of(float height) { return height < 0.0f ? -1.0f : 1.0f; }
 
 /// Upward part of the normal on a side of the texel.
 float up_on(float side, uvec4 step) { return uintBitsToFloat(side < 0.0f ? step.w : step.z); }
 
-/// Which part of the sky a texel saw that was given so much, times how far it faces the fall.
+/// The fraction of the sky that a texel with this deposit saw, times the cosine to the fall.
 float visible_part(float deposit) { return full_gain > 0.0f ? deposit / full_gain : 0.0f; }
 
-/// `height` and `deposit` are negative on the back. A texel holds snow on one side: where it falls on the other side
-/// than it lies on, that side keeps what it has or gets which faces up, and what belongs to the other one slides off.
+/// `height` and `deposit` are negative on the back. A texel holds snow on one side: if new snow falls on the other
+/// side, the side that faces up keeps or receives its snow, and the other side's slides off.
 StableTexel stabilise_texel(float height, float deposit, uvec4 step, WholeStep whole) {
   const float area = uintBitsToFloat(step.y);
   const float lies = abs(height);

@@ -1,13 +1,13 @@
 #pragma once
 
-// A texel's surface, as the sum of its fragments on the current vertices.
+// A texel's surface: the sum of its fragments on the current vertices.
 #include "kernel.h"
 #include "snow_shared.h"
 
 /// See TriangleSetup.
 KERNEL_VIEW_RGBA32F(triangle_surface);
 #ifdef WITH_SHADING
-/// Per triangle of the scene: the smooth points at its corners, kNowhere where it is shaded flat.
+/// Per triangle of the scene: the smooth points at its corners, kNowhere if it is shaded flat.
 KERNEL_VIEW_RGBA32UI(triangle_points);
 /// Per smooth point, see smooth_points.h.
 KERNEL_VIEW_RGBA32F(smooth_points);
@@ -16,14 +16,14 @@ bool is_smooth(uint triangle) {
   return KERNEL_IS_BOUND(triangle_points) && texelFetch(triangle_points, int(triangle)).x != kNowhere;
 }
 
-/// What the smooth points of a triangle say: at its first corner, and from there to the others.
+/// Smooth-point data of a triangle: at its first corner, and the differences to the others.
 struct SmoothTriangle {
   vec4 corner;
   vec4 edge_b;
   vec4 edge_c;
 };
 
-/// Of a triangle that is shaded smooth.
+/// For triangles that are shaded smooth.
 SmoothTriangle smooth_triangle(uint triangle) {
   const uvec4 points = uvec4(texelFetch(triangle_points, int(triangle)));
   const vec4 a = vec4(texelFetch(smooth_points, int(points.x)));
@@ -33,13 +33,13 @@ SmoothTriangle smooth_triangle(uint triangle) {
 }
 #endif
 
-/// Between a triangle's corners, by the weights of the second and third.
+/// Interpolates between a triangle's corners by the weights of the second and third.
 float between(float corner, float edge_b, float edge_c, float weight_b, float weight_c) {
   return corner + weight_b * edge_b + weight_c * edge_c;
 }
 
-/// Sums over a texel's fragments, of areas and of areas times upward parts; those of the upper parts are of what faces
-/// up only.
+/// Sums over a texel's fragments, of areas and of areas times upward parts; `upper` and `back_upper` only include parts
+/// that face up.
 struct SurfaceSums {
   float area;
   float up;
@@ -59,10 +59,10 @@ SurfaceSums with_fragment(SurfaceSums sums, float area, float up, bool two_sided
 struct TexelSurface {
   /// In m2.
   float area;
-  /// Upward part of the normal, 1 on level ground, for the capacity. A texel that goes round a twig holds
-  /// snow by those of its parts that face up; one without any is past vertical by the mean of its parts.
+  /// Upward part of the normal, 1 on level ground, for the capacity. A texel that wraps a twig holds snow on its parts
+  /// that face up; without any, the mean of its parts is past vertical.
   float up;
-  /// The same of its back, by its two-sided parts; 0 where it has none.
+  /// The same of its back, from its two-sided parts; 0 without any.
   float back_up;
 };
 

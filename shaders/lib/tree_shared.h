@@ -1,7 +1,7 @@
 #pragma once
 
-// What the tree renderer's C++ and its shaders both hold. Metres, seconds, radians, Z up; positions are those of the
-// rest pose unless they are called posed.
+// Data shared by the tree renderer's C++ and its shaders. Metres, seconds, radians, Z up; positions are in the rest
+// pose unless called posed.
 #include "shared_types.h"
 #ifndef SNOWBOUGH_GLSL
 #include <glm/mat4x4.hpp>
@@ -9,7 +9,7 @@ namespace snowbough::shared {
 using glm::mat4;
 #endif
 
-/// Classes of a patch, in the order in which counts and draws of them lie.
+/// Classes of a patch, in the order of their counts and draws.
 const uint kDropped = 0u;
 const uint kPlain = 1u;
 const uint kTessellated = 2u;
@@ -22,18 +22,18 @@ const uint kMetricScreen = 1u;
 
 /// A vertex of the four-sided base, already on the limbs' radius.
 struct TreeVertex {
-  /// w: how far bark rises and falls, in metres; 0 where the bark's coordinates do not go on across it.
+  /// w: amplitude of the bark's displacement in metres; 0 where the bark's coordinates are discontinuous.
   vec4 position;
   /// Unit; w: circumference of the limb in metres.
   vec4 normal;
-  /// The bark's coordinates; z, w: as bits of integers, where in a list its places on the snow map begin and end.
+  /// The bark's coordinates; z, w: as integer bits, begin and end of its places on the snow map in a list.
   vec4 bark_uv;
   ivec4 bones;
   vec4 weights;
 };
 SNOWBOUGH_SHARED_SIZE(TreeVertex, 80)
 
-/// A vertex in its pose: its position there with its bark, and the three rows of the matrix that its bones blend to.
+/// A posed vertex: its position including bark, and the three rows of its blended bone matrix.
 struct PosedVertex {
   vec4 position;
   vec4 normal;
@@ -43,27 +43,27 @@ struct PosedVertex {
 };
 SNOWBOUGH_SHARED_SIZE(PosedVertex, 80)
 
-/// A stretch of a limb as a round cone, see on_limb.
+/// A section of a limb as a round cone, see on_limb.
 struct TreeSection {
   /// w: length.
   vec4 begin;
-  /// Unit; w: 1 where it begins at a hole in its parent's side.
+  /// Unit; w: 1 if it begins at a hole in its parent's side.
   vec4 axis;
-  /// At begin and end; z: length over which one from a hole becomes round.
+  /// At begin and end; z: length over which a section from a hole becomes round.
   vec4 radii;
 };
 SNOWBOUGH_SHARED_SIZE(TreeSection, 48)
 
-/// An edge of the base: all that its points depend on, so that both of its faces find the same.
+/// An edge of the base with all inputs of its points, so that both faces compute the same.
 struct TreeEdge {
-  /// Vertices at t = 0 and 1, and one or two sections on whose radius it lies (-1: none).
+  /// Vertices at t = 0 and 1, and the one or two sections on whose radius it lies (-1: none).
   ivec4 ends;
-  /// What is added near t = 0 and t = 1, so that the edge reaches its vertices; w: 1 where it runs round the limb.
+  /// Offsets near t = 0 and t = 1 that make the edge reach its vertices; w: 1 if it runs around the limb.
   vec4 first_rest;
   vec4 last_rest;
   /// The bark's coordinates at t = 0 and 1.
   vec4 bark_uv;
-  /// Mean area of its faces (m2), their lowest branch level, 1 where the bark's coordinates go on across it.
+  /// Mean area of its faces (m2), their lowest branch level, 1 if the bark's coordinates are continuous across it.
   vec4 metric;
   /// Places on the snow map at t = 0 and 1, of one face and of the other.
   vec4 snow_uv;
@@ -74,9 +74,9 @@ SNOWBOUGH_SHARED_SIZE(TreeEdge, 112)
 /// Four control points, anticlockwise seen from outside: (u, v) = (0, 0), (1, 0), (1, 1), (0, 1).
 struct TreePatch {
   ivec4 vertices;
-  /// Twice the edge from corner k to k + 1, plus one where it runs the other way.
+  /// Twice the edge from corner k to k + 1, plus one if it runs the other way.
   ivec4 edges;
-  /// Section (-1: flat), branch level, branch, 1 where u runs round the limb, 2 where it does at v = 0 alone.
+  /// Section (-1: flat), branch level, branch, 1 if u runs around the limb, 2 if only at v = 0.
   ivec4 place;
   /// The bark's coordinates of corners 0 and 1, 2 and 3.
   vec4 bark_uv_01;
@@ -84,15 +84,15 @@ struct TreePatch {
   /// Places on the snow map of corners 0 and 1, 2 and 3.
   vec4 snow_uv_01;
   vec4 snow_uv_23;
-  /// What is added near each corner, so that the patch reaches its vertices; w of the first: its area (m2), of the
-  /// second: how far its inside can stand off the corners' hull, bark included.
+  /// Offsets near each corner that make the patch reach its vertices; w of the first: its area (m2), of the second:
+  /// maximum distance of its interior from the corners' hull, including bark.
   vec4 rest[4];
-  /// What is added to the normal in the middle: caps point along their limb.
+  /// Offset of the normal in the middle: caps point along their limb.
   vec4 normal;
 };
 SNOWBOUGH_SHARED_SIZE(TreePatch, 192)
 
-/// Where a patch shows its material's image: coordinates of corners 0 and 1, 2 and 3, and the image's layer (x).
+/// Material image of a patch: coordinates of corners 0 and 1, 2 and 3, and the image's layer (x).
 struct BarkPlace {
   vec4 uv_01;
   vec4 uv_23;
@@ -100,23 +100,24 @@ struct BarkPlace {
 };
 SNOWBOUGH_SHARED_SIZE(BarkPlace, 48)
 
-/// Where a picture is taken from, and all that its passes are told; lies in a uniform block.
+/// The view of a picture and the parameters of its passes, in a uniform block.
 struct TreeView {
   mat4 clip_from_world;
-  /// Of the sun's picture.
+  /// Of the shadow map.
   mat4 shadow_from_world;
   /// Inwards; a point p is inside of all when dot(plane, vec4(p, 1)) >= 0.
   vec4 planes[6];
-  /// The eye of the camera, also while the sun's picture is drawn; w: pixels that a metre one metre off covers.
+  /// The camera's eye, also for the shadow map; w: pixels that a metre covers at one metre's distance.
   vec4 eye;
-  /// Metric, highest level, target (pixels), pixels below which a patch is dropped.
+  /// Metric, highest level, target (pixels), size in pixels below which a patch is dropped.
   vec4 tessellation;
-  /// Of eq. 3.4.1: farthest distance Mtd, largest area Mfa, number of branch levels, and 1 where distant levels drop.
+  /// Of eq. 3.4.1: farthest distance Mtd, largest area Mfa, number of branch levels, and 1 if distant levels are
+  /// dropped.
   vec4 thesis;
-  /// Unit vector towards the sun; w: 1 where there is a shadow map.
+  /// Unit vector towards the sun; w: 1 if there is a shadow map.
   vec4 sun_direction;
   vec4 sun_color;
-  /// w: 1 where the target takes linear light, not sRGB.
+  /// w: 1 if the target takes linear light instead of sRGB.
   vec4 sky_color;
   vec4 ground_color;
   vec4 bark_dark;

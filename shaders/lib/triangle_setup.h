@@ -1,6 +1,6 @@
 #pragma once
 
-// A triangle as the fall meets it in a step, from its vertices. For C++ and GLSL.
+// A triangle as seen along a step's fall, from its vertices. For C++ and GLSL.
 #include "snow_shared.h"
 #include "shared_functions.h"
 
@@ -8,22 +8,22 @@
 namespace snowbough::shared {
 #endif
 
-/// What the passes of a step read of a triangle.
+/// The data of a triangle for the passes of a step.
 struct TriangleSetup {
-  /// xyz: local pixel and depth in metres along the fall. w of the first two: depth that the plane gains in one
-  /// pixel along the grid's axes; w of the third: facing.
+  /// xyz: local pixel and depth in metres along the fall. w of the first two: depth change of the plane per pixel along
+  /// the grid's axes; w of the third: facing.
   vec4 corner_a;
   vec4 corner_b;
   vec4 corner_c;
-  /// x: cosine between the normal and the way to the sky ("facing"; of a two-sided triangle that of the side
-  /// that faces the sky), y: area in m2, z: upward part of the front's normal, w: of a two-sided triangle the
-  /// side that faces the sky, 1 = front, -1 = back; else 0. All are 0 for a triangle without area. Read by the
-  /// functions of facing.h.
+  /// x: cosine between the normal and the direction to the sky ("facing"; for a two-sided triangle of the side that
+  /// faces the sky), y: area in m2, z: upward part of the front's normal, w: for a two-sided triangle the side that
+  /// faces the sky, 1 = front, -1 = back; else 0. All are 0 for a triangle without area. Read with the functions of
+  /// facing.h.
   vec4 surface;
 };
 SNOWBOUGH_SHARED_SIZE(TriangleSetup, 64)
 
-/// Faces that turn nearly edge-on have slopes too steep to reckon with.
+/// Lower clamp of the cosine: slopes of nearly edge-on faces are too steep to compute.
 KERNEL_CONSTANT float kLeastFacing = 1e-4f;
 
 /// Local pixel coordinates (xy) and depth along the fall in metres (z).
@@ -34,12 +34,12 @@ SNOWBOUGH_SHARED_FUNCTION vec3 projected(vec3 position, KERNEL_CONST_REF(Project
               dot(offset, vec3(frame.direction)));
 }
 
-/// The triangle a, b, c, corners in metres. `two_sided`: it gathers on its back as on its front.
+/// The triangle a, b, c, corners in metres. `two_sided`: its back gathers snow, too.
 SNOWBOUGH_SHARED_FUNCTION TriangleSetup set_up_triangle(vec3 a, vec3 b, vec3 c, bool two_sided,
                                                         KERNEL_CONST_REF(ProjectionFrame) frame) {
   const vec3 ab = b - a;
   const vec3 ac = c - a;
-  // Scaled before the product: the square of a micrometre's area is out of float's range.
+  // Scaled before the product: the square of a micrometre's area underflows.
   const float scale = max(max(abs(ab.x), max(abs(ab.y), abs(ab.z))),
                           max(abs(ac.x), max(abs(ac.y), abs(ac.z))));
   vec3 normal = scale > 0.0f ? cross(ab / scale, ac / scale) : vec3(0.0f);

@@ -129,7 +129,7 @@ def test_the_preview_takes_the_engine_of_the_preference(addon, engine, tmp_path)
     start_preview(addon)
     try:
         info = addon("session").preview.simulation.engine
-        assert (info["name"], info["reason"]) == ("CPU", "asked for")
+        assert (info["name"], info["reason"]) == ("CPU", "requested")
     finally:
         addon("preview.live").stop()
 
@@ -159,7 +159,7 @@ def test_the_processor_refuses_the_mapping_of_opengl_and_says_what_to_do(addon, 
     s.receive(s.square("Ground"))
     s.settings(tmp_path / "cache", mapping="GEOMETRY")
     engine("CPU")
-    wanted = "mapping GEOMETRY is drawn by OpenGL: use engine GL, or mapping COMPUTE"
+    wanted = "mapping GEOMETRY needs OpenGL: use engine GL, or mapping COMPUTE"
     with pytest.raises(RuntimeError, match=wanted):
         s.bake()
     with pytest.raises(ValueError, match=wanted):
@@ -180,7 +180,7 @@ def test_the_log_begins_with_engine_driver_and_reason(native, engine, tmp_path):
     with native.Engine("CPU") as held:
         driver = held.info["driver"]
     ((first, second, *_),) = logs(tmp_path)
-    assert first == f"engine CPU, {driver}: asked for"
+    assert first == f"engine CPU, {driver}: requested"
     assert second == "v001; Ground"
 
 
@@ -227,7 +227,7 @@ def test_after_a_fallback_log_and_checkpoint_name_what_really_ran(addon, native,
     (lines,) = logs(tmp_path)
     assert [line for line in lines if line.startswith("engine ")] == [
         "engine GL, A Card, 4.6: a graphics driver for A Card",
-        f"engine {ran}: asked for",
+        f"engine {ran}: requested",
     ]
 
 

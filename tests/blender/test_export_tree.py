@@ -21,13 +21,13 @@ LEAVES = 40
 @pytest.fixture
 def leafy(tmp_path, addon):
     """Path of the maple with leaves: 40 cards on its branches, textured, with a mask of its own."""
-    png = addon("gltf.png")
+    native = addon("native").load()
     green = np.full((8, 8, 3), (40, 120, 20), np.uint8)
     green[:, 4:] = 255  # white where the mask is 0
     mask = np.zeros((8, 8), np.uint8)
     mask[:, :4] = 255
-    (tmp_path / "green.png").write_bytes(png.encode(green))
-    (tmp_path / "mask.png").write_bytes(png.encode(mask))
+    native.write_png(str(tmp_path / "green.png"), green)
+    native.write_png(str(tmp_path / "mask.png"), mask)
     (tmp_path / "leafy.mtl").write_text("newmtl leaf\nKd 1 1 1\nmap_Kd green.png\nmap_d mask.png\n")
     text = MAPLE.read_text()
     places = [line.split()[1:] for line in text.splitlines() if line.startswith("v ")]

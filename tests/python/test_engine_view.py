@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import snowbough_native as native
-from snowbough.gltf import png, snow_maps, surface, tree_file
+from snowbough.gltf import snow_maps, surface, tree_file
 
 pytest.importorskip("moderngl", reason="moderngl draws the files (package python3-moderngl)")
 pytest.importorskip("PIL.Image", reason="Pillow reads the images (package python3-pil)")
@@ -91,7 +91,7 @@ def extent(picture):
 def snow_file(tmp_path, frames):
     """What the exporter says of an atlas of frames (S, S) in metres, and its image."""
     samples, scale, offset = snow_maps.quantised(snow_maps.atlas(frames))
-    (tmp_path / "heights.png").write_bytes(png.encode(samples))
+    native.write_png(str(tmp_path / "heights.png"), samples)
     columns, rows = snow_maps.tile_layout(len(frames))
     height = {"uri": "heights.png", "scale": scale, "offset": offset}
     depths = [float(frame.max()) for frame in frames]

@@ -8,11 +8,19 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from .. import native
 from ..scene import material_alpha
-from . import png, texels
+from . import texels
 from .tree_file import Material, Texture
 
 CUTOFF = 0.5
+# First bytes of the files that glTF takes.
+SIGNATURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
+
+
+def _kind_of(data):
+    """The MIME type of an image file; None for types that glTF does not take."""
+    return next((kind for start, kind in SIGNATURES.items() if data.startswith(start)), None)
 
 
 def _node_behind(socket):
@@ -88,14 +96,14 @@ class _Maker:
         """The Texture of an image texture node, its file as it is where glTF takes that; None where it is missing."""
         image = node.image
         data = _file_of(image) if image is not None else None
-        kind = png.kind_of(data) if data else None
+        kind = _kind_of(data) if data else None
         if kind is None:
             rgb = _colors(image)
             if rgb is None:
                 self._warn(f"the image '{image.name if image else 'of a texture node'}' is missing")
                 return None
             rgb = np.rint(np.clip(rgb, 0.0, 1.0) * 255.0).astype(np.uint8)
-            data, kind = png.encode(rgb), "image/png"
+            data, kind = native.load().encode_png(rgb), "image/png"
         return self._placed(Texture(Path(image.name).stem, data, kind), *self._coordinates(node))
 
     def _coordinates(self, node):
@@ -125,7 +133,7 @@ class _Maker:
                 f"colour and mask '{opacity.name}' lie differently: the mask was put where the colour is"
             )
         name = Path(node.image.name if node is not None and node.image is not None else opacity.name).stem
-        data = png.encode(texels.masked(rgb, alpha))
+        data = native.load().encode_png(texels.masked(rgb, alpha))
         return self._placed(Texture(name, data, "image/png"), *place)
 
     def _normal(self, surface):

@@ -17,7 +17,7 @@ from ..scene import receivers
 from ..surface.compute import read_summary
 from ..surface.mesh_file import read_mesh
 from ..surface.point_cache import read_point_cache
-from . import png, snow_maps
+from . import snow_maps
 from .tree_file import Heap
 
 # TEXCOORD_<n> that the maps lie on.
@@ -97,7 +97,7 @@ def _write_heights(module, heights, stem, options, attributes):
         return path, {"scale": 1.0, "offset": 0.0}
     samples, scale, offset = snow_maps.quantised(heights)
     path = stem.with_name(f"{stem.name}_snow_height.png")
-    write_bytes(path, png.encode(samples))
+    module.write_png(str(path), samples)
     return path, {"scale": scale, "offset": offset}
 
 
@@ -127,7 +127,7 @@ def _write_maps(scene, obj, folder, stem, options, warnings):
     if all((folder / frame_file("normal", frame)).is_file() for frame in frames):
         normals, _ = _read(module, folder, "normal", frames, tile, snow_maps.FLAT)
         path = stem.with_name(f"{stem.name}_snow_normal.png")
-        write_bytes(path, png.encode(snow_maps.eight_bits(normals)))
+        module.write_png(str(path), snow_maps.eight_bits(normals))
         said["normal"] = {"uri": path.name, "space": "tangent, OpenGL (+Y up), of texCoord"}
         paths.append(path)
     else:

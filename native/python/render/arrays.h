@@ -11,8 +11,8 @@
 #include "python/numpy_arrays.h"
 #include "render/sources.h"
 
-// From numpy arrays to what the renderer takes. @throws std::invalid_argument naming what has
-// another shape.
+// Conversion from numpy arrays to the renderer's input. @throws std::invalid_argument naming the
+// array with the wrong shape.
 namespace snowbough::python {
 
 namespace py = pybind11;
@@ -54,7 +54,7 @@ inline std::vector<glm::mat4> matrices_of(const InputArray<float>& rows) {
   return matrices;
 }
 
-/// (T, 3, Columns) as one element a corner; None: none.
+/// (T, 3, Columns) as one element per corner; None gives an empty vector.
 template <typename Element>
 std::vector<Element> corners_of(const py::object& given, py::ssize_t triangles, const char* what) {
   if (given.is_none()) return {};

@@ -12,7 +12,7 @@ namespace {
 
 using namespace snowbough::render;
 
-/// Binds a struct of options whose fields keywords set, in the constructor or one by one.
+/// Binds a struct of options, whose fields are set by keywords in the constructor or as attributes.
 template <typename Options>
 class OptionsClass {
  public:
@@ -48,7 +48,7 @@ class OptionsClass {
   py::class_<Options> class_;
 };
 
-/// A 4 x 4 matrix, rows first as numpy writes them, or None.
+/// A 4 x 4 matrix, row-major as in numpy, or None.
 template <typename Options>
 void matrix_field(OptionsClass<Options>& to, const char* name,
                   std::optional<glm::mat4> Options::*member, const char* doc) {
@@ -74,59 +74,61 @@ void matrix_field(OptionsClass<Options>& to, const char* name,
 }  // namespace
 
 void bind_render_options(py::module_& module) {
-  OptionsClass<Camera> camera(module, "Camera",
-                              "A camera, its fields set by keyword: a pinhole, or whatever two "
-                              "matrices say. Metres, radians.");
-  camera.field("eye", &Camera::eye, "Where it stands, (3,).")
-      .field("target", &Camera::target, "What it looks at, (3,).")
-      .field("up", &Camera::up, "What is up in the picture, (3,).")
-      .field("field_of_view", &Camera::field_of_view, "From the bottom to the top, radians.")
+  OptionsClass<Camera> camera(
+      module, "Camera",
+      R"(A camera, with fields as keywords: a pinhole, or any camera given by two matrices. Metres,
+radians.)");
+  camera.field("eye", &Camera::eye, "Position, (3,).")
+      .field("target", &Camera::target, "Point in the middle of the picture, (3,).")
+      .field("up", &Camera::up, "Up direction of the picture, (3,).")
+      .field("field_of_view", &Camera::field_of_view, "Vertical angle, radians.")
       .field("near", &Camera::near, "Metres; 0: from the scene's size.")
       .field("far", &Camera::far, "Metres; 0: from the scene's size.")
       .field("width", &Camera::width, "Pixels.")
       .field("height", &Camera::height, "Pixels.");
   matrix_field(
       camera, "view", &Camera::view,
-      "(4, 4) from the world to the camera's space, as OpenGL's; with `projection` instead "
-      "of all but the size.");
+      R"((4, 4) from world to camera space, as in OpenGL; with `projection` it replaces everything
+except the size.)");
   matrix_field(camera, "projection", &Camera::projection,
-               "(4, 4) from the camera's space to clip space, in perspective or orthographic.");
+               "(4, 4) from camera space to clip space, perspective or orthographic.");
   OptionsClass<Snowfall>(module, "Snowfall",
-                         "Flakes in the air, its fields set by keyword. Metres, seconds, radians.")
-      .field("rate", &Snowfall::rate, "Depth on open level ground in a second; 0: no flakes.")
-      .field("direction", &Snowfall::direction, "In which they fall, downwards, (3,).")
-      .field("speed", &Snowfall::speed, "Metres a second.")
-      .field("flutter", &Snowfall::flutter, "Radians by which they stray, 0 to pi / 4.")
-      .field("radius", &Snowfall::radius, "Of a flake, metres.")
-      .field("metre", &Snowfall::metre, "A metre in the scene's units.")
-      .field("shutter", &Snowfall::shutter, "How long the picture is exposed, seconds.")
-      .field("time", &Snowfall::time, "Of the picture, seconds.")
+                         "Falling flakes, with fields as keywords. Metres, seconds, radians.")
+      .field("rate", &Snowfall::rate, "Depth per second on open level ground; 0: no flakes.")
+      .field("direction", &Snowfall::direction, "Fall direction, downwards, (3,).")
+      .field("speed", &Snowfall::speed, "Metres per second.")
+      .field("flutter", &Snowfall::flutter,
+             "Largest angle to the fall direction, radians, 0 to pi / 4.")
+      .field("radius", &Snowfall::radius, "Radius of a flake, metres.")
+      .field("metre", &Snowfall::metre, "Length of a metre in scene units.")
+      .field("shutter", &Snowfall::shutter, "Exposure time, seconds.")
+      .field("time", &Snowfall::time, "Time of the picture, seconds.")
       .field("seed", &Snowfall::seed, "The same seed and time give the same flakes.");
   OptionsClass<RenderSettings> settings(module, "RenderSettings",
-                                        "How a picture is made, its fields set by keyword.");
+                                        "Settings of a picture, with fields as keywords.");
   settings
       .field("max_level", &RenderSettings::max_level,
-             "Most parts of an edge, 1 to 64; 1: all plain.")
-      .field("target_pixels", &RenderSettings::target_pixels,
-             "SCREEN: pixels that a part of an edge covers.")
+             "Maximum number of parts of an edge, 1 to 64; 1: no tessellation.")
+      .field("target_pixels", &RenderSettings::target_pixels, "SCREEN: pixels per part of an edge.")
       .field("min_pixels", &RenderSettings::min_pixels,
              "Patches that cover fewer pixels are dropped; 0: none.")
       .field("max_distance", &RenderSettings::max_distance,
-             "THESIS: metres at which the level has come down to 1.")
+             "THESIS: distance in metres at which the level reaches 1.")
       .field("max_area", &RenderSettings::max_area,
-             "THESIS: m2 at which the level is highest; 0: the tree's largest patch.")
+             "THESIS: area in m2 at which the level is highest; 0: the tree's largest patch.")
       .field("snow_factor", &RenderSettings::snow_factor,
              "THESIS, of snow on trees: m of tf = clamp(max(n.up, 0) * m * A, 1, max).")
-      .field("wireframe", &RenderSettings::wireframe, "Lines, those behind hidden.")
-      .field("cull_back_faces", &RenderSettings::cull_back_faces,
-             "Leaves out bark seen from its back.")
-      .field("antialias", &RenderSettings::antialias, "Means of 2 x 2 pixels.")
+      .field("wireframe", &RenderSettings::wireframe,
+             "Draws lines and hides those behind the surface.")
+      .field("cull_back_faces", &RenderSettings::cull_back_faces, "Omits bark seen from its back.")
+      .field("antialias", &RenderSettings::antialias, "Averages 2 x 2 pixels.")
       .field("draft", &RenderSettings::draft,
-             "Of frames: keeps the shadow map of the frame before where only the camera moved.")
-      .field("sun_direction", &RenderSettings::sun_direction, "Towards the sun, (3,).")
-      .field("sun_color", &RenderSettings::sun_color, "Linear light on what faces the sun.")
-      .field("sky_color", &RenderSettings::sky_color, "Linear light on what faces up.")
-      .field("ground_color", &RenderSettings::ground_color, "Linear light on what faces down.")
+             "For frames: keeps the previous shadow map if only the camera moved.")
+      .field("sun_direction", &RenderSettings::sun_direction, "Direction to the sun, (3,).")
+      .field("sun_color", &RenderSettings::sun_color, "Linear light on surfaces that face the sun.")
+      .field("sky_color", &RenderSettings::sky_color, "Linear light on surfaces that face up.")
+      .field("ground_color", &RenderSettings::ground_color,
+             "Linear light on surfaces that face down.")
       .field("snowfall", &RenderSettings::snowfall,
              "Falling flakes, a Snowfall; not in wireframes.")
       .field("shadow_resolution", &RenderSettings::shadow_resolution,

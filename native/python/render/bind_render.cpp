@@ -124,40 +124,36 @@ void bind_render(py::module_& module) {
   bind_render_options(module);
   RendererClass renderer(
       module, "Renderer",
-      "Draws trees and snow off-screen in real time: a tree's four-sided base is uploaded once and "
-      "tessellated\n"
-      "on the GPU, patch by patch. Needs OpenGL 4.5; works on software renderers, slowly. Raises\n"
-      "RuntimeError where no context can be made, and for every call once it is closed. A context\n"
-      "manager: leaving it closes the renderer.\n\n"
-      "Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, sections 3.4 and "
-      "4.2.2.");
+      R"(Draws trees and snow off-screen in real time: a tree's four-sided base is uploaded once and
+tessellated on the GPU, patch by patch. Needs OpenGL 4.5; works on software renderers, slowly.
+Raises RuntimeError if no context can be created, and for every call after close. A context
+manager: leaving it closes the renderer.
+
+Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, sections 3.4 and 4.2.2.)");
   renderer
-      .def(
-          py::init([](const std::string& device, bool waits) {
-            const ReleasedGil release;
-            base::start_thread_pool();
-            return HeldWithoutGil<Renderer>(new Renderer(device, waits));
-          }),
-          "device"_a = "", "waits"_a = true,
-          "waits=False: returns before there is a context, and so do all calls that change what is "
-          "drawn\nbefore that is done; what goes wrong is raised by take_frame.")
-      .def(
-          "add_mesh", &add_mesh, "name"_a, "vertices"_a, "triangles"_a,
-          "color"_a = Vec3{0.5f, 0.5f, 0.5f}, "normals"_a = py::none(), "uv"_a = py::none(),
-          "materials"_a = py::none(), "colors"_a = std::vector<Vec3>{},
-          "images"_a = std::vector<py::object>{},
-          "Adds a mesh that is drawn as it is, from both sides: vertices (N, 3), triangles (T, 3); "
-          "linear\ncolour. By corner: normals (T, 3, 3) in place of smooth ones, uv (T, 3, 2) in "
-          "its images. materials\n(T,), colors and images as set_leaves's; without colors it has "
-          "one material of `color`.")
+      .def(py::init([](const std::string& device, bool waits) {
+             const ReleasedGil release;
+             base::start_thread_pool();
+             return HeldWithoutGil<Renderer>(new Renderer(device, waits));
+           }),
+           "device"_a = "", "waits"_a = true,
+           R"(waits=False: returns before the context exists, and calls that change the scene return
+before the change is done; take_frame raises their errors.)")
+      .def("add_mesh", &add_mesh, "name"_a, "vertices"_a, "triangles"_a,
+           "color"_a = Vec3{0.5f, 0.5f, 0.5f}, "normals"_a = py::none(), "uv"_a = py::none(),
+           "materials"_a = py::none(), "colors"_a = std::vector<Vec3>{},
+           "images"_a = std::vector<py::object>{},
+           R"(Adds a mesh that is drawn without tessellation, from both sides: vertices (N, 3),
+triangles (T, 3); linear colour. Per corner: normals (T, 3, 3) instead of smooth ones, uv (T, 3, 2)
+in its images. materials (T,), colors and images as in set_leaves; without colors it has one
+material of `color`.)")
       .def("set_places", &set_places, "mesh"_a, "matrices"_a,
-           "Where a mesh is: (P, 4, 4), a matrix a place from its own space to the world.")
+           "Sets a mesh's places: (P, 4, 4), one matrix per place from its own space to the world.")
       .def("remove", &Renderer::remove, "name"_a, py::call_guard<ReleasedGil>(),
-           "Takes a tree or a mesh away.")
+           "Removes a tree or a mesh.")
       .def("render", &render_picture, "camera"_a, "settings"_a = RenderSettings{},
-           "A picture, (height, width, 4) uint8: sRGB, alpha 255 where something was drawn, row 0 "
-           "at\n"
-           "the bottom.")
+           R"(A picture, (height, width, 4) uint8: sRGB, alpha 255 where something was drawn, row 0
+at the bottom.)")
       .def("render_light", &render_light, "camera"_a, "settings"_a = RenderSettings{},
            "samples"_a = 1,
            "Linear light, (height, width, 4) float32, row 0 at the bottom: means of pictures that "
@@ -173,20 +169,17 @@ void bind_render(py::module_& module) {
           "Asks for a picture and returns its ticket at once; one that was asked for before and is "
           "not begun\nis forgotten.")
       .def("take_frame", &take_frame,
-           "The newest picture that has arrived since the last call, (ticket, (height, width) "
-           "float32), or None.\nWaits for nothing; pictures arrive only while it is called from "
-           "time to time. A pixel's bits are\n0x3F000000 + red, green and blue of a byte each: 255 "
-           "* (c / (1 + c))^(1 / 2.2) of linear light c.")
+           R"(The newest picture since the last call, (ticket, (height, width) float32), or None.
+Does not wait, but must be called regularly for pictures to arrive. A pixel's bits are 0x3F000000 +
+red, green and blue of a byte each: 255 * (c / (1 + c))^(1 / 2.2) of linear light c.)")
       .def_property_readonly("is_busy", &Renderer::is_busy,
-                             "Whether a picture that was asked for has not arrived yet.")
+                             "Whether a requested picture has not arrived yet.")
       .def_property_readonly("is_ready", &Renderer::is_ready,
-                             "Whether `driver` can be asked without waiting.")
+                             "Whether `driver` returns without waiting.")
       .def("statistics", &statistics,
-           "Of the last picture: patches 'dropped', 'plain' and 'tessellated', 'triangles' drawn "
-           "(the\n"
-           "sun's picture not counted), 'wall_seconds' with reading back, 'gpu_seconds', and "
-           "'passes':\n"
-           "by name 'gpu_seconds', 'wall_seconds' and 'primitives'.")
+           R"(Statistics of the last picture: patches 'dropped', 'plain' and 'tessellated',
+'triangles' drawn (without the shadow map), 'wall_seconds' including read-back, 'gpu_seconds', and
+'passes': by name 'gpu_seconds', 'wall_seconds' and 'primitives'.)")
       .def("triangles", &triangles, "name"_a, "camera"_a, "settings"_a = RenderSettings{},
            "World positions (T, 3, 3) of the triangles that the camera would be shown of a tree.")
       .def_property_readonly(

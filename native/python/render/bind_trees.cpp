@@ -85,36 +85,29 @@ void bind_render_trees(py::module_& module, RendererClass& to) {
   module.def(
       "tree_arrays", [](const BoundMesh& mesh) { return tree_arrays(tree_source(mesh.mesh)); },
       "mesh"_a,
-      "What Renderer.add_tree needs of a TreeMesh of lod=0, as arrays by name that a file can "
-      "keep.");
+      R"(The input of Renderer.add_tree from a TreeMesh of lod=0, as arrays by name, for storing in
+a file.)");
   to.def("add_tree", &add_tree, "name"_a, "mesh"_a, "bark_depth"_a = TreeLook{}.bark_depth,
          "bark_dark"_a = Vec3{0.045f, 0.03f, 0.02f}, "bark_light"_a = Vec3{0.24f, 0.18f, 0.13f},
-         "Adds a TreeMesh of lod=0, or what tree_arrays gave for it, in its rest pose. "
-         "bark_depth: how far bark rises and falls, "
-         "as a\n"
-         "share of the limb's radius, 0 to 1; colours are linear.")
+         R"(Adds a TreeMesh of lod=0, or its tree_arrays, in its rest pose. bark_depth: amplitude of
+the bark's displacement as a fraction of the limb's radius, 0 to 1; colours are linear.)")
       .def("set_bark", &set_bark, "tree"_a, "uv"_a, "materials"_a, "colors"_a,
            "images"_a = std::vector<py::object>{},
-           "Lets a tree's bark show images in place of its two colours: coordinates uv (Q, 4, 2) "
-           "of the corners\n"
-           "of the base's quads, materials (Q,), colors and images as set_leaves's. The bark's "
-           "relief stays.")
+           R"(Gives a tree's bark images instead of its two colours: coordinates uv (Q, 4, 2) of the
+corners of the base's quads, materials (Q,), colors and images as in set_leaves. The bark's
+displacement stays.)")
       .def("set_pose", &set_pose, "tree"_a, "matrices"_a,
-           "Poses a tree: (B, 4, 4), for each bone what takes its rest pose to the pose.")
-      .def(
-          "set_leaves", &set_leaves, "tree"_a, "triangles"_a, "bones"_a, "uv"_a = py::none(),
-          "materials"_a = py::none(), "colors"_a = std::vector<Vec3>{{0.1f, 0.25f, 0.05f}},
-          "images"_a = std::vector<py::object>{},
-          "Gives a tree leaves: triangles (T, 3, 3) in metres in the rest pose, the bone (T,) that "
-          "each\n"
-          "hangs on, texture coordinates uv (T, 3, 2), materials (T,) as indices into colors\n"
-          "(linear) and images ((H, W, 4) uint8, sRGB and alpha, row 0 at the bottom, or None). "
-          "What\n"
-          "is less than half there by its alpha is a hole.")
+           "Poses a tree: (B, 4, 4), one matrix per bone from its rest pose to the pose.")
+      .def("set_leaves", &set_leaves, "tree"_a, "triangles"_a, "bones"_a, "uv"_a = py::none(),
+           "materials"_a = py::none(), "colors"_a = std::vector<Vec3>{{0.1f, 0.25f, 0.05f}},
+           "images"_a = std::vector<py::object>{},
+           R"(Gives a tree leaves: triangles (T, 3, 3) in metres in the rest pose, the bone (T,) of
+each, texture coordinates uv (T, 3, 2), materials (T,) as indices into colors (linear) and images
+((H, W, 4) uint8, sRGB and alpha, row 0 at the bottom, or None). An alpha below one half makes a
+hole.)")
       .def("levels", &levels, "tree"_a,
-           "Of the last picture, for the quads of the tree's mesh: 'class' (F,), 0 dropped, 1 "
-           "plain, 2\n"
-           "tessellated, and 'edge' (F, 4), the level of the edge from each corner to the next.");
+           R"(Levels of the last picture, per quad of the tree's mesh: 'class' (F,), 0 dropped, 1
+plain, 2 tessellated, and 'edge' (F, 4), the level of the edge from each corner to the next.)");
 }
 
 }  // namespace snowbough::python

@@ -15,7 +15,7 @@
 
 namespace snowbough::python {
 
-/// A tree's four-sided base as the renderer takes it.
+/// Converts a tree's four-sided base to the renderer's input.
 /// @throws std::invalid_argument for a mesh that is already subdivided.
 inline render::TreeSource tree_source(const tree::TreeMesh& mesh) {
   if (mesh.sections.empty()) {
@@ -54,11 +54,11 @@ inline render::TreeSource tree_source(const tree::TreeMesh& mesh) {
   return source;
 }
 
-/// The array of the places on the map of the snow: a tree without them carries none.
+/// Name of the snow UV array; optional.
 constexpr const char* kSnowUv = "snow_uv";
 
-/// Calls `field(name, vector, scalar, columns)` for each of a source's arrays but the kinds and the
-/// sections, which Python sees as plain numbers. `columns` of the scalar make an element.
+/// Calls `field(name, vector, scalar, columns)` for each array of a source except kinds and
+/// sections, which Python sees as plain numbers. An element consists of `columns` of `scalar`.
 template <typename Source, typename Visitor>
 void visit_tree_arrays(Source& source, const Visitor& field) {
   using Shape = std::vector<pybind11::ssize_t>;
@@ -76,7 +76,7 @@ void visit_tree_arrays(Source& source, const Visitor& field) {
 /// Numbers of a section, in this order: begin, axis, length, radii at begin and end, from_hole.
 constexpr pybind11::ssize_t kSectionNumbers = 10;
 
-/// A source as numpy arrays by name, which can be kept in a file and given back.
+/// A source as numpy arrays by name, for storing in a file.
 inline pybind11::dict tree_arrays(render::TreeSource source) {
   namespace py = pybind11;
   py::dict arrays;
@@ -101,8 +101,8 @@ inline pybind11::dict tree_arrays(render::TreeSource source) {
   return arrays;
 }
 
-/// What tree_arrays gave, back. @throws std::invalid_argument naming an array that is missing or of
-///   another shape.
+/// The inverse of tree_arrays. @throws std::invalid_argument naming an array that is missing or has
+/// another shape.
 inline render::TreeSource tree_source(const pybind11::dict& arrays) {
   namespace py = pybind11;
   const auto find = [&](const char* name) -> py::object {

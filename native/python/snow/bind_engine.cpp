@@ -11,14 +11,14 @@ namespace py = pybind11;
 namespace snowbough::python {
 namespace {
 
-/// Keeps an engine, and with it the driver that it has loaded, until it is closed.
+/// Keeps an engine, and the driver that it has loaded, until closed.
 class HeldEngine {
  public:
   HeldEngine(const std::string& engine, const std::string& mapping, const std::string& device) {
-    const snow::EngineChoice::Wish wish{snow::engine_kind(engine), mapping_from(mapping), device};
+    const snow::EngineRequest request{snow::engine_kind(engine), mapping_from(mapping), device};
     const ReleasedGil release;
     base::start_thread_pool();
-    choice_ = std::make_unique<snow::EngineChoice>(wish);
+    choice_ = std::make_unique<snow::EngineChoice>(request);
   }
   HeldEngine(const HeldEngine&) = delete;
   HeldEngine& operator=(const HeldEngine&) = delete;
@@ -61,15 +61,15 @@ void bind_engine(py::module_& module) {
   using namespace py::literals;
   py::class_<HeldEngine, HeldWithoutGil<HeldEngine>>(
       module, "Engine",
-      "The engine that a simulation of these arguments would have (see SnowSimulation), begun and\n"
-      "held: simulations made meanwhile share its driver. A context manager: leaving it lets go.")
+      R"(Holds the engine that a simulation with these arguments would have (see SnowSimulation):
+simulations created meanwhile share its driver. A context manager: leaving it releases the engine.)")
       .def(py::init<const std::string&, const std::string&, const std::string&>(),
            "engine"_a = "AUTO", "mapping"_a = "COMPUTE", "device"_a = "")
-      .def_property_readonly("info", &HeldEngine::info,
-                             "As SnowSimulation.engine. Raises RuntimeError, saying what to do, "
-                             "where GL is asked for\n"
-                             "and no OpenGL 4.5 context can be made.")
-      .def("close", &HeldEngine::close, "Lets go.")
+      .def_property_readonly(
+          "info", &HeldEngine::info,
+          R"(As SnowSimulation.engine. Raises RuntimeError with advice if GL is requested and no
+OpenGL 4.5 context can be created.)")
+      .def("close", &HeldEngine::close, "Releases the engine.")
       .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__", [](HeldEngine& self, const py::args&) { self.close(); });
 }

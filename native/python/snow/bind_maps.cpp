@@ -58,7 +58,7 @@ py::dict output_map(const InputArray<int32_t>& triangles, const InputArray<float
     ReleasedGil unlocked;
     const snow::TexelTable table = snow::build_texel_table(topology);
     const snow::SeamTable seams = snow::build_seam_table(topology, table, points);
-    // Only the surface's own texels count.
+    // Clears texels outside the surface.
     std::vector<float> owned(stored.size(), 0.0f);
     for (const int32_t texel : table.texel) owned[texel] = stored[texel];
     output = snow::CpuFilter(table, seams, {blur_radius})
@@ -75,15 +75,14 @@ py::dict output_map(const InputArray<int32_t>& triangles, const InputArray<float
 void bind_maps(py::module_& module) {
   module.def(
       "texel_table", &texel_table, py::arg("triangles"), py::arg("uv"), py::arg("resolution"),
-      "Which surface each texel of a snow map carries: triangles (T, 3), uv (T, 3, 2) -> a dict "
-      "of the arrays of native/snow/texels/texel_table.h. ValueError for a layout that does not "
-      "fit.");
+      R"(The surface that each texel of a snow map carries: triangles (T, 3), uv (T, 3, 2) -> a
+dict of the arrays of native/snow/texels/texel_table.h. Raises ValueError for an invalid layout.)");
   module.def(
       "output_map", &output_map, py::arg("triangles"), py::arg("uv"), py::arg("positions"),
       py::arg("height"), py::arg("blur_radius") = 0.0f,
-      "What a stored map (resolution, resolution) in metres looks like from outside: smoothed "
-      "over the surface across seams with a sigma of blur_radius metres, continued by four "
-      "texels, level at the seams -> {'height', 'normal'}.");
+      R"(The output of a stored map (resolution, resolution) in metres: smoothed over the surface
+and across seams with a standard deviation of blur_radius metres, extended by four texels, level at
+the seams -> {'height', 'normal'}.)");
 }
 
 }  // namespace snowbough::python

@@ -74,7 +74,7 @@ void step(SnowSimulation& simulation, const py::dict& positions, double depth,
   simulation.step(map, depth, {direction[0], direction[1], direction[2]}, dt);
 }
 
-/// Takes over the named settings that are given; the others stay.
+/// Applies the given settings; the others stay.
 void change_settings(SnowSimulation& simulation, std::optional<double> noise_density,
                      std::optional<double> flutter, std::optional<double> max_depth,
                      std::optional<double> slide_half_life, std::optional<double> repose,
@@ -91,7 +91,7 @@ void change_settings(SnowSimulation& simulation, std::optional<double> noise_den
   simulation.change_settings(settings);
 }
 
-/// A map of a receiver by its name: height and texel_area.
+/// Returns a receiver's map: height or texel_area.
 template <std::vector<float> (SnowSimulation::*read)(const std::string&)>
 py::array_t<float> map_of(SnowSimulation& simulation, const std::string& name) {
   int32_t edge = 0;
@@ -107,27 +107,27 @@ snow::OutputSnapshot snapshot(SnowSimulation& simulation, const std::string& nam
   return simulation.snapshot(name, normal);
 }
 
-/// A map that numpy looks at, and who takes its memory then.
-struct LentMap {
-  LentMap(std::vector<float>&& map, std::shared_ptr<snow::MapMemory> taker)
+/// A map in use by numpy, whose memory returns to the pool afterwards.
+struct PooledArray {
+  PooledArray(std::vector<float>&& map, std::shared_ptr<snow::MapMemory> taker)
       : heights(std::move(map)), memory(std::move(taker)) {}
-  ~LentMap() {
+  ~PooledArray() {
     if (memory != nullptr) memory->give(std::move(heights));
   }
-  LentMap(const LentMap&) = delete;
-  LentMap& operator=(const LentMap&) = delete;
+  PooledArray(const PooledArray&) = delete;
+  PooledArray& operator=(const PooledArray&) = delete;
 
   std::vector<float> heights;
   std::shared_ptr<snow::MapMemory> memory;
 };
 
 py::dict snapshot_output(snow::OutputSnapshot& snapshot) {
-  // Moved while the GIL is held, so that of two threads that call this one gets the map.
+  // Moved while the GIL is held, so that only one of two concurrent callers gets the map.
   snow::OutputSnapshot taken = std::move(snapshot);
   snow::MapOutput result = without_gil([&] { return taken.output(); });
   const int32_t resolution = taken.resolution();
   py::dict dict;
-  auto map = std::make_unique<LentMap>(std::move(result.height), taken.memory());
+  auto map = std::make_unique<PooledArray>(std::move(result.height), taken.memory());
   float* const heights = map->heights.data();
   dict["height"] = owned_numpy(std::move(map), heights, {resolution, resolution});
   if (!result.normal.empty()) {
@@ -206,33 +206,30 @@ void bind_snow(py::module_& module) {
   py::class_<snow::OutputSnapshot>(module, "OutputSnapshot",
                                    "A receiver's map at one moment; see SnowSimulation.snapshot.")
       .def("output", &snapshot_output,
-           "The dict that SnowSimulation.output gave at that moment. RuntimeError for a second "
-           "call.");
+           R"(The dict that SnowSimulation.output gave at that moment. Raises RuntimeError on a
+second call.)");
 
   py::class_<SnowSimulation, Holder>(
       module, "SnowSimulation",
-      "Snow that accumulates on moving objects, each with a map in UV space.\n\n"
-      "pixel_size: edge of an occlusion pixel in metres. noise_density: share of pixels that snow "
-      "in\n"
-      "a step (mean unchanged). flutter: radians by which flakes stray. max_depth: metres that "
-      "level\n"
-      "ground holds. slide_half_life: seconds. repose: radians from level, over 0 to pi / 2, that\n"
-      "snow's own surface keeps before it moves to what lies lower, or over a rim into the air, "
-      "where\n"
-      "it has slid; walls then hold nothing for longer than a second. pi / 2: snow stays where it\n"
-      "fell. cohesion: metres that a front of snow stands upright; what is smooth and as thin as\n"
-      "that, as twigs are, carries steeper snow. blur_radius: sigma of output's blur in metres.\n"
-      "mapping: COMPUTE, or GEOMETRY for the thesis's own scatter, which only the engine GL has.\n"
-      "engine: GL (shaders), CPU (C++ on all cores, no graphics driver needed) or AUTO: GL on a\n"
-      "hardware driver, else CPU; `engine` tells which it is. tile_size (a power of two from 64 "
-      "to\n"
-      "4096) and device change neither result nor units; where a device is named, AUTO is GL.\n"
-      "wait_for_gpu: whether RuntimeError is raised here where the engine GL is asked for and not "
-      "to\n"
-      "be had; else objects can be added while the driver is being loaded, and the first call "
-      "that\n"
-      "needs it raises.\n"
-      "A context manager: leaving it closes the simulation.")
+      R"(Simulates snow that accumulates on moving objects, each with a map in UV space.
+
+pixel_size: edge of an occlusion pixel in metres. noise_density: fraction of pixels that receive
+snow in a step (the mean stays). flutter: largest angle in radians between a flake's path and the
+fall. max_depth: depth in metres that level ground holds. slide_half_life: seconds in which the
+snow beyond a slope's capacity halves. repose: angle of repose in radians from level, over 0 to pi
+/ 2; steeper snow moves to lower neighbours or falls over a rim, which counts as slid, and walls
+lose their snow within a second; pi / 2: snow stays where it fell. cohesion: height in metres at
+which a vertical snow face stays up; smooth surfaces about as thin as that, such as twigs, carry
+steeper snow. blur_radius: standard deviation of output's blur in metres.
+
+mapping: COMPUTE, or GEOMETRY for the thesis's own scatter, which only engine GL has. engine: GL
+(shaders), CPU (C++ on all cores, needs no graphics driver) or AUTO: GL on a hardware driver, else
+CPU; `engine` reports the choice. tile_size (a power of two from 64 to 4096) and device do not
+change the result; if a device is named, AUTO means GL. wait_for_gpu: True raises RuntimeError
+here if engine GL is requested and not available; False lets objects be added while the driver
+loads, and the first call that needs the engine raises.
+
+A context manager: leaving it closes the simulation.)")
       .def(py::init(&make_simulation), "pixel_size"_a = 0.01, "noise_density"_a = 1.0,
            "flutter"_a = 0.0, "max_depth"_a = 1.0, "slide_half_life"_a = 2.0,
            "repose"_a = snow::SimulationSettings{}.repose, "cohesion"_a = 0.0,
@@ -243,96 +240,82 @@ void bind_snow(py::module_& module) {
           [](SnowSimulation& simulation) {
             return engine_dict(without_gil([&] { return simulation.engine_info(); }));
           },
-          "What does the passes, waited for: a dict of 'name' (GL or CPU), 'driver' (what decides\n"
-          "about last bits) and 'reason' (why this one).")
-      .def(
-          "add_object", &give_object<&SnowSimulation::add_object>, "name"_a, "triangles"_a, "uv"_a,
-          "resolution"_a = 1024, "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
-          "blur_radius"_a = py::none(), "alpha"_a = py::none(), "shading"_a = py::none(),
-          "sides"_a = "AUTO",
-          "Adds a mesh: triangles (T, 3) vertex indices, uv (T, 3, 2) in [0, 1]. A receiver gets "
-          "a\n"
-          "map of resolution x resolution texels, and occludes whatever `occlude` says. rest (N, "
-          "3):\n"
-          "the pose in which output measures distances, in metres; by default that of its first "
-          "step.\n"
-          "blur_radius: sigma in metres for this object, by default the simulation's.\n"
-          "alpha: where snow falls through, a dict: 'uv' (T, 3, 2) any floats, 'image' (T,) index "
-          "into\n"
-          "'images' or -1 for opaque triangles, 'images' [(H, W) uint8, row 0 = v 0; 128 and more "
-          "is\n"
-          "there], 'extensions' [REPEAT, MIRROR, EXTEND or CLIP] for each image.\n"
-          "shading (T, 3) int32: corners of one number share a smooth normal, worked out from the\n"
-          "positions of each step; -1, or None for all: flat. Thickness follows the smooth "
-          "normals, and\n"
-          "the snow on all of the surface stays what falls on its triangles.\n"
-          "sides: which take snow. FRONT, where triangles run anticlockwise; BOTH: the one that "
-          "faces\n"
-          "the sky, heights being negative on the back; AUTO: BOTH for the parts of the mesh that "
-          "have\n"
-          "no inside (cards, leaves, flags, bowls, by the rest pose), FRONT for the others.")
+          R"(The engine, after waiting for it: a dict of 'name' (GL or CPU), 'driver' (everything
+that can change the last bits of a result) and 'reason' (why it was chosen).)")
+      .def("add_object", &give_object<&SnowSimulation::add_object>, "name"_a, "triangles"_a, "uv"_a,
+           "resolution"_a = 1024, "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
+           "blur_radius"_a = py::none(), "alpha"_a = py::none(), "shading"_a = py::none(),
+           "sides"_a = "AUTO",
+           R"(Adds a mesh: triangles (T, 3) vertex indices, uv (T, 3, 2) in [0, 1]. A receiver gets
+a map of resolution x resolution texels, and always occludes, too. rest (N, 3): the pose in which
+output measures distances, in metres; by default the pose of its first step. blur_radius: standard
+deviation in metres for this object, by default the simulation's.
+
+alpha: holes through which snow falls, a dict: 'uv' (T, 3, 2) any floats, 'image' (T,) index into
+'images' or -1 for opaque triangles, 'images' [(H, W) uint8, row 0 = v 0; 128 and more is opaque],
+'extensions' [REPEAT, MIRROR, EXTEND or CLIP] for each image.
+
+shading (T, 3) int32: corners with the same number share a smooth normal, computed from the
+positions of each step; -1, or None for all: flat. Thickness follows the smooth normals, and the
+total snow equals what falls on the triangles.
+
+sides: the sides that take snow. FRONT, where triangles run anticlockwise; BOTH: the side that
+faces the sky, with negative heights on the back; AUTO: BOTH for parts of the mesh without an
+inside (cards, leaves, flags, bowls, by the rest pose), FRONT for the others.)")
       .def("replace_object", &give_object<&SnowSimulation::replace_object>, "name"_a, "triangles"_a,
            "uv"_a, "resolution"_a = 1024, "receive"_a = true, "occlude"_a = true,
            "rest"_a = py::none(), "blur_radius"_a = py::none(), "alpha"_a = py::none(),
            "shading"_a = py::none(), "sides"_a = "AUTO",
-           "Gives an object another mesh, from the next step on, which must name it. A receiver "
-           "keeps\n"
-           "its map wherever the new mesh has a surface in UV space; the rest goes, and counts as\n"
-           "stretched_volume. Resolution and receive stay. Arguments as in add_object.")
+           R"(Replaces an object's mesh from the next step on, which must give its positions. A
+receiver keeps its map wherever the new mesh has a surface in UV space; other snow is removed and
+counts as stretched_volume. Resolution and receive stay. Arguments as in add_object.)")
       .def("step", &step, "positions"_a, "depth"_a, "direction"_a = std::array<double, 3>{0, 0, -1},
            "dt"_a = 1.0 / 24.0,
-           "Lets snow fall: depth in metres on open level ground, along direction, within dt "
-           "seconds\n(0: nothing slides or moves).\n"
-           "positions: {name: (N, 3) metres} of the objects that moved; an object's first step "
-           "must\n"
-           "name it, later ones only when it moved.")
-      .def(
-          "change_settings", &change_settings, py::kw_only(), "noise_density"_a = py::none(),
-          "flutter"_a = py::none(), "max_depth"_a = py::none(), "slide_half_life"_a = py::none(),
-          "repose"_a = py::none(), "cohesion"_a = py::none(), "seed"_a = py::none(),
-          "Takes other settings from the next step on, in the constructor's units; the snow that\n"
-          "lies stays, and so do settings that are not named. ValueError for what is out of range.")
+           R"(Simulates one step of snowfall: depth in metres on open level ground, along direction,
+within dt seconds (0: nothing slides or moves). positions: {name: (N, 3) metres} of the objects
+that moved; each object must be given in its first step.)")
+      .def("change_settings", &change_settings, py::kw_only(), "noise_density"_a = py::none(),
+           "flutter"_a = py::none(), "max_depth"_a = py::none(), "slide_half_life"_a = py::none(),
+           "repose"_a = py::none(), "cohesion"_a = py::none(), "seed"_a = py::none(),
+           R"(Applies other settings from the next step on, in the constructor's units; the snow and
+all settings that are not given stay. Raises ValueError for values out of range.)")
       .def("set_blur_radius", &SnowSimulation::set_blur_radius, "name"_a, "blur_radius"_a,
            py::call_guard<ReleasedGil>(),
-           "Another sigma in metres for the blur of a receiver's output; the stored map stays.")
+           R"(Sets the standard deviation in metres of the blur of one receiver's output; the stored
+map stays.)")
       .def("height", &map_of<&SnowSimulation::height>, "name"_a,
-           "Stored thickness along the normal in metres, (H, W) float32, row 0 = v 0; negative "
-           "where it\n"
-           "lies on the back.")
-      .def(
-          "output", &output, "name"_a, "normal"_a = true,
-          "{'height': (H, W) smoothed by blur_radius, 'normal': (H, W, 3) in tangent space}, both\n"
-          "continued beyond the charts and level at seams. normal=False leaves the normals out.")
+           R"(Stored thickness along the normal in metres, (H, W) float32, row 0 = v 0; negative for
+snow on the back.)")
+      .def("output", &output, "name"_a, "normal"_a = true,
+           R"({'height': (H, W) smoothed by blur_radius, 'normal': (H, W, 3) in tangent space}, both
+extended beyond the charts and level at seams. normal=False omits the normals.)")
       .def("snapshot", &snapshot, "name"_a, "normal"_a = true,
-           "What output would give now, as an object whose output() works it out: once, on any\n"
-           "thread, also while the simulation goes on or when it is closed.")
-      .def(
-          "prepare_output", &SnowSimulation::prepare_output, "name"_a,
-          py::call_guard<ReleasedGil>(),
-          "Begins with what output of a receiver needs to build first, beside the next steps, and\n"
-          "returns at once; changes no result. ValueError before its rest pose is known.")
+           R"(The input of output at this moment, as an object whose output() computes it: once, on
+any thread, also while the simulation continues or after it is closed.)")
+      .def("prepare_output", &SnowSimulation::prepare_output, "name"_a,
+           py::call_guard<ReleasedGil>(),
+           R"(Starts building the tables that output of a receiver needs, beside the next steps, and
+returns at once; changes no result. Raises ValueError before its rest pose is known.)")
       .def("save", &SnowSimulation::save, "path"_a, py::call_guard<ReleasedGil>(),
            "Writes a checkpoint atomically.")
       .def("restore", &SnowSimulation::restore, "path"_a, "any_driver"_a = false,
            py::call_guard<ReleasedGil>(),
-           "Takes a checkpoint of a simulation with the same settings and objects, and goes on bit "
-           "for\n"
-           "bit. RuntimeError for a file that is none or is damaged, ValueError naming what "
-           "differs.")
+           R"(Restores a checkpoint of a simulation with the same settings and objects, and
+continues bit for bit. Raises RuntimeError for a file that is no checkpoint or is damaged,
+ValueError naming the difference.)")
       .def("texel_area", &map_of<&SnowSimulation::texel_area>, "name"_a,
-           "Area in m2 that each texel covers now, (H, W) float32, 0 where there is no surface.")
+           R"(Area in m2 that each texel covers in the current pose, (H, W) float32, 0 outside the
+surface.)")
       .def("measure_passes", &SnowSimulation::measure_passes, "on"_a, py::call_guard<ReleasedGil>(),
-           "Whether the engine GL measures its passes from now on.")
+           "Starts or stops measuring the passes of engine GL.")
       .def("pass_costs", &pass_costs,
-           "What the passes of the engine GL took since the last call, by name: 'calls', "
-           "'gpu_seconds' of\nthe GPU's own clock, 'wall_seconds' of handing them in. Empty "
-           "unless measure_passes(True).")
-      .def(
-          "statistics", &statistics,
-          "Balance of the last step, under 'total' of all steps, and under 'objects' by receiver:\n"
-          "volumes in m3, areas in m2.")
+           R"(Costs of the passes of engine GL since the last call, by name: 'calls', 'gpu_seconds'
+by the GPU's clock, 'wall_seconds' of submitting them. Empty unless measure_passes(True).)")
+      .def("statistics", &statistics,
+           R"(Balance of the last step, under 'total' of all steps, and under 'objects' per
+receiver: volumes in m3, areas in m2.)")
       .def("memory_estimate", &memory_estimate,
-           "What the simulation takes, in bytes by kind, and as a line of text.")
+           "Memory that the simulation needs, in bytes by kind, and as a line of text.")
       .def("close", &SnowSimulation::close, py::call_guard<ReleasedGil>(),
            "Releases everything. Further calls raise RuntimeError.")
       .def(

@@ -88,7 +88,7 @@ py::dict read_checkpoint(const std::string& path,
         if (found == receivers->end() || found->second != resolution) {
           throw std::invalid_argument(path + " holds a map of '" + name + "' with " +
                                       std::to_string(resolution) +
-                                      " texels a side, which was not asked for");
+                                      " texels per side, which is not among receivers");
         }
       }
     });
@@ -102,25 +102,25 @@ py::dict read_checkpoint(const std::string& path,
 
 void bind_snow_state(py::module_& module) {
   using namespace py::literals;
-  module.def("simulation_state", &state_of, "simulation"_a,
-             "What a checkpoint of a SnowSimulation holds, as plain arrays: {'step_number': int,\n"
-             "'objects': {receiver: {'height': (H, H) float32 metres, 'sums': (16,) float64}}}.");
+  module.def(
+      "simulation_state", &state_of, "simulation"_a,
+      R"(The content of a checkpoint of a SnowSimulation, as plain arrays: {'step_number': int,
+'objects': {receiver: {'height': (H, H) float32 metres, 'sums': (16,) float64}}}.)");
   module.def(
       "set_simulation_state", &set_state, "simulation"_a, "state"_a,
-      "Takes a state of simulation_state, for a simulation with the same receivers; parts of\n"
-      "several states may be put together where their step numbers agree. ValueError naming\n"
-      "what differs.");
+      R"(Restores a state from simulation_state, for a simulation with the same receivers; parts of
+several states may be combined if their step numbers agree. Raises ValueError naming the
+difference.)");
   module.def(
       "write_checkpoint", &write_checkpoint, "path"_a, "state"_a, "description"_a = "",
-      "Writes a state of simulation_state, or some of its receivers, as SnowSimulation.save\n"
-      "does (docs/formats.md), whole or not at all. `description`: a text that says whose it\n"
-      "is. RuntimeError with path and reason.");
-  module.def(
-      "read_checkpoint", &read_checkpoint, "path"_a, "receivers"_a = py::none(),
-      "What write_checkpoint or SnowSimulation.save wrote, bit for bit: a state with\n"
-      "'description' beside it. receivers: {name: resolution} of the maps that it may hold;\n"
-      "ValueError for another, before memory is taken for it. RuntimeError for a file that is\n"
-      "missing, of another version, truncated or damaged.");
+      R"(Writes a state from simulation_state, or some of its receivers, as SnowSimulation.save does
+(docs/formats.md), atomically. `description`: a text that identifies the simulation. Raises
+RuntimeError with path and reason.)");
+  module.def("read_checkpoint", &read_checkpoint, "path"_a, "receivers"_a = py::none(),
+             R"(Reads a file of write_checkpoint or SnowSimulation.save, bit for bit: a state with
+'description' added. receivers: {name: resolution} of the maps that it may hold; raises ValueError
+for others, before memory is allocated for them. Raises RuntimeError for a file that is missing, of
+another version, truncated or damaged.)");
 }
 
 }  // namespace snowbough::python

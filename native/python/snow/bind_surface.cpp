@@ -14,14 +14,14 @@ namespace py = pybind11;
 namespace snowbough::python {
 namespace {
 
-std::vector<float> map_of(const InputArray<float>& height, const char* name) {
+std::vector<float> square_map(const InputArray<float>& height, const char* name) {
   if (height.ndim() != 2 || height.shape(0) != height.shape(1)) {
     throw std::invalid_argument(std::string(name) + " must have shape (resolution, resolution)");
   }
   return {height.data(), height.data() + height.size()};
 }
 
-/// The receiver, whose triangles name rows of positions.
+/// Converts a receiver, whose triangles are rows of positions.
 snow::SurfaceSource surface_source(snow::MapTopology topology, const InputArray<float>& positions,
                                    const std::optional<InputArray<int32_t>>& shading) {
   snow::SurfaceSource source{
@@ -46,7 +46,7 @@ void require_positive(double value, const char* name) {
   }
 }
 
-/// A surface that knows which maps and positions fit it.
+/// A surface with the sizes of its maps and positions.
 struct BoundSurface {
   snow::SnowSurface surface;
   int32_t resolution;
@@ -61,14 +61,14 @@ std::unique_ptr<BoundSurface> make_surface(const InputArray<int32_t>& triangles,
                                            const std::optional<InputArray<int32_t>>& shading,
                                            float scale, int32_t most_points, uint32_t seed,
                                            const std::array<float, 2>& wind) {
-  const std::vector<float> heights = map_of(last, "last");
+  const std::vector<float> heights = square_map(last, "last");
   require_finite(uv, "uv");
   require_positive(depth, "depth");
   require_positive(scale, "scale");
   require_positive(most_points, "most_points");
   const snow::SurfaceSource source = surface_source(
       map_topology(triangles, uv, static_cast<int32_t>(last.shape(0))), positions, shading);
-  const std::vector<float> most = map_of(highest, "highest");
+  const std::vector<float> most = square_map(highest, "highest");
   const snow::SurfacePlan plan{{depth, scale, most_points}, seed, {wind[0], wind[1]}};
   return without_gil([&] {
     return std::make_unique<BoundSurface>(
@@ -102,7 +102,7 @@ py::array_t<float> points(const BoundSurface& self, const InputArray<float>& hei
                           float open_depth, const std::optional<InputArray<float>>& positions,
                           const std::array<float, 3>& up,
                           const std::optional<InputArray<float>>& to_result) {
-  const std::vector<float> heights = map_of(height, "height");
+  const std::vector<float> heights = square_map(height, "height");
   if (height.shape(0) != self.resolution) {
     const std::string size = std::to_string(self.resolution);
     throw std::invalid_argument("height must have shape (" + size + ", " + size + ")");
@@ -142,12 +142,13 @@ void bind_surface(py::module_& module) {
   module.def(
       "wanted_surface_points", &wanted_points, py::arg("triangles"), py::arg("positions"),
       py::arg("depth"), py::arg("shading") = py::none(),
-      "About how many points a SnowSurface of a receiver would like to have at the default "
-      "detail under `depth` metres of snow, from triangles (T, 3), positions (V, 3) and shading "
-      "(T, 3) or None: receivers share the points of a scene by it.");
-  module.def("point_normals", &point_normals, py::arg("points"), py::arg("triangles"),
-             "Unit normals (P, 3) of points (P, 3): the mean over their triangles (T, 3), by area. "
-             "ValueError for triangles that name no points.");
+      R"(Approximate number of points that a SnowSurface of a receiver needs at the default detail
+under `depth` metres of snow, from triangles (T, 3), positions (V, 3) and shading (T, 3) or None:
+receivers share a scene's points in proportion to it.)");
+  module.def(
+      "point_normals", &point_normals, py::arg("points"), py::arg("triangles"),
+      R"(Unit normals (P, 3) of points (P, 3): the mean over their triangles (T, 3), by area. Raises
+ValueError for triangles with invalid indices.)");
   py::class_<BoundSurface>(module, "SnowSurface", "The snow's surface on one receiver.")
       .def(py::init(&make_surface), py::arg("triangles"), py::arg("uv"), py::arg("positions"),
            py::arg("last"), py::arg("highest"), py::arg("depth"), py::arg("shading") = py::none(),

@@ -8,10 +8,10 @@
 
 namespace snowbough::python {
 
-/// The way of depositing that `mapping` names. @throws std::invalid_argument for another name.
+/// The mapping of that name. @throws std::invalid_argument for an unknown name.
 snow::gl::DepositMapping mapping_from(const std::string& name);
 
-/// What an engine says of itself, as SnowSimulation.engine and Engine.info give it.
+/// An engine's description as SnowSimulation.engine and Engine.info return it.
 pybind11::dict engine_dict(const snow::EngineInfo& info);
 
 }  // namespace snowbough::python

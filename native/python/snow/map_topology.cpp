@@ -12,7 +12,7 @@ snow::MapTopology map_topology(const InputArray<int32_t>& triangles, const Input
   }
   if (uv.ndim() != 3 || uv.shape(0) != triangles.shape(0) || uv.shape(1) != 3 || uv.shape(2) != 2) {
     throw std::invalid_argument(
-        who + "uv must have shape (T, 3, 2), one coordinate a triangle corner, T = " +
+        who + "uv must have shape (T, 3, 2), one coordinate per triangle corner, T = " +
         std::to_string(triangles.shape(0)));
   }
   snow::MapTopology topology;

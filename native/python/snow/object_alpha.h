@@ -8,8 +8,8 @@
 
 namespace snowbough::python {
 
-/// The dict that add_object takes as `alpha`, for a mesh of `triangles` triangles. The GIL is held.
-/// @throws std::invalid_argument naming the object and what does not fit.
+/// Converts the `alpha` dict of add_object, for a mesh of `triangles` triangles. Needs the GIL.
+/// @throws std::invalid_argument naming the object and the wrong value.
 snow::ObjectAlpha alpha_from_python(const pybind11::object& given, const std::string& name,
                                     pybind11::ssize_t triangles);
 

@@ -8,8 +8,9 @@
 
 namespace snowbough::python {
 
-/// What SnowSimulation.add_object and replace_object take, as its docstring says. The GIL is held.
-/// @throws std::invalid_argument naming the object and what does not fit.
+/// Converts the arguments of SnowSimulation.add_object and replace_object; see its docstring. Needs
+/// the GIL.
+/// @throws std::invalid_argument naming the object and the wrong value.
 snow::ObjectDescription describe_object(const std::string& name,
                                         const InputArray<int32_t>& triangles,
                                         const InputArray<float>& uv, int32_t resolution,

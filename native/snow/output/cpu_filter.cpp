@@ -12,7 +12,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// Per tile: whether it holds any snow.
+/// Per tile: whether it holds snow.
 std::vector<uint8_t> filled_tiles(const std::vector<float>& map, int32_t resolution) {
   const MapTiles tiles(resolution);
   std::vector<uint8_t> filled(static_cast<size_t>(tiles.count()), 0);

@@ -21,28 +21,28 @@ namespace snowbough::snow {
 struct OutputSurface {
   /// See layer_terms; null or empty: flat.
   std::shared_ptr<const std::vector<LayerTerms>> layers;
-  /// See surface_metrics; empty where no normals are wanted.
+  /// See surface_metrics; empty if no normals are needed.
   std::vector<SurfaceMetric> metrics;
 };
 
-/// Makes one receiver's output of its stored map: rounds it, turns what it holds into heights that
-/// show as much on curved surfaces, continues and levels it, and takes its normals. Heights are
-/// negative on the back of a surface.
+/// Makes a receiver's output from its stored map: smooths it, converts the volume to heights on
+/// curved surfaces, extends and levels it, and computes normals. Heights on the back of a surface
+/// are negative.
 ///
-/// Several threads may call run() at once: one smooths a map while another levels the one before.
+/// Several threads may call run() at once: one smooths a map while another levels the previous one.
 class CpuFilter {
  public:
-  /// `table` and `seams` must outlive it. `normals`: see build_smoothing_grid. The result does not
-  /// depend on `threads`.
+  /// `table` and `seams` must outlive it. `normals`: see build_smoothing_grid. `threads` does not
+  /// change the result.
   CpuFilter(const TexelTable& table, const SeamTable& seams, const SmoothingSettings& settings,
             const std::vector<glm::vec3>& normals = {}, int32_t threads = 2);
 
-  /// `map`: its resolution^2 heights as stored, in metres, row 0 = v 0, 0 where no chart owns the
-  /// texel; handed back as the output's.
+  /// `map`: resolution^2 stored heights in metres, row 0 = v 0, 0 for texels without owner; its
+  /// memory is reused for the output.
   MapOutput run(std::vector<float> map, const OutputSurface& surface = {});
 
  private:
-  /// What the seams say, as each of the output's parts needs it.
+  /// Tables from the seams, one per part of the output.
   struct Parts {
     SeamLeveller leveller;
     MapContinuation continuation;

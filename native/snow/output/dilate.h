@@ -10,28 +10,28 @@
 
 namespace snowbough::snow {
 
-/// Continues a map beyond its charts by kDilation texels with what lies there on the surface, so
-/// that interpolation at a seam meets the same heights from both sides.
+/// Extends a map beyond its charts by kDilation texels with the heights of the adjacent surface, so
+/// that interpolation at a seam reads the same heights from both sides.
 class MapContinuation {
  public:
-  /// Keeps no reference to them.
+  /// Keeps no references.
   MapContinuation(const TexelTable& table, const SeamTable& seams);
 
   /// @param map resolution^2 heights, row 0 = v 0, 0 beyond the charts; changed in place.
-  /// @param filled per tile (see MapTiles) whether anything but 0 may lie on its charts.
+  /// @param filled per tile (see MapTiles) whether its charts may hold anything but 0.
   void run(std::vector<float>& map, const std::vector<uint8_t>& filled) const;
 
  private:
-  /// The texels to fill in, tile by tile, and where each tile begins.
+  /// The texels to fill, tile by tile, and the start of each tile.
   std::vector<int32_t> begin_;
   std::vector<int32_t> texel_;
-  /// What each shows: sources are texels of the map, by linear index.
+  /// The sum that each texel receives: sources are linear indices of the map's texels.
   WeightedRows rows_;
   TileReads reads_;
 };
 
-/// The whole map of normals from one an owned texel, continued with the nearest texel's, since the
-/// surface beyond a seam has another tangent space; (0, 0, 1) elsewhere.
+/// Expands normals per owned texel to the whole map, extended with the nearest texel's normal,
+/// since the surface beyond a seam has another tangent space; (0, 0, 1) elsewhere.
 std::vector<glm::vec3> dilate_normals(const TexelTable& table, const SeamTable& seams,
                                       const std::vector<glm::vec3>& normals);
 

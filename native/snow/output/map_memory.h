@@ -6,18 +6,17 @@
 
 namespace snowbough::snow {
 
-/// Memory of maps that are done with, kept for the next ones: to be given many megabytes by the
-/// system and to fill them for the first time costs more than a whole pass over a map. For any
-/// thread.
+/// Pool of the memory of finished maps, for reuse: allocating many megabytes and touching them for
+/// the first time costs more than a pass over a map. Thread-safe.
 class MapMemory {
  public:
-  /// `count` heights of any value.
+  /// `count` heights of undefined value.
   std::vector<float> take(size_t count);
-  /// Keeps a map's memory; beyond kMostKept maps the oldest goes.
+  /// Keeps a map's memory; beyond kMostKept maps the oldest is freed.
   void give(std::vector<float>&& map);
 
  private:
-  /// As many as are under way at a time: one read back, two made, one written.
+  /// Number of maps in flight: one read back, two in work, one being written.
   static constexpr size_t kMostKept = 4;
 
   std::mutex mutex_;

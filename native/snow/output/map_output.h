@@ -5,8 +5,8 @@
 
 namespace snowbough::snow {
 
-/// What a receiver's map looks like to the outside: smoothed, continued beyond its charts, level at
-/// its seams. The stored map stays as it is. Both have resolution^2 values, row 0 = v 0.
+/// A receiver's map for display: smoothed, extended beyond its charts, level across its seams. The
+/// stored map stays unchanged. Both arrays have resolution^2 values, row 0 = v 0.
 struct MapOutput {
   /// Metres.
   std::vector<float> height;

@@ -8,12 +8,12 @@
 
 namespace snowbough::snow {
 
-/// Tiles that a map is worked on by, so that what is bare can be passed over: long along u, where
-/// texels lie one after the other in memory.
+/// Tile size of the passes over a map, so that bare tiles can be skipped: long along u, where
+/// texels are consecutive in memory.
 inline constexpr int32_t kTileWidth = 32;
 inline constexpr int32_t kTileHeight = 4;
 
-/// A map's tiles, numbered row by row; those at the upper and right border may be cut off.
+/// A map's tiles, numbered row by row; tiles at the upper and right border may be cut off.
 struct MapTiles {
   explicit MapTiles(int32_t map_resolution)
       : resolution(map_resolution),
@@ -48,13 +48,13 @@ struct MapTiles {
   }
 };
 
-/// Which tiles each tile takes values from, noted tile by tile.
+/// The tiles from which each tile reads values, recorded tile by tile.
 class TileReads {
  public:
   TileReads() = default;
   explicit TileReads(int32_t tile_count) : noted_for_(static_cast<size_t>(tile_count), -1) {}
 
-  /// What is noted from here on belongs to the next tile.
+  /// Starts the next tile; the following notes belong to it.
   void begin_tile() { begin_.push_back(begin_.back()); }
   void note(int32_t tile) {
     const auto reader = static_cast<int32_t>(begin_.size()) - 2;
@@ -63,22 +63,21 @@ class TileReads {
     ++begin_.back();
   }
 
-  /// Whether one of the tiles that `tile` takes values from is `filled`.
+  /// Whether one of the tiles that `tile` reads is `filled`.
   bool sees(int32_t tile, const std::vector<uint8_t>& filled) const {
     return std::any_of(tiles_.begin() + begin_[tile], tiles_.begin() + begin_[tile + 1],
                        [&](int32_t other) { return filled[other] != 0; });
   }
 
  private:
-  /// Where each tile's begin.
+  /// Start of each tile's list.
   std::vector<int32_t> begin_{0};
   std::vector<int32_t> tiles_;
-  /// Per tile: the last one that noted it.
+  /// Per tile: the last tile that noted it.
   std::vector<int32_t> noted_for_;
 };
 
-/// `items` with tiles `tile_of(item)`, sorted by tile, equal ones left in their order; fills in
-/// where each tile begins.
+/// `items` sorted by their tile `tile_of(item)`, stable; fills the start of each tile.
 template <typename Item, typename TileOf>
 std::vector<Item> sorted_by_tile(const std::vector<Item>& items, int32_t tile_count,
                                  const TileOf& tile_of, std::vector<int32_t>& begin) {

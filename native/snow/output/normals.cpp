@@ -8,7 +8,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// Height a step of one texel along a line gains, at every owned texel.
+/// Height difference per texel along a line, for every owned texel.
 std::vector<float> differences(const TexelLines& lines, const std::vector<float>& height) {
   std::vector<float> line(static_cast<size_t>(lines.length), kNothing);
   fill_lines(lines, height, line);

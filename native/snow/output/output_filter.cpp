@@ -7,7 +7,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// Of unit length; of triangles without area no number.
+/// Unit normals; NaN for triangles without area.
 std::vector<glm::vec3> triangle_normals(const MapTopology& topology,
                                         const std::vector<glm::vec3>& positions) {
   std::vector<glm::vec3> normals;
@@ -115,7 +115,7 @@ void OutputFilterCache::work() {
     try {
       next->build();
     } catch (const std::exception&) {
-      // Whoever asks for the filter tries again and gets the exception.
+      // The next caller of the filter tries again and gets the exception.
     }
     lock.lock();
   }

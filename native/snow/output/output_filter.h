@@ -16,18 +16,18 @@
 
 namespace snowbough::snow {
 
-/// Makes a receiver's output: how its texels hang together, and what rounds them on the processor,
-/// for both engines. The same from frame to frame. All functions are for any thread.
+/// Makes a receiver's output: its texel connectivity and the CPU filter, for both engines. The same
+/// for all frames. Thread-safe.
 class OutputFilter {
  public:
-  /// `receiver` has its rest pose; its description and texel table must not change any more.
+  /// `receiver` has its rest pose; its description and texel table must not change afterwards.
   /// `blur_radius` in metres.
   OutputFilter(std::shared_ptr<const SceneObject> receiver, double blur_radius);
 
-  /// Builds unless that is done, or waits for the thread that is at it. run() builds first.
+  /// Builds the tables once; waits if another thread is building them. run() calls it.
   /// @throws std::invalid_argument as build_seam_table and check_smoothing.
   void build();
-  /// How the receiver's texels hang together; builds first.
+  /// The receiver's texel connectivity; builds first.
   const SeamTable& seams();
 
   /// See CpuFilter::run.
@@ -41,31 +41,30 @@ class OutputFilter {
   std::unique_ptr<CpuFilter> cpu_filter_;
 };
 
-/// The filters of a simulation's receivers, built once: in threads of its own for whom begin()
-/// names, so that the first steps run meanwhile. What they hold does not depend on that. All
-/// functions are for one thread.
+/// The filters of a simulation's receivers, built once; after begin() on separate threads, beside
+/// the first steps. The threads do not change the result. All functions are for one thread.
 class OutputFilterCache {
  public:
   OutputFilterCache() = default;
   OutputFilterCache(const OutputFilterCache&) = delete;
   OutputFilterCache& operator=(const OutputFilterCache&) = delete;
-  /// Waits for what the threads have begun.
+  /// Waits for the running threads.
   ~OutputFilterCache();
 
-  /// Starts building unless that was begun before; returns at once. Arguments as OutputFilter.
+  /// Starts building unless already started; returns at once. Arguments as in OutputFilter.
   void begin(const std::shared_ptr<const SceneObject>& receiver, double blur_radius);
-  /// The receiver's filter, maybe not built yet.
+  /// The receiver's filter, possibly not built yet.
   std::shared_ptr<OutputFilter> get(const std::shared_ptr<const SceneObject>& receiver,
                                     double blur_radius);
   void forget(const std::string& name);
-  /// Forgets all.
+  /// Removes all filters.
   void clear();
 
  private:
   void work();
 
   std::map<std::string, std::shared_ptr<OutputFilter>> filters_;
-  /// Guards what follows.
+  /// Guards the members below.
   std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<std::shared_ptr<OutputFilter>> waiting_;

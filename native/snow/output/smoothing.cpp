@@ -14,15 +14,15 @@ namespace snowbough::snow {
 namespace {
 
 constexpr ptrdiff_t kMargin = 32;
-/// Cells of a row that are passed over together where they are bare.
+/// Bare cells of a row are skipped in blocks of this size.
 constexpr int32_t kBlock = 16;
-/// Levels of at most this size are not worth a second thread.
+/// Levels up to this size run on one thread.
 constexpr int32_t kSmallLevel = 512;
 
-/// Half the variance that it adds to take a block's cells for one, in cells^2.
+/// Half the variance in cells^2 that merging a block's cells adds.
 constexpr float kBlockSpread = 0.25f;
 
-/// What of half a link's variance over distance^2 the levels below `level` see to.
+/// Half a link's variance over distance^2 that levels finer than `level` provide.
 float done_below(size_t level) {
   return (kStages * kStageShare + kBlockSpread) / 3.0f *
          (1.0f - std::pow(0.25f, static_cast<float>(level)));
@@ -37,7 +37,7 @@ BlockRows block_rows(const SmoothingLevel& grid, const float* inverse, int32_t f
 
 void check_smoothing(const SmoothingSettings& settings) {
   if (!(settings.blur_radius >= 0.0f) || !std::isfinite(settings.blur_radius)) {
-    throw std::invalid_argument("blur_radius must be 0 or more metres");
+    throw std::invalid_argument("blur_radius must be 0 metres or more");
   }
 }
 
@@ -51,16 +51,16 @@ Smoother::Smoother(const SmoothingGrid& grid, const SmoothingSettings& settings,
   }
 }
 
-/// Arrays of maps that are done with, for the next ones of their size: to fill new memory for the
-/// first time costs more than a pass over a map. For any thread.
-class Smoother::Works {
+/// Pool of the arrays of finished maps, for maps of the same size: touching new memory for the
+/// first time costs more than a pass over a map. Thread-safe.
+class Smoother::Workspace {
  public:
-  static Works& shared() {
-    static Works works;
-    return works;
+  static Workspace& shared() {
+    static Workspace workspace;
+    return workspace;
   }
 
-  /// Levels for a map of `size` texels a side; none where none are there.
+  /// Levels for a map of `size` texels per side; empty if the pool has none.
   std::vector<Level> take(int32_t size) {
     const std::scoped_lock lock(mutex_);
     const auto found = std::find_if(kept_.begin(), kept_.end(),
@@ -82,13 +82,13 @@ class Smoother::Works {
   }
 
  private:
-  /// As many as are made at a time.
+  /// Number of maps processed at the same time.
   static constexpr size_t kMostKept = 2;
   std::mutex mutex_;
   std::vector<std::pair<int32_t, std::vector<Level>>> kept_;
 };
 
-/// Makes a level's arrays unless they are there, all 0.
+/// Allocates a level's arrays, zeroed, unless they exist.
 void Smoother::make_level(size_t number) {
   const auto fit = [&](Level& level) {
     level.loose.resize(static_cast<size_t>(band_count(grid_.levels[number])));
@@ -108,8 +108,8 @@ void Smoother::make_level(size_t number) {
        {&level.height, &level.next, &level.right, &level.above, &level.inverse_weight}) {
     *values = base::ZeroedArray<float>(count);
   }
-  level.bank.near = base::ZeroedArray<uint8_t>(count);
-  level.bank.at_distance.resize(kMostNear);
+  level.feet.proximity = base::ZeroedArray<uint8_t>(count);
+  level.feet.at_distance.resize(kAtFoot);
   if (number > 0) level.before = base::ZeroedArray<float>(count);
   if (number == 0) level.edges = base::ZeroedArray<uint8_t>(3 * count);
   level.run_row.assign(static_cast<size_t>(size) + 1, 0);
@@ -139,8 +139,8 @@ void Smoother::for_each_run(size_t number,
   });
 }
 
-/// Empties what was under the runs of the map before and is under none of this one: what is under
-/// these is written anew.
+/// Clears cells in runs of the previous map that are in no run of this one; the runs of this map
+/// are overwritten.
 void Smoother::clear_beyond_runs(size_t number, const std::vector<Run>& before) {
   Level& level = levels_[number];
   const EdgeArrays edges = number == 0 ? edge_arrays(level) : EdgeArrays{};
@@ -167,7 +167,7 @@ void Smoother::clear_beyond_runs(size_t number, const std::vector<Run>& before) 
   }
 }
 
-/// `is_filled(cell, count)`: whether some of the cells hold snow.
+/// `is_filled(cell, count)`: whether any of the cells holds snow.
 template <typename IsFilled, typename Runs>
 static void find_level_runs(int32_t size, const IsFilled& is_filled, Runs& runs,
                             std::vector<int32_t>& run_row) {
@@ -222,7 +222,7 @@ void Smoother::restrict_to(size_t number) {
   const float* const height = fine.height.data() + fine.margin;
   const float* const inverse = fine.inverse_weight.data() + fine.margin;
 
-  // Which blocks of cells hold anything: those above the runs, and those that strays join.
+  // Filled blocks of cells: those above the runs, and those that strays join.
   const int32_t blocks = (grid.size + kBlock - 1) / kBlock;
   std::vector<uint8_t> filled(static_cast<size_t>(blocks) * grid.size, 0);
   const auto mark = [&](int32_t cell) {
@@ -277,8 +277,7 @@ void Smoother::restrict_to(size_t number) {
   }
 }
 
-/// Hands the change of each block's mean on to its cells, in proportion, so that none falls below
-/// 0.
+/// Applies the change of each block's mean to its cells, in proportion, so that none falls below 0.
 void Smoother::prolong_from(size_t number) {
   Level& fine = levels_[number - 1];
   const SmoothingLevel& fine_grid = grid_.levels[number - 1];
@@ -287,7 +286,7 @@ void Smoother::prolong_from(size_t number) {
   float* const height = fine.at(fine.height);
   const float* const now = level.at(level.height);
   const float* const before = level.at(level.before);
-  const uint8_t* const near = level.bank.near.data() + level.margin;
+  const uint8_t* const proximity = level.feet.proximity.data() + level.margin;
   for_each_row_band(grid, [&](size_t, int32_t first, int32_t last) {
     for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
       const Run run = level.runs[r];
@@ -295,7 +294,7 @@ void Smoother::prolong_from(size_t number) {
       prolong_run(height + child, height + child + fine_grid.size,
                   block_rows(fine_grid, fine.at(fine.inverse_weight), child), before + run.begin,
                   now + run.begin,
-                  {grid.to_right() + run.begin, grid.upwards() + run.begin, near + run.begin,
+                  {grid.to_right() + run.begin, grid.upwards() + run.begin, proximity + run.begin,
                    least_variance_, done_below_[number]},
                   run.end - run.begin);
     }
@@ -304,7 +303,7 @@ void Smoother::prolong_from(size_t number) {
     if (fine.stray_joins[s] == 0) continue;
     const auto [cell, parent] = fine_grid.strays[s];
     height[cell] =
-        changed(height[cell], before[parent], now[parent], kept_of_block(number, parent));
+        changed(height[cell], before[parent], now[parent], damping_of_block(number, parent));
   }
 }
 
@@ -318,7 +317,7 @@ void Smoother::cycle(size_t number, float variance) {
   stages(number, kStagesUp);
   make_level(next);
   restrict_to(next);
-  restrict_bank(next);
+  restrict_feet(next);
   open_loose_links(next);
   conduct(next);
   cycle(next, variance);
@@ -336,7 +335,7 @@ void Smoother::store(std::vector<float>& map) {
 
 std::vector<uint8_t> Smoother::run(std::vector<float>& map) {
   const int32_t size = grid_.levels[0].size;
-  levels_ = Works::shared().take(size);
+  levels_ = Workspace::shared().take(size);
   make_level(0);
   find_runs(map);
   std::vector<uint8_t> filled = tiles_of_runs();
@@ -347,9 +346,9 @@ std::vector<uint8_t> Smoother::run(std::vector<float>& map) {
     if (has_edges) divide_by_profile();
     cycle(0, variance);
     store(map);
-    clear_banks();
+    clear_feet();
   }
-  Works::shared().give(size, std::move(levels_));
+  Workspace::shared().give(size, std::move(levels_));
   levels_.clear();
   return filled;
 }

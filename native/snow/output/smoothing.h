@@ -12,8 +12,8 @@ namespace snowbough::snow {
 struct ConductanceTerms;
 struct EdgeArrays;
 
-/// How far a map is smoothed: a standard deviation of the larger of `blur_radius` and a third of
-/// the local depth, metres. 0: the map is passed on as it is.
+/// Amount of smoothing: the standard deviation is the larger of `blur_radius` and a third of the
+/// local depth, in metres. 0: no smoothing.
 struct SmoothingSettings {
   float blur_radius = 0.0f;
 };
@@ -21,27 +21,27 @@ struct SmoothingSettings {
 /// @throws std::invalid_argument for a negative or not finite radius.
 void check_smoothing(const SmoothingSettings& settings);
 
-/// Rounds a map's snow: a diffusion in flux form, so that what one texel loses its neighbour gains
-/// and the volume stays what it is to rounding.
+/// Smooths a map's snow by diffusion in flux form: each texel loses exactly the volume that its
+/// neighbour gains, so the volume is kept up to rounding.
 ///
-/// - The conductivity of a link follows from the snow at its thinner end, so that little flows down
-///   to where snow tapers off: sigma = blur_radius or a third of the depth, whichever is more.
-/// - Nothing flows onto bare texels, nor onto such that hold less than a fiftieth of their
-///   neighbour, nor between front (positive heights) and back (negative ones).
-/// - Where snow ends so, it ends rounded: not the height is evened out but the height over a
-///   shoulder's profile, a parabola that rises from 0 at the edge to 1 within a sigma. What tapers
-///   off by itself goes on doing so, up to half as steep again at its foot; where the surface
-///   itself ends nothing is rounded.
-/// - Where snow ends in a bank, steeply but on ground that goes on or at a surface's open end, what
-///   is spread piles up at the foot, over which nothing flows, and makes the bank steeper than snow
-///   lies. So sigma (but for blur_radius) is at most a tenth of the distance to the foot there, and
-///   a bank gets steeper by a hundredth or two. At rims, and on ridges, which are bank on both
-///   sides (posts, twigs), roundness matters more.
+/// - A link's conductivity follows from the snow at its thinner end, so that little snow flows to
+///   where it tapers off: sigma = blur_radius or a third of the depth, whichever is larger.
+/// - Nothing flows onto bare texels, onto texels that hold less than a fiftieth of their neighbour,
+///   or between front (positive heights) and back (negative heights).
+/// - At such an edge, snow gets a rounded shoulder: the filter diffuses the height divided by the
+///   shoulder's profile, a parabola that rises from 0 at the edge to 1 within one sigma. Snow that
+///   tapers off keeps doing so, up to half as steep again at its foot. At the end of the surface
+///   itself nothing is rounded.
+/// - At the foot of a steep slope on continuing ground, or at an open end of the surface, spread
+///   snow would pile up, because nothing flows over the foot, and make the slope steeper than snow
+///   lies. There sigma (except blur_radius) is at most a tenth of the distance to the foot, and the
+///   slope gets steeper by one or two per cent. Rims, and ridges that are steep on both sides
+///   (posts, twigs), are exempt: roundness matters more there.
 ///
-/// Every stage is explicit and moves a fifth of a difference at most, which keeps all heights
-/// within those that there were before. Far away snow travels over blocks of 2 x 2, 4 x 4, ..
-/// texels: a stage on each level on the way up and three on the way down (a V cycle), at the cost
-/// of about five passes over the map for any sigma up to a hundred texels.
+/// Every stage is explicit and moves at most a fifth of a difference, which keeps all heights
+/// within their previous range. Over long distances snow moves between blocks of 2 x 2, 4 x 4, ..
+/// texels: one stage per level on the way up and three on the way down (a V cycle), at the cost of
+/// about five passes over the map for any sigma up to a hundred texels.
 ///
 /// P. Perona, J. Malik, Scale-Space and Edge Detection Using Anisotropic Diffusion, 1990 (fluxes
 /// between texels); W. Briggs, V. Henson, S. McCormick, A Multigrid Tutorial, 2000 (V cycle).
@@ -51,7 +51,8 @@ class Smoother {
   Smoother(const SmoothingGrid& grid, const SmoothingSettings& settings, int32_t threads);
 
   /// `map`: a grid's heights in metres; changed in place. One call at a time.
-  /// @return per tile of the map (see MapTiles) whether it may hold snow: it has lain there before.
+  /// @return per tile of the map (see MapTiles) whether it may hold snow; a tile that held snow
+  /// before keeps its mark.
   std::vector<uint8_t> run(std::vector<float>& map);
 
  private:
@@ -60,15 +61,15 @@ class Smoother {
     int32_t begin;
     int32_t end;
   };
-  /// A link of SmoothingLevel::link_other that snow may cross, at its end in a cell with snow.
+  /// A link of SmoothingLevel::link_other that snow may cross, seen from a cell with snow.
   struct OpenLink {
     int32_t other;
     float weight;
     float closeness;
-    /// m2 a stage.
+    /// m2 per stage.
     float conductance;
   };
-  /// The cells of some rows that have such links: those of cells[c] end at links[cells[c].end].
+  /// The cells of some rows with such links; the links of cells[c] end at links[cells[c].end].
   struct OpenLinks {
     struct Cell {
       int32_t cell;
@@ -77,21 +78,22 @@ class Smoother {
     std::vector<Cell> cells;
     std::vector<OpenLink> links;
   };
-  /// The cells of a level that are near the foot of a bank.
-  struct Bank {
+  /// The cells of a level near the foot of a slope.
+  struct SlopeFeet {
     std::vector<int32_t> cells;
-    /// Per cell of the level, after its margin: how near the foot is, see cells_to_foot.
-    base::ZeroedArray<uint8_t> near;
-    /// Per eighth of a cell's distance, the cells that were found there first.
+    /// Per cell of the level, after its margin: proximity of the foot, see cells_to_foot.
+    base::ZeroedArray<uint8_t> proximity;
+    /// The cells by distance, in eighths of a cell.
     std::vector<std::vector<int32_t>> at_distance;
   };
-  /// What a level works on. Arrays have a margin of kMargin cells and a row before the first cell.
+  /// Working data of a level. Arrays have a margin of kMargin cells and a row before the first
+  /// cell.
   struct Level {
     ptrdiff_t margin = 0;
-    /// Height over profile, in metres, before and after a stage.
+    /// Height over profile in metres, before and after a stage.
     base::ZeroedArray<float> height;
     base::ZeroedArray<float> next;
-    /// Conductance of the links to the right and above, m2 a stage. 0 beyond the runs.
+    /// Conductance of the links to the right and above, m2 per stage. 0 beyond the runs.
     base::ZeroedArray<float> right;
     base::ZeroedArray<float> above;
     /// 1 / (area * profile), 0 where bare.
@@ -108,13 +110,14 @@ class Smoother {
     /// Per row, where its runs begin.
     std::vector<int32_t> run_row;
     std::vector<uint8_t> stray_joins;
-    Bank bank;
+    SlopeFeet feet;
 
     float* at(const base::ZeroedArray<float>& values) const { return values.data() + margin; }
   };
 
-  /// Working arrays are lent for a run only: receivers are many, and maps under way few.
-  class Works;
+  /// Pool of working arrays, in use only during a run: there are many receivers, but few maps at a
+  /// time.
+  class Workspace;
 
   void make_level(size_t number);
   int32_t band_count(const SmoothingLevel& grid) const;
@@ -126,29 +129,29 @@ class Smoother {
   std::vector<uint8_t> tiles_of_runs() const;
   void clear_beyond_runs(size_t number, const std::vector<Run>& before);
   void load(const std::vector<float>& map);
-  /// Notes the open ones of the links across seams, and calls `on_closed(band, cell, link)` for the
-  /// others of cells with snow.
+  /// Lists the open links across seams, and calls `on_closed(band, cell, link)` for the closed ones
+  /// of cells with snow.
   void open_loose_links(
       size_t number,
       const std::function<void(size_t band, int32_t cell, int32_t link)>& on_closed = nullptr);
   bool open_links(const EdgeArrays& edges);
   float find_edges(const EdgeArrays& edges);
   std::vector<int32_t> spread_distance(const EdgeArrays& edges, int32_t rounds) const;
-  /// Takes the profile of shoulders into the weights, in so many links from the edge as the widest
+  /// Includes the shoulder profile in the weights, up to as many links from the edge as the widest
   /// shoulder has texels. Returns whether there is an edge.
   bool shape_edges();
-  void find_banks();
+  void find_feet();
   template <typename Visit>
   void for_each_across(size_t number, int32_t cell, const Visit& visit) const;
-  void spread_bank(size_t number);
-  static void note_near(Bank& bank, int32_t cell, int32_t near);
-  std::vector<int32_t> approach_feet(size_t number);
-  void forget_ridges(size_t number, const std::vector<int32_t>& crests);
-  void restrict_bank(size_t number);
+  void spread_feet(size_t number);
+  static void note_proximity(SlopeFeet& feet, int32_t cell, int32_t proximity);
+  std::vector<int32_t> propagate_proximity(size_t number);
+  void remove_ridges(size_t number, const std::vector<int32_t>& crests);
+  void restrict_feet(size_t number);
   void limit_run(size_t number, Run run, const ConductanceTerms& terms);
-  float kept_of_block(size_t number, int32_t block) const;
-  void clear_banks();
-  /// Heights to heights over profile.
+  float damping_of_block(size_t number, int32_t block) const;
+  void clear_feet();
+  /// Converts heights to heights over profile.
   void divide_by_profile();
   /// Returns the largest variance over distance^2 of a link.
   float conduct(size_t number);
@@ -163,9 +166,9 @@ class Smoother {
   const SmoothingGrid& grid_;
   float least_variance_;
   int32_t threads_;
-  /// Per level: half the variance over distance^2 that those below see to.
+  /// Per level: half the variance over distance^2 that finer levels provide.
   std::vector<float> done_below_;
-  /// During a run.
+  /// Only during a run.
   std::vector<Level> levels_;
 };
 

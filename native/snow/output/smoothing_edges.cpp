@@ -1,4 +1,4 @@
-// Smoother's shoulders: where snow ends beside bare ground, and how far away every texel is.
+// Smoother's shoulders: edges of snow beside bare ground, and every texel's distance from them.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -10,7 +10,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// A profile reaches at most so many texels in from the edge.
+/// Maximum width of a shoulder in texels.
 constexpr int32_t kWidestShoulder = 12;
 
 }  // namespace
@@ -21,7 +21,7 @@ EdgeArrays Smoother::edge_arrays(Level& level) const {
   return {first, first + count, first + 2 * count};
 }
 
-/// Says which links are open; returns false where every cell that is linked to snow holds some.
+/// Finds the open links; returns false if every cell linked to snow holds snow.
 bool Smoother::open_links(const EdgeArrays& edges) {
   const Level& level = levels_[0];
   const SmoothingLevel& grid = grid_.levels[0];
@@ -35,7 +35,7 @@ bool Smoother::open_links(const EdgeArrays& edges) {
       closed[static_cast<size_t>(y)] = 1;
     }
     if (y == 0) return;
-    // Into the run from bare cells below it.
+    // Links from bare cells below lead into the run.
     int32_t below = run.begin - grid.size;
     for (int32_t r = level.run_row[y - 1]; r < level.run_row[y]; ++r) {
       const auto [begin, end] = level.runs[r];
@@ -49,8 +49,8 @@ bool Smoother::open_links(const EdgeArrays& edges) {
          std::any_of(closed.begin(), closed.end(), [](uint8_t row) { return row != 0; });
 }
 
-/// Sets the distance of the cells at an edge to 0. Returns the largest variance over distance^2
-/// there; 0 where there is no edge.
+/// Sets the distance of edge cells to 0. Returns the largest variance over distance^2 there; 0
+/// without an edge.
 float Smoother::find_edges(const EdgeArrays& edges) {
   Level& level = levels_[0];
   const SmoothingLevel& grid = grid_.levels[0];
@@ -86,8 +86,8 @@ float Smoother::find_edges(const EdgeArrays& edges) {
   return *std::max_element(widest.begin(), widest.end());
 }
 
-/// Goes on from the cells at an edge to all that are less than `rounds` links away, by links that
-/// snow may cross, and returns them.
+/// Propagates the distance from the edge cells to all cells less than `rounds` open links away, and
+/// returns these.
 std::vector<int32_t> Smoother::spread_distance(const EdgeArrays& edges, int32_t rounds) const {
   const Level& level = levels_[0];
   const SmoothingLevel& grid = grid_.levels[0];
@@ -123,7 +123,7 @@ bool Smoother::shape_edges() {
   const SmoothingLevel& grid = grid_.levels[0];
   const EdgeArrays edges = edge_arrays(level);
   const float widest = find_edges(edges);
-  find_banks();
+  find_feet();
   if (widest <= 0.0f) return false;
   const int32_t rounds =
       std::min(kWidestShoulder, static_cast<int32_t>(std::ceil(kShoulder * std::sqrt(widest))));

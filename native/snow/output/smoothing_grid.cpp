@@ -12,20 +12,20 @@ namespace {
 
 constexpr int32_t kMostLevels = 7;
 constexpr int32_t kSmallestLevel = 8;
-/// Links that a cell may have, in whole ones: each moves a fifth of a difference at most.
+/// Maximum number of whole links per cell: each moves at most a fifth of a difference.
 constexpr float kMostLinks = 5.0f;
 
-/// Of the angle over which a surface bends at a rim.
+/// Cosine of the angle by which a surface bends at a rim.
 constexpr float kRimCosine = 0.7071f;
-/// How many links beyond the bend snow may end that hangs over it.
+/// Number of links beyond the bend within which snow that ends counts as overhanging.
 constexpr int32_t kRimReach = 3;
 
-/// A link that the grid does not have of itself. a < b.
+/// A link across a seam. a < b.
 struct LooseLink {
   int32_t a;
   int32_t b;
   float weight;
-  /// Sum over its parts of weight * closeness.
+  /// Sum of weight * closeness over its parts.
   float closeness;
 
   bool operator<(const LooseLink& other) const { return a != other.a ? a < other.a : b < other.b; }
@@ -35,7 +35,7 @@ LooseLink loose_link(int32_t one, int32_t other, float weight, float closeness) 
   return {std::min(one, other), std::max(one, other), weight, weight * closeness};
 }
 
-/// Adds up the parts of equal links.
+/// Merges equal links by adding their parts.
 void merge(std::vector<LooseLink>& links) {
   std::stable_sort(links.begin(), links.end());
   size_t count = 0;
@@ -50,7 +50,7 @@ void merge(std::vector<LooseLink>& links) {
   links.resize(count);
 }
 
-/// How many links a cell has on the grid.
+/// Number of a cell's links on the grid.
 float grid_links(const SmoothingLevel& level, int32_t cell) {
   const uint16_t* const right = level.to_right() + cell;
   const uint16_t* const above = level.upwards() + cell;
@@ -58,7 +58,7 @@ float grid_links(const SmoothingLevel& level, int32_t cell) {
                             (above[-level.size] != 0));
 }
 
-/// Takes so much of the weights that no cell has more than kMostLinks.
+/// Scales weights down so that no cell has more than kMostLinks.
 void limit_weights(const SmoothingLevel& level, std::vector<LooseLink>& links) {
   const auto size = static_cast<size_t>(level.size);
   const base::ZeroedArray<float> sums(size * size);
@@ -77,7 +77,7 @@ void limit_weights(const SmoothingLevel& level, std::vector<LooseLink>& links) {
   }
 }
 
-/// Notes every link at both its ends.
+/// Stores every link at both ends.
 void lay_links(SmoothingLevel& level, std::vector<LooseLink>& links) {
   merge(links);
   limit_weights(level, links);
@@ -116,8 +116,8 @@ float closeness_of(float length) {
   return length > 0.0f ? 1.0f / (length * length) : 0.0f;
 }
 
-/// The links of one axis: within runs on the grid, beyond their ends to what the first ghost sees.
-/// Both sides of a seam see each other, so each brings half of a link.
+/// The links of one axis: within runs on the grid, at their ends to the texels of the first ghost.
+/// Both sides of a seam contribute half a link each.
 void link_texels(const TexelTable& table, const SeamTable& seams, int axis, SmoothingLevel& level,
                  std::vector<LooseLink>& loose, std::vector<SurfaceEnd>& end) {
   const TexelLines& lines = axis == 0 ? seams.u : seams.v;
@@ -149,14 +149,14 @@ void link_texels(const TexelTable& table, const SeamTable& seams, int axis, Smoo
   }
 }
 
-/// What building a level needs of the one below.
+/// Input for building a level from the finer one.
 struct Cells {
   std::vector<int32_t> chart;
   std::vector<float> area;
   std::vector<LooseLink> loose;
 };
 
-/// The chart with most area in a block; -1 where there is none.
+/// The chart with the largest area in a block; -1 if there is none.
 int32_t chart_of_block(const std::array<int32_t, 4>& children, const Cells& cells) {
   const auto is_first = [&](int32_t child) {
     return cells.chart[child] == cells.chart[children[0]];
@@ -177,10 +177,10 @@ int32_t chart_of_block(const std::array<int32_t, 4>& children, const Cells& cell
   return best;
 }
 
-/// The neighbouring block of a cell's own chart, or -1.
+/// The neighbouring block with a cell's own chart, or -1.
 int32_t block_beside(int32_t x, int32_t y, int32_t size, int32_t chart,
                      const std::vector<int32_t>& block_chart) {
-  // Nearest first: over the side that the cell lies at.
+  // Nearest first: across the side next to the cell.
   const int32_t side_x = x % 2 == 0 ? -1 : 1;
   const int32_t side_y = y % 2 == 0 ? -1 : 1;
   const std::array<std::pair<int32_t, int32_t>, 8> steps{{{side_x, 0},
@@ -200,7 +200,7 @@ int32_t block_beside(int32_t x, int32_t y, int32_t size, int32_t chart,
   return -1;
 }
 
-/// Says for every cell of `level` which block it is a part of: per cell, or -1.
+/// Assigns every cell of `level` to a block; -1: none.
 std::vector<int32_t> join_blocks(SmoothingLevel& level, const Cells& cells, Cells& blocks) {
   const int32_t size = level.size;
   const int32_t half = size / 2;
@@ -230,7 +230,7 @@ std::vector<int32_t> join_blocks(SmoothingLevel& level, const Cells& cells, Cell
   return parent;
 }
 
-/// The level above: two links side by side make a whole one of twice the length.
+/// The next coarser level: two parallel links make one whole link of twice the length.
 SmoothingLevel coarsened(SmoothingLevel& level, const Cells& cells, Cells& blocks) {
   const int32_t size = level.size;
   const std::vector<int32_t> parent = join_blocks(level, cells, blocks);
@@ -264,7 +264,7 @@ SmoothingLevel coarsened(SmoothingLevel& level, const Cells& cells, Cells& block
   return next;
 }
 
-/// Calls visit(other) for the cells that a cell is linked to.
+/// Calls visit(other) for all cells linked to a cell.
 template <typename Visit>
 void for_each_linked(const SmoothingLevel& level, int32_t cell, const Visit& visit) {
   const uint16_t* const right = level.to_right() + cell;
@@ -276,7 +276,7 @@ void for_each_linked(const SmoothingLevel& level, int32_t cell, const Visit& vis
   level.for_each_link(cell, visit);
 }
 
-/// Texels whose neighbours' surface faces elsewhere, and those beside them.
+/// Texels whose neighbours' surface faces another direction, and those beside them.
 void find_rims(const TexelTable& table, const SmoothingLevel& level,
                const std::vector<glm::vec3>& normals, std::vector<SurfaceEnd>& end) {
   const auto count = static_cast<size_t>(level.size) * static_cast<size_t>(level.size);

@@ -21,7 +21,7 @@ SNOWBOUGH_WIDE void load_run(const float* __restrict map, const float* __restric
 
 namespace {
 
-/// What EdgeArrays note of a link between these heights.
+/// State of a link between these heights for EdgeArrays.
 inline uint8_t noted_link(uint16_t link, float own, float beside) {
   const bool linked = link != 0;
   const float other = linked ? beside : 0.0f;
@@ -49,7 +49,7 @@ SNOWBOUGH_WIDE bool open_links_run(const float* __restrict height, const Closene
   uint8_t* __restrict right = edges.right;
   uint8_t* __restrict above = edges.above;
   const uint16_t* __restrict to_right = closeness.right;
-  // The cell before the run is bare, its link may lead into the run.
+  // The cell before the run is bare; its link may lead into the run.
   for (int32_t i = begin - 1; i < end; ++i) {
     right[i] = noted_link(to_right[i], height[i], height[i + 1]);
   }
@@ -87,7 +87,7 @@ SNOWBOUGH_WIDE float conduct_run(const float* __restrict height, const float* __
   const uint16_t* __restrict to_right = closeness.right;
   const uint16_t* __restrict upwards = closeness.above;
   const ptrdiff_t size = closeness.size;
-  // Numbers from 0 up are ordered as their bits are, which vectors compare faster.
+  // Non-negative floats sort like their bits, which vectorise better.
   int32_t largest = 0;
   for (int32_t i = begin; i < end; ++i) {
     const LinkConductance along = conductance(height[i], height[i + 1], inverse[i], inverse[i + 1],
@@ -102,26 +102,26 @@ SNOWBOUGH_WIDE float conduct_run(const float* __restrict height, const float* __
   return std::bit_cast<float>(largest);
 }
 
-SNOWBOUGH_WIDE bool is_near_any(const uint8_t* near, int32_t count) {
+SNOWBOUGH_WIDE bool any_near_foot(const uint8_t* proximity, int32_t count) {
   uint8_t bits = 0;
-  for (int32_t i = 0; i < count; ++i) bits |= near[i];
+  for (int32_t i = 0; i < count; ++i) bits |= proximity[i];
   return bits != 0;
 }
 
-SNOWBOUGH_WIDE void limit_bank_run(const uint8_t* __restrict near, const float* __restrict inverse,
-                                   const ClosenessView& closeness, float* __restrict right,
-                                   float* __restrict above, const ConductanceTerms& of,
-                                   int32_t begin, int32_t end) {
+SNOWBOUGH_WIDE void limit_feet_run(const uint8_t* __restrict proximity,
+                                   const float* __restrict inverse, const ClosenessView& closeness,
+                                   float* __restrict right, float* __restrict above,
+                                   const ConductanceTerms& of, int32_t begin, int32_t end) {
   const ConductanceTerms terms = of;
   const uint16_t* __restrict to_right = closeness.right;
   const uint16_t* __restrict upwards = closeness.above;
   const ptrdiff_t size = closeness.size;
   for (int32_t i = begin; i < end; ++i) {
-    const float along = bank_conductance(near[i], near[i + 1], inverse[i], inverse[i + 1],
+    const float along = foot_conductance(proximity[i], proximity[i + 1], inverse[i], inverse[i + 1],
                                          from_half(to_right[i]), terms);
-    const float across = bank_conductance(near[i], near[i + size], inverse[i], inverse[i + size],
-                                          from_half(upwards[i]), terms);
-    // Where both cells are bare `along` is no number.
+    const float across = foot_conductance(proximity[i], proximity[i + size], inverse[i],
+                                          inverse[i + size], from_half(upwards[i]), terms);
+    // `along` is NaN where both cells are bare.
     right[i] = along < right[i] ? along : right[i];
     above[i] = across < above[i] ? across : above[i];
   }
@@ -148,7 +148,7 @@ SNOWBOUGH_WIDE void restrict_run(const float* __restrict low, const float* __res
     const float c = high[2 * i] * static_cast<float>(high_joins[2 * i]);
     const float d = high[2 * i + 1] * static_cast<float>(high_joins[2 * i + 1]);
     const float most = deepest(deepest(a, b), deepest(c, d));
-    // Bare cells have no weight, and no height to be open to.
+    // Bare cells have no weight and no open links.
     const auto weight = [most](float height, float inverse_weight) {
       return is_open(height, most) ? 1.0f / inverse_weight : 0.0f;
     };
@@ -165,16 +165,17 @@ SNOWBOUGH_WIDE void restrict_run(const float* __restrict low, const float* __res
 
 SNOWBOUGH_WIDE void prolong_run(float* __restrict low, float* __restrict high,
                                 const BlockRows& rows, const float* __restrict before,
-                                const float* __restrict now, const KeptTerms& of, int32_t count) {
-  const KeptTerms terms = of;
-  const uint8_t* __restrict near = of.near;
+                                const float* __restrict now, const DampingTerms& of,
+                                int32_t count) {
+  const DampingTerms terms = of;
+  const uint8_t* __restrict proximity = of.proximity;
   const uint8_t* __restrict low_joins = rows.joins[0];
   const uint8_t* __restrict high_joins = rows.joins[1];
   for (int32_t i = 0; i < count; ++i) {
     const float closeness =
         from_half(terms.right[i] > terms.above[i] ? terms.right[i] : terms.above[i]);
     const float kept =
-        kept_part(before[i], closeness, near[i], terms.least_variance, terms.done_below);
+        damping(before[i], closeness, proximity[i], terms.least_variance, terms.done_below);
     const float mean = before[i] != 0.0f ? before[i] : 1.0f;
     const float ratio = now[i] / mean;
     const float base = now[i] * (1.0f - kept);

@@ -1,4 +1,4 @@
-// Smoother's links: which snow crosses, how readily, and the stages in which it does.
+// Smoother's links: which ones snow may cross, their conductance, and the diffusion stages.
 #include <algorithm>
 #include <utility>
 
@@ -44,7 +44,7 @@ float Smoother::conduct(size_t number) {
   const ConductanceTerms terms{least_variance_, done_below_[number], kStages};
   const float* const height = level.at(level.height);
   const float* const inverse = level.at(level.inverse_weight);
-  const uint8_t* const near = level.bank.near.data() + level.margin;
+  const uint8_t* const proximity = level.feet.proximity.data() + level.margin;
   std::vector<float> largest(static_cast<size_t>(grid.size), 0.0f);
   std::vector<float> loose_largest(level.loose.size(), 0.0f);
   for_each_row_band(grid, [&](size_t band, int32_t first, int32_t last) {
@@ -66,8 +66,9 @@ float Smoother::conduct(size_t number) {
         const LinkConductance crosses =
             conductance(height[at.cell], height[link.other], inverse[at.cell], inverse[link.other],
                         link.closeness, terms);
-        const float most = bank_conductance(near[at.cell], near[link.other], inverse[at.cell],
-                                            inverse[link.other], link.closeness, terms);
+        const float most =
+            foot_conductance(proximity[at.cell], proximity[link.other], inverse[at.cell],
+                             inverse[link.other], link.closeness, terms);
         link.conductance = link.weight * std::min(crosses.conductance, most);
         loose_largest[band] = std::max(loose_largest[band], crosses.wanted);
       }

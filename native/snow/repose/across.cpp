@@ -1,4 +1,4 @@
-// What repose does across the seams of a map's layout.
+// Repose across the seams of a map's layout.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,7 +11,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// A cell of a tile that there is, or none.
+/// A cell of an existing tile, or none.
 struct End {
   ReposeTile* tile = nullptr;
   size_t cell = 0;
@@ -24,7 +24,7 @@ End end_of(const ReposeTiles& tiles, int32_t cell) {
 
 }  // namespace
 
-/// Calls visit(end, link, own cell, the other end's cell) for the links across seams that end in a
+/// Calls visit(end, link, own cell, the other end's cell) for the ends of links across seams in a
 /// block.
 template <typename Visit>
 void Repose::for_across(int32_t block, const Visit& visit) {
@@ -40,8 +40,8 @@ void Repose::for_across(int32_t block, const Visit& visit) {
   }
 }
 
-/// Passes bounds that are new on across seams; wakes the blocks in which any changed.
-bool Repose::lower_across(Marks& awake) {
+/// Passes new bounds on across seams; activates the blocks in which any changed.
+bool Repose::lower_across(Marks& active) {
   bool changes = false;
   for (const int32_t block : chosen_) {
     ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
@@ -61,10 +61,10 @@ bool Repose::lower_across(Marks& awake) {
       to.tile->has_fresh_bounds = true;
       const auto cell = static_cast<int32_t>(to.cell);
       const int32_t block_of_other = other / kTileCells;
-      awake[static_cast<size_t>(block_of_other)] = 1;
+      active[static_cast<size_t>(block_of_other)] = 1;
       const int32_t column = cell % kReposeBlock;
       const int32_t row = cell / kReposeBlock;
-      mark_around(block_of_other, TileWindow::seen_by(column, row), awake);
+      mark_around(block_of_other, TileWindow::seen_by(column, row), active);
       note_bound(TilesAround(tiles_, links_.blocks_a_side, block_of_other), column, row);
       changes = true;
     });
@@ -72,9 +72,9 @@ bool Repose::lower_across(Marks& awake) {
   return changes;
 }
 
-/// Takes note that surfaces of a block, or of those beside it, may have changed since the last
-/// round across seams.
-void Repose::note_stirred(int32_t block) {
+/// Records that surfaces of a block, or of its neighbours, may have changed since the last round
+/// across seams.
+void Repose::note_active(int32_t block) {
   const int32_t side = links_.blocks_a_side;
   const int32_t column = block % side;
   const int32_t row = block / side;
@@ -87,14 +87,14 @@ void Repose::note_stirred(int32_t block) {
   }
 }
 
-/// Adds the links across seams along which snow may flow, since a surface at one of their ends has
-/// changed, to those along which it flowed in the round before.
-void Repose::list_stirred_links() {
+/// Lists the links across seams to evaluate: those with a changed surface at one end, and those
+/// with flow in the previous round.
+void Repose::list_active_links() {
   for (const int32_t block : noted_) {
     is_noted_[static_cast<size_t>(block)] = 0;
     ReposeTile* const tile = tiles_[static_cast<size_t>(block)].get();
     if (tile == nullptr) continue;
-    const uint32_t rows = tile->stirred_at_seams.exchange(0, std::memory_order_relaxed);
+    const uint32_t rows = tile->active_rows_at_seams.exchange(0, std::memory_order_relaxed);
     if (rows == 0) continue;
     const int32_t* ends = &links_.end_begin[static_cast<size_t>(block)];
     for (int32_t e = ends[0]; e < ends[1]; ++e) {
@@ -111,7 +111,7 @@ void Repose::list_stirred_links() {
   noted_.clear();
 }
 
-/// Finds what flows along a link; returns whether anything does.
+/// Computes the flow along a link; returns whether there is any.
 bool Repose::flow_along(int32_t number, float momentum) {
   Flow& link = across_[static_cast<size_t>(number)];
   const auto& [at_a, at_b] = links_.across_cells[static_cast<size_t>(number)];
@@ -121,7 +121,7 @@ bool Repose::flow_along(int32_t number, float momentum) {
   const float fall = a.tile->top[a.cell] - b.tile->top[b.cell];
   if (link.flow == 0.0f && !(std::abs(fall) > link.limit)) return false;
   const float wanted = shared::wanted_flow(link.flow, fall, link.limit, link.rate, momentum);
-  // An equal part for every link: the others are not known here.
+  // An equal part for every link: the demands of the others are not known here.
   const auto part = [&](const End& giver) {
     const float own_part = 1.0f / static_cast<float>(giver.tile->links[giver.cell]);
     return shared::given_part(giver.tile->gives[giver.cell] * own_part, std::abs(wanted));
@@ -132,8 +132,8 @@ bool Repose::flow_along(int32_t number, float momentum) {
 
 /// A round of flows across seams. Returns whether any snow flows.
 bool Repose::flow_across(float momentum) {
-  list_stirred_links();
-  // All look before any moves.
+  list_active_links();
+  // Computes all flows before applying any.
   std::erase_if(listed_, [&](int32_t link) {
     across_[static_cast<size_t>(link)].is_listed = flow_along(link, momentum);
     return !across_[static_cast<size_t>(link)].is_listed;
@@ -147,8 +147,8 @@ bool Repose::flow_across(float momentum) {
       const int32_t cell = at % kTileCells;
       tiles_[static_cast<size_t>(block)]->add(static_cast<size_t>(cell),
                                               static_cast<double>(units));
-      stir_cell(TilesAround(tiles_, side, block), cell % kReposeBlock, cell / kReposeBlock);
-      note_stirred(block);
+      activate_cell(TilesAround(tiles_, side, block), cell % kReposeBlock, cell / kReposeBlock);
+      note_active(block);
     }
   }
   has_changed_ = has_changed_ || !listed_.empty();

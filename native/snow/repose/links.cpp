@@ -14,7 +14,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// Samples a texel along a seam or a rim.
+/// Samples per texel along a seam or a rim.
 constexpr double kSamplesATexel = 2.0;
 
 class LinkFinder {
@@ -66,15 +66,15 @@ class LinkFinder {
     std::partial_sum(links_.run_begin.begin(), links_.run_begin.end(), links_.run_begin.begin());
   }
 
-  /// Whether two triangles have a vertex in common.
+  /// Whether two triangles share a vertex.
   bool touch(int32_t s, int32_t t) const {
     const int32_t* a = &topology_.triangles[3 * static_cast<size_t>(s)];
     const int32_t* b = &topology_.triangles[3 * static_cast<size_t>(t)];
     return std::find_first_of(a, a + 3, b, b + 3) != a + 3;
   }
 
-  /// Whether two texels side by side are also neighbours on the surface: the triangle that covers
-  /// their common edge lies in both, or where an edge of the mesh runs along it, two that touch.
+  /// Whether two adjacent texels are also neighbours on the surface: one triangle covers their
+  /// common edge in both, or, where a mesh edge runs along it, two triangles that share a vertex.
   bool joined(int32_t i, int32_t j) const {
     if (chart(i) != chart(j)) return false;
     const auto begin = [&](int32_t k) { return table_.fragment_begin[static_cast<size_t>(k)]; };
@@ -103,7 +103,7 @@ class LinkFinder {
         }
       }
     }
-    // Across a corner where a way round it is open.
+    // Diagonal links, if a path around the corner is open.
     for (int32_t i = 0; i < texel_count(); ++i) {
       const int32_t column = place(i) % resolution_;
       const int32_t row = place(i) / resolution_;
@@ -132,8 +132,8 @@ class LinkFinder {
     return glm::length(corner(side.triangle, side.edge + 1) - corner(side.triangle, side.edge));
   }
 
-  /// The texel of the side's own chart beside a point of it, `part` of the way along; -1: none is
-  /// near.
+  /// The texel of the side's own chart next to a point on it, at fraction `part` of its length; -1:
+  /// none is near.
   int32_t texel_beside(TriangleEdge side, double part) const {
     const glm::dvec2 begin = corner(side.triangle, side.edge);
     const glm::dvec2 end = corner(side.triangle, side.edge + 1);
@@ -188,7 +188,7 @@ class LinkFinder {
         links_.across.push_back({std::min(a, b), std::max(a, b), point_of(seam.a, part)});
       }
     }
-    // Of several samples that two texels share, the one in the middle.
+    // Of several samples shared by two texels, keeps the middle one.
     std::vector<ReposeLinks::Across>& all = links_.across;
     std::stable_sort(all.begin(), all.end(),
                      [](const auto& s, const auto& t) { return s.ends() < t.ends(); });
@@ -200,7 +200,7 @@ class LinkFinder {
     all.resize(count);
   }
 
-  /// The point `part` of the way along a triangle's side.
+  /// The point at fraction `part` of a triangle's side.
   static ReposeLinks::Point point_of(TriangleEdge side, double part) {
     std::array<float, 3> weights{};
     weights[static_cast<size_t>(side.edge)] = static_cast<float>(1.0 - part);
@@ -213,7 +213,7 @@ class LinkFinder {
     return std::minmax(t[side.edge], t[(side.edge + 1) % 3]);
   }
 
-  /// Open edges at which a surface ends; at those on which several do, snow stays.
+  /// Collects open edges where a single surface ends; snow stays where several meet.
   void find_rims() {
     std::vector<std::pair<int32_t, int32_t>> all;
     for (const TriangleEdge& edge : charts_.open_edges) all.push_back(vertices(edge));
@@ -224,7 +224,7 @@ class LinkFinder {
     }
   }
 
-  /// One rim a texel along the edge, in the middle of the samples that are its own.
+  /// Adds one rim per texel along the edge, in the middle of its samples.
   void add_rims(TriangleEdge edge) {
     std::vector<std::pair<int32_t, double>> beside;
     const int32_t samples = sample_count(length(edge));

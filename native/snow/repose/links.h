@@ -12,23 +12,22 @@
 
 namespace snowbough::snow {
 
-/// Texels a side of a block, in which repose goes over a map.
+/// Edge in texels of the blocks into which repose divides a map.
 inline constexpr int32_t kReposeBlock = 32;
 
-/// The neighbours of a texel on the map to which it keeps the links: those behind it in rows from
-/// below keep theirs to it. Column and row, by number.
+/// Offsets of the neighbours to which a texel stores its links (column and row); the other
+/// neighbours store theirs to it.
 inline constexpr int32_t kForwardLinks = 4;
 inline constexpr int32_t kForwardColumn[kForwardLinks] = {1, 0, 1, -1};
 inline constexpr int32_t kForwardRow[kForwardLinks] = {0, 1, 1, 1};
 
-/// Which texels of a map are neighbours on the surface, so that snow may move between them: texels
-/// beside or across a corner from each other in one chart, texels that meet at a seam of the
-/// layout, and texels at a rim of the surface, over which snow falls into the air. Texels are meant
-/// by their index in the TexelTable.
+/// The texels that are neighbours on the surface, between which snow may move: texels side by side
+/// or diagonal in one chart, texels that meet at a seam of the layout, and texels at a rim of the
+/// surface, over which snow falls into the air. Texels are indices into the TexelTable.
 struct ReposeLinks {
   int32_t resolution = 0;
   int32_t blocks_a_side = 0;
-  /// Per texel: bit k, it is linked with its neighbour kForwardColumn[k], kForwardRow[k].
+  /// Per texel: bit k is set if it is linked with neighbour kForwardColumn[k], kForwardRow[k].
   std::vector<uint8_t> forward;
   /// Texels of row r in column b of blocks: [run_begin[r * blocks_a_side + b], next).
   std::vector<int32_t> run_begin;
@@ -38,7 +37,7 @@ struct ReposeLinks {
     int32_t triangle = 0;
     glm::vec2 weights{0.0f};
   };
-  /// Two texels across a seam, a < b, and where they meet; once each, ascending.
+  /// Two texels across a seam, a < b, and where they meet; each pair once, ascending.
   struct Across {
     int32_t a = 0;
     int32_t b = 0;
@@ -46,34 +45,33 @@ struct ReposeLinks {
     std::pair<int32_t, int32_t> ends() const { return {a, b}; }
   };
   std::vector<Across> across;
-  /// A texel at a rim, and where the rim is nearest.
+  /// A texel at a rim, and the rim's nearest point.
   struct Rim {
     int32_t texel = 0;
     Point point;
   };
   std::vector<Rim> rims;
 
-  /// What ends at a texel apart from its links on the map.
+  /// One end of a link across a seam or over a rim, at a texel.
   struct End {
     int32_t texel = 0;
     /// See cell_of.
     int32_t cell = 0;
     /// Index in `across`, or across.size() + index in `rims`.
     int32_t link = 0;
-    /// Its sign at this end: -1 at `a` and at rims, 1 at `b`.
+    /// The flow's sign at this end: -1 at `a` and at rims, 1 at `b`.
     int32_t sign = 0;
-    /// Links of all kinds that the texel has.
+    /// Number of the texel's links of all kinds.
     int32_t links = 0;
   };
   /// Ends in block b: [end_begin[b], end_begin[b + 1]).
   std::vector<int32_t> end_begin;
   std::vector<End> ends;
-  /// Blocks with texels that share links with block b, itself included: [near_begin[b],
-  /// near_begin[b + 1]).
+  /// Blocks with texels linked to block b, and b itself: [near_begin[b], near_begin[b + 1]).
   std::vector<int32_t> near_begin;
   std::vector<int32_t> near;
 
-  /// Per link across: the cells of its two ends.
+  /// Per link across a seam: the cells of its two ends.
   std::vector<std::array<int32_t, 2>> across_cells;
 
   size_t block_count() const { return end_begin.size() - 1; }
@@ -90,7 +88,7 @@ struct ReposeLinks {
   void for_texels(int32_t block, const std::vector<int32_t>& places, const Visit& visit) const {
     for_texels(block, ~uint32_t{0}, places, visit);
   }
-  /// The same for those of its rows that have a bit in `rows`.
+  /// The same for rows whose bit is set in `rows`.
   template <typename Visit>
   void for_texels(int32_t block, uint32_t rows, const std::vector<int32_t>& places,
                   const Visit& visit) const {
@@ -108,10 +106,9 @@ struct ReposeLinks {
   }
 };
 
-/// Finds the links of a layout. Vertices that lie in one place in the pose `positions`
-/// (vertex_count of them or more) count as one, so that snow does not fall into the slit of a split
-/// edge. Sheets that only lie side by side on the map are not linked. O(texels + triangles log
-/// triangles).
+/// Finds the links of a layout. Vertices that coincide in the pose `positions` (vertex_count of
+/// them or more) count as one, so that snow does not fall into the slit of a split edge. Sheets
+/// that are only adjacent on the map are not linked. O(texels + triangles log triangles).
 ReposeLinks find_repose_links(const MapTopology& topology, const TexelTable& table,
                               const std::vector<glm::vec3>& positions);
 

@@ -8,7 +8,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// Maps with more blocks at work than this share them among threads; others take one thread each.
+/// Maps with more active blocks than this share them among threads; others use one thread each.
 constexpr size_t kManyBlocks = 16;
 
 }  // namespace

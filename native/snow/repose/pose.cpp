@@ -10,14 +10,14 @@
 namespace snowbough::snow {
 namespace {
 
-/// Vertices may be so far from where a rigid motion brings them: parts of the object's size, and of
-/// its coordinates, which are rounded.
+/// Tolerances of a rigid motion: fractions of the object's size, and of its coordinates, which are
+/// rounded.
 constexpr double kOfSize = 1e-5;
 constexpr double kOfCoordinates = 4e-7;
-/// Steps in which the direction that is up is told: a hundredth of a millimetre on a metre.
+/// Quantisation of the up direction: a hundredth of a millimetre per metre.
 constexpr double kUpSteps = 65536.0;
 
-/// A rotation's axes by three points; false where they lie on a line.
+/// A coordinate frame from three points; false if they are collinear.
 bool axes(const std::vector<glm::vec3>& points, const std::array<size_t, 3>& at,
           glm::dmat3& frame) {
   const glm::dvec3 origin(points[at[0]]);
@@ -30,7 +30,7 @@ bool axes(const std::vector<glm::vec3>& points, const std::array<size_t, 3>& at,
   return true;
 }
 
-/// A vertex far from the first one, and one far from the line between the two.
+/// A vertex far from the first one, and one far from the line through both.
 std::array<size_t, 3> far_apart(const std::vector<glm::vec3>& points, size_t count) {
   std::array<size_t, 3> at{};
   double most = 0.0;
@@ -54,10 +54,10 @@ std::array<size_t, 3> far_apart(const std::vector<glm::vec3>& points, size_t cou
   return at;
 }
 
-/// The shortest rotation that turns a direction up.
+/// The shortest rotation that turns a direction upwards.
 glm::dmat3 turning_up(const glm::dvec3& direction) {
   if (direction.z < -0.999) {
-    // First half round the x axis.
+    // Half a turn about the x axis first.
     const glm::dmat3 over(1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0);
     return turning_up(over * direction) * over;
   }
@@ -70,7 +70,7 @@ glm::dmat3 turning_up(const glm::dvec3& direction) {
 
 }  // namespace
 
-/// Whether the object has only moved and turned since the rest pose; and what is up, if so.
+/// Whether the object has only moved and rotated since the rest pose; if so, sets the up direction.
 bool ReposePose::find_up(const std::vector<glm::vec3>& rest,
                          const std::vector<glm::vec3>& positions, size_t count, glm::dvec3& up) {
   if (count < 3 || rest.size() < count || positions.size() < count) return false;

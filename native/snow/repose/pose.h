@@ -7,18 +7,18 @@
 
 namespace snowbough::snow {
 
-/// An object's pose as far as it matters to repose: heights, and level distances. Where the object
-/// has only moved and turned since its rest pose, that is a direction, the one that is up, as the
-/// rest pose has it: while an object turns about the vertical, or is carried along, nothing
-/// changes. What comes of a pose does not depend on the poses before.
+/// The part of an object's pose that matters to repose: heights and horizontal distances. After a
+/// rigid motion since the rest pose this is only the up direction in the rest pose, so that turning
+/// about the vertical, or moving along, changes nothing. The result for a pose does not depend on
+/// earlier poses.
 class ReposePose {
  public:
-  /// Takes the first `count` of `positions`, which must live until the next call. `rest`: the same
-  /// of the rest pose, or empty. Returns whether the pose is another than the last.
+  /// Uses the first `count` of `positions`, which must live until the next call. `rest`: the same
+  /// of the rest pose, or empty. Returns whether the pose differs from the last.
   bool set(const std::vector<glm::vec3>& rest, const std::vector<glm::vec3>& positions,
            int32_t count);
 
-  /// The vertices: up to where they lie and are turned to about the vertical.
+  /// The vertices, up to a translation and a rotation about the vertical.
   const std::vector<glm::vec3>& positions() const { return is_rigid_ ? turned_ : *positions_; }
 
  private:
@@ -30,7 +30,7 @@ class ReposePose {
   /// In the rest pose.
   glm::dvec3 up_{0.0};
   std::vector<glm::vec3> turned_;
-  /// Vertices of the rest pose that lie far apart.
+  /// Vertices of the rest pose that are far apart.
   std::array<size_t, 3> corners_{};
   bool has_corners_ = false;
 };

@@ -11,19 +11,17 @@
 namespace snowbough::snow {
 namespace {
 
-/// Rounds that a block does at a time: with more, a heap that reaches over many comes to rest
-/// later.
+/// Rounds of a block at a time: with more, a heap over many blocks takes longer to rest.
 constexpr int kRounds = 8;
-/// A step goes on for at most so many rounds, and for so much work, in rounds of one block: for
-/// every block of the map, and for any map.
+/// Work limits of a step, in rounds of one block: per block of the map, and per map.
 constexpr int kMostRounds = 800;
 constexpr double kRoundsABlock = 40.0;
 constexpr double kRoundsAMap = 24000.0;
-/// Seconds of a step that is granted so much, and how much longer the longest may go on.
+/// Duration in seconds of a step with these limits, and the factor for the longest steps.
 constexpr float kUsualStep = 0.25f;
-constexpr float kMostPatience = 8.0f;
+constexpr float kMostWorkFactor = 8.0f;
 
-/// Rows of a tile in which snow has moved or sticks on walls, a bit each.
+/// Rows of a tile in which snow has moved or sticks to walls, one bit each.
 SNOWBOUGH_WIDE uint32_t rows_to_write(const ReposeTile& tile) {
   uint32_t rows = tile.moved_rows.load(std::memory_order_relaxed);
   for (int32_t row = 0; tile.any_wall && row < kReposeBlock; ++row) {
@@ -46,7 +44,7 @@ void Repose::mark_near(int32_t block, Marks& marks) const {
   }
 }
 
-/// Marks those of the blocks around one that have a bit in `around`: see TileWindow::seen_by.
+/// Marks the blocks around one whose bit is set in `around`: see TileWindow::seen_by.
 void Repose::mark_around(int32_t block, uint32_t around, Marks& marks) const {
   const int32_t side = links_.blocks_a_side;
   for (; around != 0; around &= around - 1) {
@@ -58,7 +56,7 @@ void Repose::mark_around(int32_t block, uint32_t around, Marks& marks) const {
   }
 }
 
-/// Those blocks and the blocks near them, ascending.
+/// These blocks and their neighbours, ascending.
 Repose::Blocks Repose::near(const Blocks& blocks) const {
   Marks marks(links_.block_count(), 0);
   for (const int32_t block : blocks) mark_near(block, marks);
@@ -74,7 +72,7 @@ double Repose::run(std::vector<float>& height, float dt, bool on_all_cores) {
   on_all_cores_ = on_all_cores;
   set_up(height);
   empty_over_outlets();
-  run_rounds(std::clamp(dt / kUsualStep, 1.0f, kMostPatience));
+  run_rounds(std::clamp(dt / kUsualStep, 1.0f, kMostWorkFactor));
   const float walls_keep = std::exp2(-dt / shared::kWallHalfLife);
   std::vector<Written> written(chosen_.size());
   for_each(chosen_.size(),
@@ -90,14 +88,14 @@ double Repose::run(std::vector<float>& height, float dt, bool on_all_cores) {
   return fallen * static_cast<double>(surface_.unit());
 }
 
-/// Brings a tile's links up to date. Those of tiles to which nothing comes are not asked for.
+/// Updates a tile's links, if needed.
 void Repose::link_tile(int32_t block) {
   if (tiles_[static_cast<size_t>(block)]->has_links) return;
   set_up_tile_links(tiles_, block, links_.blocks_a_side, limits_);
 }
 
-/// Those of the chosen blocks that chosen(block) says and that are in every second row and column,
-/// from the colour's on: no two of them touch.
+/// The chosen blocks with chosen(block) in every second row and column, starting at the colour's
+/// offset: no two of them touch.
 template <typename Chosen>
 Repose::Blocks Repose::blocks_of_colour(int32_t colour, const Chosen& chosen) const {
   const int32_t side = links_.blocks_a_side;
@@ -109,28 +107,28 @@ Repose::Blocks Repose::blocks_of_colour(int32_t colour, const Chosen& chosen) co
   return blocks;
 }
 
-/// What lies higher over rims and walls than the slope allows falls at once.
+/// Removes snow above rims and walls that is steeper than allowed.
 void Repose::empty_over_outlets() {
-  Marks awake(links_.block_count(), 0);
-  for (const int32_t block : chosen_) awake[static_cast<size_t>(block)] = 1;
+  Marks active(links_.block_count(), 0);
+  for (const int32_t block : chosen_) active[static_cast<size_t>(block)] = 1;
   const int32_t side = links_.blocks_a_side;
   for (bool goes_on = true; goes_on;) {
     goes_on = false;
     for (int32_t colour = 0; colour < 4; ++colour) {
       const Blocks blocks = blocks_of_colour(
-          colour, [&](int32_t block) { return awake[static_cast<size_t>(block)] != 0; });
+          colour, [&](int32_t block) { return active[static_cast<size_t>(block)] != 0; });
       std::vector<TileBounds> done(blocks.size());
       for_each(blocks.size(), [&](size_t i) {
         link_tile(blocks[i]);
         done[i] = lower_tile_bounds(tiles_, blocks[i], side, rims_[static_cast<size_t>(blocks[i])]);
       });
       for (size_t i = 0; i < blocks.size(); ++i) {
-        mark_around(blocks[i], done[i].seen_by, awake);
+        mark_around(blocks[i], done[i].seen_by, active);
         goes_on = goes_on || done[i].has_changed;
       }
-      for (const int32_t block : blocks) awake[static_cast<size_t>(block)] = 0;
+      for (const int32_t block : blocks) active[static_cast<size_t>(block)] = 0;
     }
-    goes_on = lower_across(awake) || goes_on;
+    goes_on = lower_across(active) || goes_on;
   }
   Marks cuts(chosen_.size(), 0);
   for_each(chosen_.size(),
@@ -139,7 +137,7 @@ void Repose::empty_over_outlets() {
       has_changed_ || std::any_of(cuts.begin(), cuts.end(), [](uint8_t c) { return c != 0; });
 }
 
-/// Lets blocks that do not touch each other do their rounds; returns how many were done.
+/// Runs the rounds of blocks that do not touch each other; returns their number.
 double Repose::run_colour(const Blocks& blocks, int first_round) {
   std::vector<TileRounds> done(blocks.size());
   for_each(blocks.size(), [&](size_t i) {
@@ -150,45 +148,45 @@ double Repose::run_colour(const Blocks& blocks, int first_round) {
   double rounds = 0.0;
   for (size_t i = 0; i < blocks.size(); ++i) {
     const TileRounds& own = done[i];
-    if (own.has_changed) note_stirred(blocks[i]);
+    if (own.has_changed) note_active(blocks[i]);
     rounds += own.rounds;
-    seams_are_due_ = seams_are_due_ || own.has_changed;
+    seams_are_pending_ = seams_are_pending_ || own.has_changed;
     has_changed_ = has_changed_ || own.has_changed;
   }
   return rounds;
 }
 
-void Repose::run_rounds(float patience) {
+void Repose::run_rounds(float work_factor) {
   for (Flow& link : across_) {
     link.flow = 0.0f;
     link.is_listed = false;
   }
   listed_.clear();
-  for (const int32_t block : chosen_) note_stirred(block);
-  seams_are_due_ = true;
-  double work = static_cast<double>(patience) *
+  for (const int32_t block : chosen_) note_active(block);
+  seams_are_pending_ = true;
+  double work = static_cast<double>(work_factor) *
                 (kRoundsAMap + kRoundsABlock * static_cast<double>(links_.block_count()));
-  const int most = static_cast<int>(static_cast<float>(kMostRounds) * patience);
+  const int most = static_cast<int>(static_cast<float>(kMostRounds) * work_factor);
   int round = 0;
   int round_across = 0;
   for (bool goes_on = true; goes_on && round < most && work > 0.0; round += kRounds) {
     goes_on = false;
     for (int32_t colour = 0; colour < 4; ++colour) {
       const Blocks blocks = blocks_of_colour(
-          colour, [&](int32_t block) { return tiles_[static_cast<size_t>(block)]->is_awake(); });
+          colour, [&](int32_t block) { return tiles_[static_cast<size_t>(block)]->is_active(); });
       if (!blocks.empty()) {
         work -= run_colour(blocks, round);
         goes_on = true;
       }
-      if (!across_.empty() && seams_are_due_) {
-        seams_are_due_ = flow_across(shared::flow_momentum(round_across++));
+      if (!across_.empty() && seams_are_pending_) {
+        seams_are_pending_ = flow_across(shared::flow_momentum(round_across++));
       }
     }
-    goes_on = goes_on || (!across_.empty() && seams_are_due_);
+    goes_on = goes_on || (!across_.empty() && seams_are_pending_);
   }
 }
 
-/// Writes what has moved. What sticks on walls falls; `walls_keep`: the part that stays.
+/// Writes moved snow. Snow that sticks to walls falls, except the fraction `walls_keep`.
 Repose::Written Repose::write_block(int32_t block, float walls_keep,
                                     std::vector<float>& height) const {
   const ReposeTile& tile = *tiles_[static_cast<size_t>(block)];

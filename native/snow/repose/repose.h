@@ -12,38 +12,38 @@
 
 namespace snowbough::snow {
 
-/// How steep snow's own surface may be.
+/// Steepest slope of the snow's own surface.
 struct ReposeSettings {
-  /// Radians from level; from kOff on snow stays where it fell, to the bit.
+  /// Angle of repose in radians from level; from kOff on snow stays where it fell, to the bit.
   double angle = 1.5707963267948966;
-  /// Metres that a front of snow stands upright; 0: it does not hold together.
+  /// Height in metres at which a vertical snow face stays up; 0: no cohesion.
   double cohesion = 0.0;
   static constexpr double kOff = 1.5706;
   bool is_on() const { return angle < kOff; }
 };
 
 /// Repose on one receiver's map: snow whose surface is steeper than the angle of repose moves to
-/// lower neighbours (shaders/lib/texel_repose.h, where the method stands), over seams and over rims
-/// into the air, until it rests or the step's work is done; what is left moves on in the next step.
-/// All that it needs to go on is in the heights.
+/// lower neighbours (shaders/lib/texel_repose.h has the method), over seams and over rims into the
+/// air, until it rests or the step's work limit is reached; the rest moves in the next step. The
+/// heights are its only state.
 ///
-/// The map is cut into blocks. Those in which nothing can be steep are left out, which their
-/// heights' range tells as long as the surface stands still. The others do some rounds at a time,
-/// each out of the cache, every second one of a row and a column at once; then snow flows across
-/// seams. The result does not depend on threads.
+/// The map is divided into blocks. Blocks in which nothing can be steep are skipped, which the
+/// range of heights shows while the surface does not move. The others run some rounds at a time
+/// within the cache, every second one of a row and a column at once; then snow flows across seams.
+/// The number of threads does not change the result.
 class Repose {
  public:
-  /// `object`, which has positions, must live as long.
+  /// `object` must have positions and outlive it.
   explicit Repose(const SceneObject& object) : object_(&object) {}
 
-  /// To be called when the object's positions have changed.
+  /// Call it when the object's positions have changed.
   void forget_pose() { has_pose_ = false; }
 
-  /// Looks at the heights and chooses the blocks in which snow may move; returns their number.
+  /// Selects the blocks in which snow may move, by their heights; returns their number.
   size_t choose_blocks(const std::vector<float>& height, const ReposeLimits& limits);
 
-  /// Moves snow on `height` in those blocks. `dt`: seconds; a long step may go on for longer than
-  /// usual. `on_all_cores`: shares the work among threads. Returns what fell over rims and off
+  /// Moves snow on `height` in those blocks. `dt`: seconds; a long step may run more rounds.
+  /// `on_all_cores`: share the work among threads. Returns the volume that fell over rims and off
   /// walls, in m3.
   double run(std::vector<float>& height, float dt, bool on_all_cores);
 
@@ -51,9 +51,9 @@ class Repose {
   bool has_changed() const { return has_changed_; }
 
  private:
-  /// What is known of a block's links while the surface stands still, in metres: by how much they
-  /// are under their limits where it is bare, at least; the same of links over edges that do not
-  /// hold; shared::column_height at most, and by how much it differs across them. See is_level.
+  /// Bounds of a block's links while the surface does not move, in metres: least margin below the
+  /// limits of bare links; the same for links over edges that do not hold; maximum
+  /// shared::column_height, and its maximum difference across a link. See is_level.
   struct BlockSlack {
     bool is_known = false;
     float inside = 0.0f;
@@ -61,7 +61,7 @@ class Repose {
     float column = 0.0f;
     float turn = 0.0f;
   };
-  struct Relief {
+  struct HeightRange {
     float high = 0.0f;
     float step = 0.0f;
   };
@@ -74,23 +74,23 @@ class Repose {
     float limit = 0.0f;
     float rate = 0.0f;
     float flow = 0.0f;
-    /// Whether it is among listed_.
+    /// Whether it is in listed_.
     bool is_listed = false;
   };
-  /// What was written of a block: units that left the surface (they fell over rims, onto walls or
-  /// off them), and whether heights changed.
+  /// Result of writing a block: units that left the surface (fell over rims, onto walls or off
+  /// them), and whether heights changed.
   struct Written {
     double lost = 0.0;
     bool has_changed = false;
   };
   using Blocks = std::vector<int32_t>;
-  /// Per block of the map.
+  /// One flag per block of the map.
   using Marks = std::vector<uint8_t>;
 
   /// Calls work(i) for i from 0 to count - 1.
   template <typename Work>
   void for_each(size_t count, const Work& work) const {
-    // To wake another thread takes about as long as a few rounds of a block.
+    // Waking another thread takes about as long as a few rounds of a block.
     constexpr size_t kFew = 3;
     base::for_each_item(count, 1, work,
                         on_all_cores_ && count > kFew ? base::default_threads() : 1);
@@ -109,8 +109,8 @@ class Repose {
   BlockRect rect_of(int32_t block) const;
   float highest_in(int32_t block, const std::vector<float>& height) const;
   bool rests(int32_t block, float high, const std::vector<float>& height) const;
-  Relief relief_of(int32_t block, const std::vector<float>& height) const;
-  bool is_level(int32_t block, const Relief& relief) const;
+  HeightRange height_range(int32_t block, const std::vector<float>& height) const;
+  bool is_level(int32_t block, const HeightRange& range) const;
   void forget_links();
   void take_tiles(Marks& changes);
   bool cover_tile(int32_t block, const std::vector<float>& height);
@@ -128,9 +128,9 @@ class Repose {
   // across.cpp
   template <typename Visit>
   void for_across(int32_t block, const Visit& visit);
-  bool lower_across(Marks& awake);
-  void note_stirred(int32_t block);
-  void list_stirred_links();
+  bool lower_across(Marks& active);
+  void note_active(int32_t block);
+  void list_active_links();
   bool flow_along(int32_t number, float momentum);
   bool flow_across(float momentum);
 
@@ -139,7 +139,7 @@ class Repose {
   Blocks blocks_of_colour(int32_t colour, const Chosen& chosen) const;
   void link_tile(int32_t block);
   void empty_over_outlets();
-  void run_rounds(float patience);
+  void run_rounds(float work_factor);
   double run_colour(const Blocks& blocks, int first_round);
   Written write_block(int32_t block, float walls_keep, std::vector<float>& height) const;
 
@@ -148,18 +148,18 @@ class Repose {
   ReposePose pose_;
   ReposeSurface surface_;
   bool has_pose_ = false;
-  /// Whether the pose is that of the step before.
+  /// Whether the pose is the one of the step before.
   bool stands_still_ = false;
   bool on_all_cores_ = false;
   bool has_changed_ = false;
   /// Whether snow may flow across seams.
-  bool seams_are_due_ = false;
+  bool seams_are_pending_ = false;
   ReposeLimits limits_;
   std::vector<BlockSlack> slack_;
-  /// Blocks to look at closely, and these with those near them.
+  /// Blocks to examine closely, and these with their neighbours.
   Blocks doubtful_;
   Blocks chosen_;
-  /// Of the chosen blocks, during a run; all that there are, between runs.
+  /// Tiles of the chosen blocks during a run; all existing tiles between runs.
   ReposeTiles tiles_;
   ReposeTiles kept_;
   /// By block, in the run before.
@@ -168,9 +168,9 @@ class Repose {
   std::vector<std::vector<RimLink>> rims_;
   /// By link across a seam.
   std::vector<Flow> across_;
-  /// Links across seams that are to be looked at: between rounds, those along which snow flows.
+  /// Links across seams to evaluate; between rounds, those along which snow flows.
   std::vector<int32_t> listed_;
-  /// Blocks in which surfaces at seams may have changed since the last round across seams.
+  /// Blocks whose surfaces at seams may have changed since the last round across seams.
   Blocks noted_;
   Marks is_noted_;
 };

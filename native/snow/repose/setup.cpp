@@ -1,4 +1,4 @@
-// Which blocks repose looks at, and their links.
+// Repose: choosing blocks and setting up their links.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -13,9 +13,9 @@ namespace {
 
 constexpr float kNoLink = std::numeric_limits<float>::infinity();
 
-/// The largest of some heights, without their signs; rows are `pitch` numbers apart.
+/// The largest absolute value of some heights; rows are `pitch` numbers apart.
 SNOWBOUGH_WIDE float highest(const float* height, size_t pitch, glm::ivec2 size) {
-  // Numbers from 0 up are ordered as their bits are, which vectors compare faster.
+  // Non-negative floats sort like their bits, which vectorise better.
   uint32_t high = 0;
   for (int32_t row = 0; row < size.y; ++row) {
     const float* const own = height + static_cast<size_t>(row) * pitch;
@@ -34,14 +34,11 @@ struct Repose::Cell {
   const ReposeTile* tile = nullptr;
   size_t at = 0;
 
-  /// Whether there is a surface.
   bool is_there() const { return tile != nullptr && tile->area[at] > 0.0f; }
   bool is_wall() const { return (tile->kind[at] & kWall) != 0; }
   glm::vec3 point() const { return {tile->x[at], tile->y[at], tile->z[at]}; }
-  /// See shared::column_height.
   float column() const { return shared::column_height(std::abs(tile->normal_z[at])); }
   float curvature() const { return tile->curvature[at]; }
-  /// See shared::bare_slope.
   float steep() const { return shared::bare_slope(tile->up[at]); }
 };
 
@@ -57,7 +54,7 @@ void Repose::find_links() {
   was_chosen_.assign(links_.block_count(), 0);
 }
 
-/// Returns whether the surface is another for repose than before.
+/// Returns whether the surface has changed for repose.
 bool Repose::take_pose() {
   has_pose_ = true;
   if (!pose_.set(object_->description.rest, object_->positions,
@@ -73,7 +70,7 @@ bool Repose::take_pose() {
   return true;
 }
 
-/// A block's texels on the map: the place of the first, and columns and rows.
+/// A block's texels on the map: the first place, and the numbers of columns and rows.
 Repose::BlockRect Repose::rect_of(int32_t block) const {
   const int32_t size = links_.resolution;
   const int32_t left = block % links_.blocks_a_side * kReposeBlock;
@@ -82,26 +79,24 @@ Repose::BlockRect Repose::rect_of(int32_t block) const {
           {std::min(kReposeBlock, size - left), std::min(kReposeBlock, size - first)}};
 }
 
-/// The highest snow in a block.
 float Repose::highest_in(int32_t block, const std::vector<float>& height) const {
   const BlockRect rect = rect_of(block);
   return highest(&height[rect.place], static_cast<size_t>(links_.resolution), rect.size);
 }
 
-/// The highest snow in a block and beside it, and the largest difference across a link that it
-/// keeps.
-Repose::Relief Repose::relief_of(int32_t block, const std::vector<float>& height) const {
-  Relief relief;
+/// The highest snow in a block and beside it, and the largest difference across one of its links.
+Repose::HeightRange Repose::height_range(int32_t block, const std::vector<float>& height) const {
+  HeightRange range;
   const std::vector<int32_t>& places = object_->table.texel;
   const auto compare = [&](float own, size_t place) {
     const float other = std::abs(height[place]);
-    relief.step = std::max(relief.step, std::abs(own - other));
-    relief.high = std::max(relief.high, other);
+    range.step = std::max(range.step, std::abs(own - other));
+    range.high = std::max(range.high, other);
   };
   links_.for_texels(block, places, [&](int32_t texel, size_t) {
     const auto place = static_cast<size_t>(places[static_cast<size_t>(texel)]);
     const float own = std::abs(height[place]);
-    relief.high = std::max(relief.high, own);
+    range.high = std::max(range.high, own);
     const uint8_t forward = links_.forward[static_cast<size_t>(texel)];
     const auto side = static_cast<size_t>(links_.resolution);
     if ((forward & 1) != 0) compare(own, place + 1);
@@ -117,33 +112,33 @@ Repose::Relief Repose::relief_of(int32_t block, const std::vector<float>& height
     const auto place = static_cast<size_t>(places[static_cast<size_t>(end.texel)]);
     compare(std::abs(height[place]), static_cast<size_t>(places[other]));
   }
-  return relief;
+  return range;
 }
 
-/// Whether no link of a block can be over its limit, as far as is known. `high`: its highest snow.
+/// Whether it is certain that no link of a block exceeds its limit. `high`: its highest snow.
 bool Repose::rests(int32_t block, float high, const std::vector<float>& height) const {
   const BlockSlack& slack = slack_[static_cast<size_t>(block)];
   if (!slack.is_known) return high == 0.0f;
-  // Snow that lies too high for is_level needs no closer look.
+  // Snow too high for is_level needs no closer examination.
   if (high > 0.0f && (high * slack.turn > slack.inside || high * slack.column > slack.at_edges)) {
     return false;
   }
-  return is_level(block, relief_of(block, height));
+  return is_level(block, height_range(block, height));
 }
 
-/// Whether no link of a block with known slack can be over its limit. Two columns over snow whose
-/// thickness differs by at most `step`, each up to `column` times as high as it is thick and the
-/// two of them by `turn`, differ by step * column + high * turn at most.
-bool Repose::is_level(int32_t block, const Relief& relief) const {
-  if (relief.high <= 0.0f) return true;
+/// Whether no link of a block with known slack exceeds its limit. For two columns of snow whose
+/// thickness differs by at most `step`, each up to `column` times as high as thick, with factors
+/// that differ by `turn`, the heights differ by at most step * column + high * turn.
+bool Repose::is_level(int32_t block, const HeightRange& range) const {
+  if (range.high <= 0.0f) return true;
   const BlockSlack& slack = slack_[static_cast<size_t>(block)];
-  return slack.is_known && relief.step * slack.column + relief.high * slack.turn <= slack.inside &&
-         relief.high * slack.column <= slack.at_edges;
+  return slack.is_known && range.step * slack.column + range.high * slack.turn <= slack.inside &&
+         range.high * slack.column <= slack.at_edges;
 }
 
 void Repose::forget_links() {
   slack_.assign(slack_.size(), {});
-  // As if all had not been there.
+  // Treat all blocks as new.
   was_chosen_.assign(was_chosen_.size(), 0);
 }
 
@@ -151,7 +146,7 @@ size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimit
   has_changed_ = false;
   chosen_.clear();
   if (limits != limits_) {
-    // Curvatures are looked up where snow holds together only.
+    // Curvatures are only needed with cohesion.
     if ((limits.cohesion > 0.0f) != (limits_.cohesion > 0.0f)) {
       has_pose_ = false;
       pose_ = {};
@@ -178,8 +173,8 @@ size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimit
   return chosen_.size();
 }
 
-/// The limit of a link from a cell to a point, `at`: of the bare surface, whose curvature and slope
-/// are given.
+/// The limit of a link from a cell to a point `at`, with the bare surface's curvature and slope
+/// there.
 float Repose::link_limit(const Cell& a, const glm::vec3& at, float curvature, float steep,
                          float leads_down) const {
   const glm::vec3 way = at - a.point();
@@ -188,16 +183,15 @@ float Repose::link_limit(const Cell& a, const glm::vec3& at, float curvature, fl
                             leads_down);
 }
 
-/// The limit of a link between two cells.
 float Repose::link_limit(const Cell& a, const Cell& b, float leads_down) const {
   return link_limit(a, b.point(), 0.5f * (a.curvature() + b.curvature()),
                     0.5f * (a.steep() + b.steep()), leads_down);
 }
 
-/// Takes note of a link for is_level.
+/// Adds a link to the slack for is_level.
 void Repose::note_slack(const Cell& a, const Cell& b, float leads_down, BlockSlack& slack) const {
   if (!a.is_there() || !b.is_there()) return;
-  // Whether walls are bare is to be looked at.
+  // Links at walls must be checked for snow.
   if (a.is_wall() || b.is_wall()) {
     slack.at_edges = -1.0f;
     return;
@@ -214,8 +208,8 @@ Repose::Cell Repose::across_end(int32_t link, size_t end) const {
           static_cast<size_t>(cell % kTileCells)};
 }
 
-/// What is known of a block from now on, until its surface moves. Only where all that it is linked
-/// with was looked at.
+/// Computes a block's slack, valid until its surface moves. Only if all linked blocks were
+/// examined.
 void Repose::find_slack(int32_t block) {
   BlockSlack slack{true, kNoLink, kNoLink, 0.0f, 0.0f};
   const ReposeTile* const tile = tiles_[static_cast<size_t>(block)].get();
@@ -246,7 +240,7 @@ void Repose::find_slack(int32_t block) {
   slack_[static_cast<size_t>(block)] = slack;
 }
 
-/// Over a rim into the air, or a seam onto a wall: `at` is where the surface ends there.
+/// A link over a rim into the air, or over a seam onto a wall; `at`: the end of the surface.
 RimLink Repose::rim_link(const Cell& a, const glm::vec3& at) const {
   RimLink link;
   link.cell = static_cast<int32_t>(a.at);
@@ -290,7 +284,7 @@ void Repose::set_up_ends(int32_t block) {
   }
 }
 
-/// Takes the tiles of the chosen blocks; marks those that were not there, or are not any more.
+/// Takes the tiles of the chosen blocks; marks those that were added or removed.
 void Repose::take_tiles(Marks& changes) {
   Marks is_chosen(links_.block_count(), 0);
   for (const int32_t block : chosen_) is_chosen[static_cast<size_t>(block)] = 1;
@@ -301,18 +295,18 @@ void Repose::take_tiles(Marks& changes) {
   was_chosen_ = std::move(is_chosen);
   for (const int32_t block : chosen_) {
     std::unique_ptr<ReposeTile>& kept = kept_[static_cast<size_t>(block)];
-    // Filled in where it is covered.
+    // cover_tile initialises it.
     if (kept == nullptr) kept = std::make_unique_for_overwrite<ReposeTile>();
     tiles_[static_cast<size_t>(block)] = std::move(kept);
   }
 }
 
-/// Brings a tile up to date; returns whether it is another than before but for its snow.
+/// Updates a tile; returns whether anything except its snow has changed.
 bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
   ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
   bool changes = !tile.has_pose;
   const bool bare = highest_in(block, height) == 0.0f;
-  // What was covered bare, and stayed so, need not be covered again.
+  // A tile that was and stays bare need not be covered again.
   const bool stays_bare = bare && !changes && tile.is_bare && !tile.has_moved();
   if (changes) {
     surface_.fill_block(links_, block, tile);
@@ -349,7 +343,7 @@ void Repose::set_up(const std::vector<float>& height) {
     tiles_[static_cast<size_t>(b)]->has_links = false;
     set_up_ends(b);
   });
-  // On a surface that moves all is new in the next step.
+  // A moving surface changes completely in the next step.
   if (!stands_still_) return;
   for_blocks(doubtful_, [&](int32_t b) {
     if (!slack_[static_cast<size_t>(b)].is_known) find_slack(b);

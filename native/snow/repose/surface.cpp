@@ -14,7 +14,7 @@ namespace snowbough::snow {
 
 namespace {
 
-/// Sums of the principal curvatures of triangles: twice the mean curvature at their corners.
+/// Sums of the triangles' principal curvatures: twice the mean curvature at their corners.
 std::vector<float> curvatures_of(const ObjectDescription& description,
                                  const std::vector<glm::vec3>& normals,
                                  const std::vector<glm::vec3>& positions) {
@@ -75,8 +75,8 @@ glm::vec3 ReposeSurface::point(int32_t triangle, glm::vec2 weights) const {
   return a + weights.x * (corner(1) - a) + weights.y * (corner(2) - a);
 }
 
-/// The normal that a point of a triangle is shaded with, by the weights of its second and third
-/// corner. Snow that lies on faces by their own normals would lie in terraces.
+/// Shading normal at a point of a triangle, by the weights of its second and third corner. With
+/// face normals, snow would form terraces.
 glm::vec3 ReposeSurface::shading_normal(size_t triangle, glm::vec2 weights) const {
   const glm::vec3 own(triangles_[triangle]);
   if (normals_.empty()) return own;
@@ -110,8 +110,7 @@ ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
         texel.two_sided || (!object_->two_sided.empty() && object_->two_sided[number] != 0);
   }
   if (texel.area <= 0.0f) return texel;
-  // Snow lies on the parts that face up, where there are any; on a sheet with two sides, on one of
-  // them.
+  // Snow lies on parts that face up, if there are any; on two-sided sheets, on one side.
   if (texel.two_sided) upper = upper_up = 0.0f;
   texel.up = (upper_up > 0.0f ? upper_up : sum_up) / texel.area;
   const float all = upper > 0.0f ? upper : texel.area;

@@ -9,33 +9,33 @@
 
 namespace snowbough::snow {
 
-/// An object's surface in the current pose, as repose needs it.
+/// An object's surface in the current pose, for repose.
 class ReposeSurface {
  public:
   /// Evaluates the triangles; `object` and `positions` must stay until the last call. `curved`:
-  /// whether curvatures are wanted, which are 0 else.
+  /// also compute curvatures, which are 0 otherwise.
   void set_pose(const SceneObject& object, const std::vector<glm::vec3>& positions, bool curved);
 
-  /// Volume in m3 of a unit in which snow moves: a power of two, shared::kUnitsAMetre of which lie
-  /// on a texel of mean area under a metre of snow.
+  /// Volume in m3 of the unit in which snow moves: a power of two; a texel of mean area under a
+  /// metre of snow holds about shared::kUnitsAMetre of them.
   float unit() const { return unit_; }
 
-  /// Fills in what a tile knows of the bare surface.
+  /// Fills in a tile's data of the bare surface.
   void fill_block(const ReposeLinks& links, int32_t block, ReposeTile& tile) const;
 
-  /// A point of a triangle by the weights of its second and third corner, from the anchor.
+  /// A point of a triangle, relative to the anchor, by the weights of its second and third corner.
   glm::vec3 point(int32_t triangle, glm::vec2 weights) const;
   glm::vec3 point(const ReposeLinks::Point& at) const { return point(at.triangle, at.weights); }
 
  private:
   struct Texel {
     glm::vec3 point{0.0f};
-    /// That it is shaded with.
+    /// Shading normal.
     glm::vec3 normal{0.0f};
     float area = 0.0f;
     /// Sum of the principal curvatures in 1/m.
     float curvature = 0.0f;
-    /// As for the capacity, see shaders/lib/texel_surface.h.
+    /// Upward part for the capacity, see shaders/lib/texel_surface.h.
     float up = 0.0f;
     bool two_sided = false;
   };
@@ -46,9 +46,9 @@ class ReposeSurface {
   const std::vector<glm::vec3>* positions_ = nullptr;
   /// xyz: normal, w: area in m2.
   std::vector<glm::vec4> triangles_;
-  /// By number of the object's shading, see shading_normals.
+  /// By number in the object's shading, see shading_normals.
   std::vector<glm::vec3> normals_;
-  /// Of triangles, as in Texel; empty where nothing is shaded smooth, or they are not wanted.
+  /// Of triangles, as in Texel; empty if nothing is shaded smooth or curvatures are not needed.
   std::vector<float> curvatures_;
   glm::vec3 anchor_{0.0f};
   float unit_ = 1.0f;

@@ -17,7 +17,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// Takes the snow of cells whose kinds stay; returns whether any of it lies on the back.
+/// Sets the snow of cells whose kinds stay; returns whether any lies on the back.
 inline bool hold_row(const float* __restrict height, int32_t count, const float* __restrict area,
                      float units, const float* __restrict z, const float* __restrict lift,
                      float* __restrict held, float* __restrict top, float* __restrict gives) {
@@ -44,7 +44,7 @@ SNOWBOUGH_TILE bool hold_rows(const float* height, size_t pitch, glm::ivec2 size
   return is_below;
 }
 
-/// Sets bounds as a step begins; returns whether there is a wall.
+/// Sets bounds at the start of a step; returns whether there is a wall.
 SNOWBOUGH_TILE bool bound_walls(ReposeTile& tile) {
   uint8_t walls = 0;
   for (size_t cell = 0; cell < static_cast<size_t>(kTileCells); ++cell) {
@@ -55,7 +55,7 @@ SNOWBOUGH_TILE bool bound_walls(ReposeTile& tile) {
   return walls != 0;
 }
 
-/// Whether any of a row's snow lies over its bounds.
+/// Whether any of a row's snow exceeds its bounds.
 SNOWBOUGH_WIDE bool is_any_over(const float* __restrict bound, const float* __restrict top) {
   int32_t over = 0;
   for (int32_t i = 0; i < kReposeBlock; ++i) over |= bound[i] < top[i] ? 1 : 0;
@@ -80,7 +80,7 @@ void ReposeTile::begin_pose() {
 
 void ReposeTile::begin_step(bool bare) {
   is_bare = bare;
-  // Only where it was written to: a tile's planes are many, and most of it rests.
+  // Only rows that were written: tiles have many planes and mostly rest.
   for (uint32_t rows = moved_rows; rows != 0; rows &= rows - 1) {
     std::fill_n(moved.begin() + std::countr_zero(rows) * kReposeBlock, kReposeBlock, 0.0);
   }
@@ -93,8 +93,8 @@ void ReposeTile::begin_step(bool bare) {
   if (has_bounds) has_bounds = any_wall = bound_walls(*this);
   has_fresh_bounds = false;
   moved_rows = flow_rows = 0;
-  flowing = waiting = 0;
-  stirred = stirred_at_seams = kAllRows;
+  flowing = partial_rows = 0;
+  active_rows = active_rows_at_seams = kAllRows;
   rows_to_pass = kAllWindowRows;
 }
 
@@ -105,7 +105,7 @@ void ReposeTile::set_kind(size_t cell, uint8_t now, float unit) {
   const float side = back ? -1.0f : 1.0f;
   any_back = any_back || back;
   lift[cell] = wall ? 0.0f : shared::column_height(side * normal_z[cell]) * (unit / area[cell]);
-  // A wall is an outlet: what lies over it falls.
+  // A wall is an outlet: snow above it falls.
   bound[cell] = wall ? z[cell] : shared::kUnbounded;
   if (wall) has_bounds = true;
 }
@@ -157,18 +157,18 @@ bool ReposeTile::cut() {
   return cuts;
 }
 
-void stir_cell(const TilesAround& around, int32_t column, int32_t row) {
-  const auto stir = [&](int32_t x, int32_t y) {
+void activate_cell(const TilesAround& around, int32_t column, int32_t row) {
+  const auto activate = [&](int32_t x, int32_t y) {
     const int32_t dx = x < 0 ? -1 : x / kReposeBlock;
     const int32_t dy = y < 0 ? -1 : y / kReposeBlock;
     ReposeTile* const tile = around.at(dx, dy);
     if (tile == nullptr) return;
-    tile->stirred.fetch_or(1u << static_cast<uint32_t>(y & (kReposeBlock - 1)),
-                           std::memory_order_relaxed);
+    tile->active_rows.fetch_or(1u << static_cast<uint32_t>(y & (kReposeBlock - 1)),
+                               std::memory_order_relaxed);
   };
-  stir(column, row);
-  stir(column - 1, row);
-  for (int32_t x = column - 1; x <= column + 1; ++x) stir(x, row - 1);
+  activate(column, row);
+  activate(column - 1, row);
+  for (int32_t x = column - 1; x <= column + 1; ++x) activate(x, row - 1);
 }
 
 }  // namespace snowbough::snow

@@ -15,103 +15,102 @@ inline constexpr int32_t kTileCells = kReposeBlock * kReposeBlock;
 inline constexpr uint8_t kWall = 1;
 inline constexpr uint8_t kBack = 2;
 inline constexpr uint8_t kUnknown = 4;
-/// In ReposeTile::forward, beside the links: one across a seam ends at the cell.
+/// In ReposeTile::forward, beside the links: a link across a seam ends at the cell.
 inline constexpr uint8_t kAtSeam = 16;
-/// All rows of a tile, a bit each.
+/// All rows of a tile, one bit each.
 inline constexpr uint32_t kAllRows = 0xFFFFFFFFu;
-/// And those of its window (TileWindow), which has one more.
+/// All rows of its window (TileWindow), which has one more.
 inline constexpr uint64_t kAllWindowRows = 0x1FFFFFFFFu;
 static_assert(kReposeBlock == 32, "rows of a tile are bits of a uint32_t");
 
-/// How steep snow may be: tangent of the angle of repose; see shared::held_slope for the cohesion,
-/// in metres.
+/// Steepest slope of snow: tangent of the angle of repose; and the cohesion in metres, see
+/// shared::held_slope.
 struct ReposeLimits {
   float slope = 0.0f;
   float cohesion = 0.0f;
   bool operator==(const ReposeLimits&) const = default;
 };
 
-/// What the rounds of repose reckon with in one block of a map: cells row by row. A cell without a
-/// texel has an area of 0.
+/// Repose data of one block of a map: cells row by row. A cell without a texel has area 0.
 struct ReposeTile {
   using Plane = std::array<float, kTileCells>;
   using Bytes = std::array<uint8_t, kTileCells>;
 
-  /// Whether the bare surface is that of the current pose, and whether the links are set up for it
-  /// and for what their cells are.
+  /// Whether the bare surface is of the current pose, and whether the links are set up for it and
+  /// for the kinds of the cells.
   bool has_pose = false;
   bool has_links = false;
-  /// Whether any texel takes snow on both sides; whether any cell holds any on the back.
+  /// Whether any texel takes snow on both sides; whether any cell holds snow on the back.
   bool any_two_sided = false;
   bool any_back = false;
-  /// Whether any cell is a wall, as the step begins.
+  /// Whether any cell is a wall at the start of the step.
   bool any_wall = false;
-  /// Whether no cell has held any snow since the tile was covered last.
+  /// Whether no cell has held snow since the tile was last covered.
   bool is_bare = false;
-  /// Whether the bound of any cell is finite, and whether any was lowered since it was last asked.
+  /// Whether the bound of any cell is finite, and whether any was lowered since the last query.
   std::atomic<bool> has_bounds = false;
   std::atomic<bool> has_fresh_bounds = false;
-  /// Rows of the tile's window with bounds that may be lower than what was passed on of them when
-  /// they were looked at last: a bit each.
+  /// Rows of the tile's window whose bounds may have been lowered since they were last passed on,
+  /// one bit each.
   std::atomic<uint64_t> rows_to_pass = kAllWindowRows;
-  /// Rows with links that are to be looked at, since a surface beside them has changed, and rows
-  /// with links along which snow flows: a bit each. In all others nothing would flow.
-  std::atomic<uint32_t> stirred = 0;
+  /// Active rows, whose links must be evaluated because an adjacent surface has changed; and rows
+  /// along whose links snow flows. One bit each; nothing flows in other rows.
+  std::atomic<uint32_t> active_rows = 0;
   uint32_t flowing = 0;
-  /// Rows with links along which snow would flow, but not a whole unit.
-  uint32_t waiting = 0;
-  /// Rows with surfaces at seams that have changed, a bit each.
-  std::atomic<uint32_t> stirred_at_seams = 0;
-  /// Rows in which snow has moved since the step began, and rows of `flow` that rounds have written
-  /// to: a bit each.
+  /// Rows along whose links less than a whole unit would flow.
+  uint32_t partial_rows = 0;
+  /// Rows with changed surfaces at seams, one bit each.
+  std::atomic<uint32_t> active_rows_at_seams = 0;
+  /// Rows in which snow has moved since the step began, and rows of `flow` that rounds have
+  /// written: one bit each.
   std::atomic<uint32_t> moved_rows = 0;
   uint32_t flow_rows = 0;
 
-  /// The bare surface: a point of it in metres, from the object's anchor, the upward part of its
-  /// normal, the same for the capacity, covered area in m2; the links of ReposeLinks::forward with
-  /// kAtSeam; and the links that the texel has, at least kLinks.
+  /// The bare surface: a point in metres, relative to the object's anchor; the upward part of the
+  /// normal; the same for the capacity; covered area in m2; the links of ReposeLinks::forward with
+  /// kAtSeam; and the number of the texel's links, at least kLinks.
   Plane x, y, z, normal_z, up, area;
-  /// Sum of its principal curvatures in 1/m.
+  /// Sum of the principal curvatures in 1/m.
   Plane curvature;
   Bytes forward, links;
   /// Not 0: the texel takes snow on both sides.
   Bytes two_sided;
 
-  /// kWall: it holds nothing; kBack: snow lies or would lie against the normal.
+  /// kWall: holds no snow; kBack: snow lies, or would lie, against the normal.
   Bytes kind;
-  /// Units of volume when the step began, and what has come since: whole numbers.
+  /// Units of volume at the start of the step, and those that have come since: whole numbers.
   Plane held;
   std::array<double, kTileCells> moved;
-  /// Height of the snow's surface in metres, how much a unit lifts it (0 on walls), and the units
-  /// that a cell has to give: walls give nothing.
+  /// Height of the snow's surface in metres, its rise per unit (0 on walls), and the units that a
+  /// cell can give (0 on walls).
   Plane top, lift, gives;
-  /// Metres that the snow's surface may reach, for what lies lower: see lower_tile_bounds.
+  /// Maximum height in metres of the snow's surface, from lower outlets: see lower_tile_bounds.
   Plane bound;
-  /// Of the links to the forward neighbours: shared::link_limit (infinite: there is none).
+  /// Limits of the links to the forward neighbours: shared::link_limit (infinite: no link).
   std::array<Plane, kForwardLinks> limit;
-  /// And given_flow of the last round; null before any is done.
+  /// given_flow of the last round; null before the first.
   std::unique_ptr<std::array<Plane, kForwardLinks>> flow;
 
-  /// No surface, links to none, kinds unknown.
+  /// Resets to no surface, no links and unknown kinds.
   void begin_pose();
-  /// Takes a cell's snow, `height` (signed) metres on the current pose, as the step begins. `unit`:
-  /// see ReposeSurface. Returns whether the cell is of another kind than it was.
+  /// Sets a cell's snow at the start of the step, `height` (signed) metres on the current pose.
+  /// `unit`: see ReposeSurface. Returns whether the cell's kind changed.
   bool cover(size_t cell, float height, float unit);
-  /// The same for the cells of the first `size` (columns, rows); `height`: of the first of them,
-  /// rows are `pitch` numbers apart.
+  /// The same for the first `size` cells (columns, rows); `height`: of the first cell, with rows
+  /// `pitch` numbers apart.
   bool cover_rows(const float* height, size_t pitch, glm::ivec2 size, float unit);
-  /// Forgets what moved in the step before. `bare`: no snow lies in the tile.
+  /// Clears the movement of the previous step. `bare`: no snow lies in the tile.
   void begin_step(bool bare = false);
 
   /// Whether snow has moved since the step began.
   bool has_moved() const { return moved_rows.load(std::memory_order_relaxed) != 0; }
   /// Whether anything may flow.
-  bool is_awake() const { return (stirred.load(std::memory_order_relaxed) | flowing) != 0; }
-  /// Metres by which a unit lifts a cell's surface, times its links: see shared::link_rate.
+  bool is_active() const { return (active_rows.load(std::memory_order_relaxed) | flowing) != 0; }
+  /// Rise in metres of a cell's surface per unit, times its links: see shared::link_rate.
   float stiffness(size_t cell) const {
     return lift[cell] / (1.0f / static_cast<float>(links[cell]));
   }
-  /// Lets units come to a cell.
+  /// Adds units to a cell.
   void add(size_t cell, double units) {
     moved[cell] += units;
     const float now = held[cell] + static_cast<float>(moved[cell]);
@@ -122,10 +121,10 @@ struct ReposeTile {
       moved_rows.fetch_or(row, std::memory_order_relaxed);
     }
     if ((forward[cell] & kAtSeam) != 0) {
-      stirred_at_seams.fetch_or(row, std::memory_order_relaxed);
+      active_rows_at_seams.fetch_or(row, std::memory_order_relaxed);
     }
   }
-  /// Takes away what lies over the bounds; returns whether there was any.
+  /// Removes snow above the bounds; returns whether there was any.
   bool cut();
 
  private:
@@ -142,42 +141,41 @@ struct RimLink {
   float limit = 0.0f;
   float rate = 0.0f;
   float flow = 0.0f;
-  /// By how much it is under its limit where the texel is bare.
+  /// Margin below the limit if the texel is bare.
   float slack = 0.0f;
 };
 
-/// What a tile's rounds did.
+/// Result of a tile's rounds.
 struct TileRounds {
   int rounds = 0;
-  /// Whether snow still flowed in the last round, and whether any did in one.
+  /// Whether snow still flowed in the last round, and whether any flowed in one.
   bool flows = false;
   bool has_changed = false;
 };
 
-/// Sets up the links that a block's cells keep, on tiles that are covered.
+/// Sets up the links of a block's cells, on covered tiles.
 void set_up_tile_links(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
                        const ReposeLimits& limits);
 
-/// What lower_tile_bounds did: whether bounds changed that bound others, and which tiles around
-/// look at any of these, a bit each (TileWindow::seen_by).
+/// Result of lower_tile_bounds: whether bounds changed that affect others, and the tiles around
+/// that read them, one bit each (TileWindow::seen_by).
 struct TileBounds {
   bool has_changed = false;
   uint32_t seen_by = 0;
 };
 
-/// How high snow can lie over an outlet, which is a rim or a wall, over which it falls. At the
-/// outlet its surface is bounded by the link's limit; where that cuts snow, the snow behind it
-/// falls after it, so that it is bounded too, and so on inwards: a cascade that rounds of flow
-/// would need a round for every texel of. Bounds only get lower and come to the same numbers in any
-/// order. Tiles must have been set up; those next to each other not at one time.
+/// Bounds the snow above an outlet (a rim or wall over which snow falls). At the outlet the link's
+/// limit bounds the surface; where that removes snow, the snow behind it falls too and is bounded
+/// in turn, and so on inwards: a cascade for which rounds of flow would need one round per texel.
+/// Bounds only decrease and converge to the same numbers in any order. Tiles must be set up;
+/// adjacent tiles must not run at the same time.
 TileBounds lower_tile_bounds(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
                              const std::vector<RimLink>& rims);
 
-/// Lets snow move for at most `rounds` rounds along the links of a block's cells, as many as are
-/// needed until it rests: in rows that are stirred or flowing, and in those that they stir.
-/// `first_round`: for the momentum. Neighbouring tiles' cells beside the block change with it, so
-/// tiles next to each other must not do their rounds at one time; every second one of a row or
-/// column may.
+/// Moves snow along the links of a block's cells until it rests, for at most `rounds` rounds: in
+/// active and flowing rows, and in rows that these activate. `first_round`: for the momentum. It
+/// also changes neighbouring tiles' cells beside the block, so adjacent tiles must not run at the
+/// same time; every second one of a row or column may.
 TileRounds run_tile_rounds(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
                            std::vector<RimLink>& rims, int first_round, int rounds);
 

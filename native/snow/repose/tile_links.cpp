@@ -1,4 +1,4 @@
-// The links of a tile: their limits.
+// Setting up the links of a tile: their limits.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,17 +14,16 @@ namespace {
 
 constexpr float kNoLink = std::numeric_limits<float>::infinity();
 
-/// What the links of a block are set up from, cell by cell of a window.
+/// Input for a block's links, cell by cell of a window.
 struct alignas(64) Bare {
   TileWindow::Plane x, y, z, area, curvature;
-  /// See shared::bare_slope.
   TileWindow::Plane steep;
   /// 1 on walls, else 0.
   TileWindow::Plane wall;
 };
 
-/// The limits of the links of a row of cells to those `step` cells away, where `linked` is 1, else
-/// 0. Nothing moves on walls, and what lies at the foot of one leans against it.
+/// The limits of the links from a row of cells to those `step` cells away, if `linked` is 1, else
+/// 0. Nothing moves on walls, and snow at the foot of a wall leans against it.
 SNOWBOUGH_WIDE void set_up_row(const Bare& bare, size_t at, int32_t step,
                                const float* __restrict linked, const ReposeLimits& limits,
                                float* __restrict limit) {
@@ -47,9 +46,8 @@ SNOWBOUGH_WIDE void set_up_row(const Bare& bare, size_t at, int32_t step,
         shared::held_slope(slope_at_rest, cohesion, 0.5f * (curvature[i] + curvature[j]));
     const float way = std::sqrt(way_x * way_x + way_y * way_y);
     const float allowed = shared::link_limit(way, slope, falls, steepness, shared::kLeadsDown);
-    // The least of numbers that are over 0 where the link is open: truth values of several kinds
-    // would keep the compiler from doing several links at once. One of them may be a wall, and the
-    // other over it; not both.
+    // The minimum of numbers that are positive where the link is open: mixing booleans would
+    // prevent vectorisation. One cell may be a wall with the other above it; not both.
     const float over_wall = (wall[j] - wall[i]) * falls + (wall[j] == wall[i] ? 1.0f : 0.0f);
     const float there = std::min(std::min(area[i], area[j]), linked[i]);
     const float open = std::min(std::min(over_wall, there), 1.5f - (wall[i] + wall[j]));
@@ -57,12 +55,12 @@ SNOWBOUGH_WIDE void set_up_row(const Bare& bare, size_t at, int32_t step,
   }
 }
 
-/// Turns the upward parts of the normals of a window's row into slopes.
+/// Converts the upward parts of the normals of a window's row to slopes.
 SNOWBOUGH_WIDE void find_slopes(float* __restrict up) {
   for (int32_t i = 0; i < kReposeBlock + 2; ++i) up[i] = shared::bare_slope(up[i]);
 }
 
-/// 1 for each byte that has the bit, else 0.
+/// Converts bytes to 1 if they have the bit, else 0.
 SNOWBOUGH_WIDE void spread_bit(const uint8_t* __restrict bytes, size_t count, uint8_t bit,
                                float* __restrict to) {
   for (size_t i = 0; i < count; ++i) to[i] = (bytes[i] & bit) != 0 ? 1.0f : 0.0f;

@@ -1,4 +1,4 @@
-// How high snow can lie over the outlets of a surface: its rims and walls.
+// Bounds on snow above the outlets of a surface: its rims and walls.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -18,7 +18,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// What cells pass on to their neighbours; returns whether any does.
+/// Computes the bounds that cells pass on; returns whether there are any.
 inline bool pass_row(const float* __restrict bound, const float* __restrict top,
                      const float* __restrict z, float* __restrict passed) {
   int32_t any = 0;
@@ -29,8 +29,8 @@ inline bool pass_row(const float* __restrict bound, const float* __restrict top,
   return any != 0;
 }
 
-/// Lowers the bounds of a row of cells to what others `passed` over links of those limits, down to
-/// the bare surface; returns whether any changed.
+/// Lowers the bounds of a row to the neighbours' `passed` plus the links' limits, but not below the
+/// bare surface; returns whether any changed.
 inline bool lower_row(const float* __restrict passed, const float* __restrict limit,
                       const float* __restrict z, float* __restrict bound) {
   int32_t changes = 0;
@@ -42,20 +42,19 @@ inline bool lower_row(const float* __restrict passed, const float* __restrict li
   return changes != 0;
 }
 
-/// A row of quads seen from two of their corners, across from the sides A to B: a side's length,
-/// its distance from the corners, and A's place along it from the foot of the first corner (the
-/// other's is a length less). In metres that the bound may rise on the way; all 0: there is no
-/// quad.
+/// A row of quads seen from two of their corners, opposite the side from A to B: the side's length,
+/// its distance from the corners, and A's offset along it from the foot of the first corner (the
+/// other's is smaller by a length). In metres of bound; all 0: no quad.
 struct Sides {
   std::array<float, kReposeBlock> length, away, place;
 };
 
-/// Measures a row's quads, of a cell and its neighbours to the right, above, and above on the
-/// right: the sides up the map, and along it. The limits of a quad's links are the lengths of its
-/// sides and of its diagonal.
+/// Measures a row's quads, each from a cell and its neighbours to the right, above, and above
+/// right: the vertical and horizontal sides. The limits of a quad's links are the lengths of its
+/// sides and diagonal.
 inline void measure_row(const float* __restrict right, const float* __restrict above,
                         const float* __restrict diagonal, Sides& up, Sides& along) {
-  // Part of its sides' product below which a quad is a line, seen from above.
+  // Fraction of the sides' product below which a quad is degenerate, seen from above.
   constexpr float kFlat = 1e-4f;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
     const float a = shared::kCuts * right[i];
@@ -63,7 +62,7 @@ inline void measure_row(const float* __restrict right, const float* __restrict a
     const float c = shared::kCuts * diagonal[i];
     const float mixed = 0.5f * (c * c - a * a - b * b);
     const float square = a * a * b * b - mixed * mixed;
-    // False where there is no link, too.
+    // Also false without a link.
     const bool is_there = square > kFlat * a * a * b * b;
     const float size = std::sqrt(is_there ? square : 0.0f);
     along.length[i] = is_there ? a : 0.0f;
@@ -75,21 +74,21 @@ inline void measure_row(const float* __restrict right, const float* __restrict a
   }
 }
 
-/// Lowers the bounds of the first or the second of the corners from which a row of quads is seen to
-/// what comes over the side from `a` to `b`, between which bounds rise evenly: along the way on
-/// which they rise least, where that meets the side (Hopf and Lax's formula on a triangle: F.
-/// Bornemann and C. Rasch, Finite-element discretization of static Hamilton-Jacobi equations based
-/// on a local variational principle, 2006). `sign`: -1, the side is that on the other side of the
-/// quads. Returns whether any of either changed.
+/// Lowers the bounds of the first or second of a row of quads' corners by paths across the side
+/// from `a` to `b`, along which bounds are linear: along the path with the smallest rise, if it
+/// crosses the side (Hopf and Lax's formula on a triangle: F. Bornemann and C. Rasch,
+/// Finite-element discretization of static Hamilton-Jacobi equations based on a local variational
+/// principle, 2006). `sign`: -1 for the side on the other side of the quads. Returns whether any
+/// changed, for either corner.
 inline std::pair<bool, bool> lower_over_sides(const float* __restrict a, const float* __restrict b,
                                               const Sides& sides, float sign, const float* z,
                                               float* bound, size_t first, size_t second) {
-  // Part of what a bound rises on a texel that is not worth passing on.
+  // Fraction of a bound's rise per texel below which a change is not passed on.
   constexpr float kWorth = 4e-3f;
   const float* __restrict const length = sides.length.data();
   const float* __restrict const away = sides.away.data();
   const float* __restrict const places = sides.place.data();
-  // No way over a side is shorter than straight across.
+  // No path across a side is shorter than the perpendicular.
   int32_t may_lower = 0;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
     const auto own = static_cast<size_t>(i);
@@ -128,11 +127,11 @@ inline std::pair<bool, bool> lower_over_sides(const float* __restrict a, const f
   return {lowers_first, lower(over_second, z + second, bound + second)};
 }
 
-/// Whether anything that is passed on may lower the bounds of a row of quads' corners, in the rows
-/// `low` and `high`.
-inline bool is_worth_a_look(const float* __restrict diagonal, const float* __restrict passed,
-                            const float* __restrict bound, const float* __restrict z, size_t low,
-                            size_t high) {
+/// Whether any passed bound may lower those of a row of quads' corners, in the rows `low` and
+/// `high`.
+inline bool may_lower_bounds(const float* __restrict diagonal, const float* __restrict passed,
+                             const float* __restrict bound, const float* __restrict z, size_t low,
+                             size_t high) {
   int32_t any = 0;
   for (size_t i = 0; i < static_cast<size_t>(kReposeBlock); ++i) {
     const bool is_high = (bound[low + i] > z[low + i]) | (bound[low + i + 1] > z[low + i + 1]) |
@@ -155,8 +154,8 @@ constexpr uint64_t bit(int32_t row) {
   return uint64_t{1} << static_cast<uint32_t>(row);
 }
 
-/// Lowers the bounds of a block's window row by row, as long as any passes on what it did not
-/// before. Only those rows of the window are there that anything asks for.
+/// Lowers the bounds of a block's window row by row, as long as any row has new bounds to pass on.
+/// Rows of the window are loaded on demand.
 class BoundSweep {
  public:
   explicit BoundSweep(const TilesAround& around) : around_(around), tile_(*around.at(0, 0)) {}
@@ -171,7 +170,7 @@ class BoundSweep {
   }
 
  private:
-  /// Rows of the window that have bounds and have not passed them on.
+  /// Rows of the window with bounds that have not been passed on.
   uint64_t rows_to_pass() {
     uint64_t rows = tile_.rows_to_pass.exchange(0, std::memory_order_relaxed) | changed_;
     for (int32_t row = 0; row < TileWindow::kRows; ++row) {
@@ -182,7 +181,7 @@ class BoundSweep {
     return rows;
   }
 
-  /// Over links, up and down in turns until nothing changes; then over quads, and so on.
+  /// Over links, alternately up and down until nothing changes; then over quads, and so on.
   void sweep(uint64_t rows) {
     while ((rows | quads_) != 0) {
       fresh_ = 0;
@@ -200,7 +199,7 @@ class BoundSweep {
     }
   }
 
-  /// Writes what changed to the tiles.
+  /// Writes the changes to the tiles.
   TileBounds write() {
     TileBounds result;
     for (int32_t row = 0; row < TileWindow::kRows; ++row) {
@@ -224,7 +223,7 @@ class BoundSweep {
             }
           });
     }
-    // The tile's own have passed on all that they can.
+    // The tile's own rows have passed on everything.
     tile_.rows_to_pass.store(0, std::memory_order_relaxed);
     return result;
   }
@@ -256,8 +255,8 @@ class BoundSweep {
     const size_t at = TileWindow::at(-1, row);
     return pass_row(&bound_[at], &top_[at], &z_[at], &passed_[at]);
   }
-  /// To the right and to the left, as far as it goes: mostly nowhere. Returns whether the row
-  /// passes anything on.
+  /// To the right and to the left as far as bounds change, usually not at all. Returns whether the
+  /// row passes anything on.
   bool within(int32_t row) {
     while (pass(row)) {
       if (row == kReposeBlock) return true;
@@ -275,14 +274,14 @@ class BoundSweep {
     measure_row(limit(0, row), limit(1, row), limit(2, row), up_[static_cast<size_t>(row)],
                 along_[static_cast<size_t>(row)]);
   }
-  /// What comes over the sides of a row of quads, if its corners pass on what they did not before.
+  /// Passes bounds over the sides of a row of quads, if its corners have new ones.
   void pass_over_quads(int32_t row) {
     if (row < 0 || row >= kReposeBlock || (quads_ & bit(row)) == 0) return;
     quads_ &= ~bit(row);
     const bool passes = pass(row);
     if (!pass(row + 1) && !passes) return;
-    if (!is_worth_a_look(limit(2, row), passed_.data(), bound_.data(), z_.data(),
-                         TileWindow::at(0, row), TileWindow::at(0, row + 1))) {
+    if (!may_lower_bounds(limit(2, row), passed_.data(), bound_.data(), z_.data(),
+                          TileWindow::at(0, row), TileWindow::at(0, row + 1))) {
       return;
     }
     measure(row);
@@ -305,7 +304,7 @@ class BoundSweep {
     fresh_ |= lowered;
     changed_ |= lowered;
   }
-  /// All that a row passes on, to itself and to the rows beside it.
+  /// Passes on everything from a row to itself and to the adjacent rows.
   void pass_on(int32_t row) {
     const bool passes = within(row);
     fresh_ &= ~bit(row);
@@ -335,8 +334,8 @@ class BoundSweep {
 
   const TilesAround& around_;
   ReposeTile& tile_;
-  /// Rows whose bounds are lower than when they were last passed on, over links and over quads, and
-  /// than the tiles'; of which bounds, all planes, and quads are there.
+  /// Rows whose bounds were lowered since they were last passed on over links, over quads, and
+  /// since they were written to the tiles; and rows whose bounds, all planes, and quads are loaded.
   uint64_t fresh_ = 0, quads_ = 0, changed_ = 0, bounds_ = 0, loaded_ = 0, measured_ = 0;
   std::array<Sides, kReposeBlock> up_, along_;
   alignas(64) TileWindow::Plane bound_;

@@ -19,14 +19,14 @@ namespace {
 
 using Local = TileWindow::Plane;
 
-/// A number's bits without its sign: 0 only for 0. Or-ed, they say whether any is another; looking
-/// for the largest would be done cell by cell.
+/// A number's bits without its sign: 0 only for 0. Or-ing them finds any non-zero number; a maximum
+/// would not vectorise.
 inline uint32_t bits_of(float value) {
   return std::bit_cast<uint32_t>(value) & 0x7FFFFFFFu;
 }
 
-/// What would flow from a row of a block's cells to their neighbours, `step` cells away, from those
-/// that have a unit; adds what is wanted of either. Returns whether there is anything.
+/// Computes the requested flow from a row of a block's cells, if they have a unit, to their
+/// neighbours `step` cells away, and adds it to the demand of either. Returns whether there is any.
 inline bool want_row(int32_t step, const float* __restrict top, const float* __restrict gives,
                      const float* __restrict limit, const float* __restrict stiffness,
                      float* __restrict flow, float momentum, float* wanted) {
@@ -45,7 +45,7 @@ inline bool want_row(int32_t step, const float* __restrict top, const float* __r
   return true;
 }
 
-/// Which part of what is wanted of them cells can give.
+/// The fraction of the demand that cells can give.
 inline void part_row(int32_t cells, const float* __restrict gives, float* __restrict wanted,
                      float* __restrict part) {
   for (int32_t i = 0; i < cells; ++i) {
@@ -54,7 +54,7 @@ inline void part_row(int32_t cells, const float* __restrict gives, float* __rest
   }
 }
 
-/// Lets it flow; returns whether anything does.
+/// Applies the flow; returns whether there is any.
 inline bool give_row(int32_t step, float* __restrict flow, const float* __restrict part,
                      float* gain) {
   uint32_t any = 0;
@@ -68,7 +68,7 @@ inline bool give_row(int32_t step, float* __restrict flow, const float* __restri
   return true;
 }
 
-/// Adds the gains to what has come, and lifts the tops.
+/// Adds the gains to the units that have come, and updates the tops.
 inline void move_row(int32_t cells, float* __restrict gain, int32_t* __restrict come,
                      const float* __restrict held, const float* __restrict z,
                      const float* __restrict lift, float* __restrict top, float* __restrict gives) {
@@ -81,7 +81,8 @@ inline void move_row(int32_t cells, float* __restrict gain, int32_t* __restrict 
   }
 }
 
-/// Whether a fall from a row of cells to their neighbours is over its limit, with snow on it.
+/// Whether a height difference between a row of cells and their neighbours exceeds its limit, with
+/// snow on it.
 inline bool is_row_over(int32_t step, const float* __restrict top, const float* __restrict gives,
                         const float* __restrict limit) {
   int32_t over = 0;
@@ -111,8 +112,8 @@ size_t place_of(const RimLink& rim) {
   return TileWindow::at(rim.cell % kReposeBlock, row_of(rim));
 }
 
-/// The rounds of a block on a window of which only those rows are there that anything asks for: in
-/// most blocks snow moves in a few.
+/// The rounds of a block on a window whose rows are loaded on demand: in most blocks snow moves in
+/// a few rows.
 class TileRun {
  public:
   TileRun(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
@@ -120,8 +121,9 @@ class TileRun {
       : around_(tiles, blocks_a_side, block), tile_(*around_.at(0, 0)), rims_(rims) {}
 
   TileRounds run(int first_round, int rounds) {
-    const uint32_t stirred = tile_.stirred.load(std::memory_order_relaxed) | tile_.waiting;
-    look_ = tile_.flowing | over_rows(stirred & ~tile_.flowing);
+    const uint32_t active_rows =
+        tile_.active_rows.load(std::memory_order_relaxed) | tile_.partial_rows;
+    look_ = tile_.flowing | over_rows(active_rows & ~tile_.flowing);
     for_bits(look_, [&](int32_t row) {
       is_wanted_[static_cast<size_t>(row)].fill((tile_.flowing & bit(row)) != 0);
     });
@@ -135,9 +137,10 @@ class TileRun {
       ++result.rounds;
     }
     result.has_changed = changed_ != 0;
-    tile_.stirred.store(result.flows ? static_cast<uint32_t>(look_) : 0, std::memory_order_relaxed);
+    tile_.active_rows.store(result.flows ? static_cast<uint32_t>(look_) : 0,
+                            std::memory_order_relaxed);
     tile_.flowing = result.flows ? static_cast<uint32_t>(wants_) : 0;
-    tile_.waiting = result.flows ? 0 : static_cast<uint32_t>(wants_);
+    tile_.partial_rows = result.flows ? 0 : static_cast<uint32_t>(wants_);
     for_bits(changed_, [&](int32_t row) { write_row(row); });
     return result;
   }
@@ -168,7 +171,7 @@ class TileRun {
         });
   }
 
-  /// Those of the rows that have links over their limits.
+  /// The rows among these with links over their limits.
   uint64_t over_rows(uint32_t rows) {
     uint64_t over = 0;
     for_bits(rows, [&](int32_t row) {
@@ -196,7 +199,7 @@ class TileRun {
     return (*tile_.flow)[static_cast<size_t>(k)].data() + static_cast<size_t>(row * kReposeBlock);
   }
 
-  /// What would flow; returns the rows in which anything would.
+  /// Computes the requested flows; returns their rows.
   uint64_t want(float momentum) {
     uint64_t wants = 0;
     for_bits(look_, [&](int32_t row) {
@@ -208,7 +211,7 @@ class TileRun {
         const auto link = static_cast<size_t>(k);
         const float* const limit =
             tile_.limit[link].data() + static_cast<size_t>(row * kReposeBlock);
-        // Where nothing flowed in the round before, mostly nothing begins to.
+        // Links without flow in the previous round rarely start.
         is_wanted[link] =
             (is_wanted[link] || is_row_over(TileWindow::step(k), &top_[at], &gives_[at], limit)) &&
             want_row(TileWindow::step(k), &top_[at], &gives_[at], limit, &stiffness_[at],
@@ -233,7 +236,7 @@ class TileRun {
     return wants;
   }
 
-  /// Lets it flow; returns the rows whose cells gained or lost.
+  /// Applies the flows; returns the rows whose cells changed.
   uint64_t give(uint64_t wants, uint64_t rim_wants) {
     uint64_t gave = 0;
     for_bits(wants, [&](int32_t row) {
@@ -286,24 +289,24 @@ class TileRun {
                             if (come_[at + i] == 0) continue;
                             tile->add(cell + i, static_cast<double>(come_[at + i]));
                             const int32_t own = column + static_cast<int32_t>(i);
-                            if (TileWindow::is_border(own, row)) stir_others(own, row);
+                            if (TileWindow::is_border(own, row)) activate_others(own, row);
                           }
                         });
   }
-  /// Its own rows the tile looks at anyway.
-  void stir_others(int32_t column, int32_t row) {
-    const uint32_t own = tile_.stirred.load(std::memory_order_relaxed);
-    stir_cell(around_, column, row);
-    tile_.stirred.store(own, std::memory_order_relaxed);
+  /// The tile evaluates its own rows anyway.
+  void activate_others(int32_t column, int32_t row) {
+    const uint32_t own = tile_.active_rows.load(std::memory_order_relaxed);
+    activate_cell(around_, column, row);
+    tile_.active_rows.store(own, std::memory_order_relaxed);
   }
 
   const TilesAround around_;
   ReposeTile& tile_;
   std::vector<RimLink>& rims_;
-  /// Rows to look at in the next round; in which anything was wanted in the last; in which anything
-  /// has moved; and of which tops (with what cells have to give) and all planes are there.
+  /// Rows to evaluate in the next round; rows with requests in the last; rows with movement; and
+  /// rows whose tops (with the units that cells can give) and all planes are loaded.
   uint64_t look_ = 0, wants_ = 0, changed_ = 0, tops_ = 0, loaded_ = 0;
-  /// Per row and link; false where nothing flows.
+  /// Per row and link; false without flow.
   std::array<std::array<bool, kForwardLinks>, kReposeBlock> is_wanted_{};
   alignas(64) Local top_;
   Local gives_, z_, lift_, stiffness_, held_, gain_, wanted_, part_;

@@ -9,10 +9,10 @@
 namespace snowbough::snow {
 namespace {
 
-/// Vertices nearer than this part of the mesh's size are one.
+/// Vertices closer than this fraction of the mesh's size coincide.
 constexpr float kOnePlace = 1e-6f;
 
-/// Finds the first vertex in each place, by cells in which few of them lie.
+/// Finds the first vertex at each position, with a grid of cells that contain few vertices.
 class Welder {
  public:
   Welder(const std::vector<glm::vec3>& positions, int32_t count) : positions_(positions) {
@@ -38,7 +38,7 @@ class Welder {
   int32_t add(int32_t vertex) {
     const glm::vec3 point = positions_[static_cast<size_t>(vertex)];
     int32_t found = vertex;
-    // The cells that a place as near as that may lie in: mostly one.
+    // Cells that may contain a coincident vertex: usually one.
     for (int k = 0; k < 8; ++k) {
       const glm::vec3 away((k & 1) != 0 ? near_ : -near_, (k & 2) != 0 ? near_ : -near_,
                            (k & 4) != 0 ? near_ : -near_);

@@ -10,7 +10,7 @@
 
 namespace snowbough::snow {
 
-/// A tile and those around it: by row and column from -1 to 1, null where there is none.
+/// A tile and its neighbours: by row and column from -1 to 1, null where there is none.
 struct TilesAround {
   std::array<std::array<ReposeTile*, 3>, 3> tiles{};
 
@@ -30,16 +30,16 @@ struct TilesAround {
   }
 };
 
-/// Marks the rows of all tiles with links to a cell as stirred; `column` and `row` are counted from
-/// the middle tile's first, from -1 to kReposeBlock.
-void stir_cell(const TilesAround& around, int32_t column, int32_t row);
+/// Marks the rows with links to a cell as active, in all tiles. `column` and `row` are relative to
+/// the middle tile, from -1 to kReposeBlock.
+void activate_cell(const TilesAround& around, int32_t column, int32_t row);
 
-/// Takes note in all tiles in whose windows a cell lies that its bound is lower than it was: see
-/// ReposeTile::rows_to_pass. Counted as for stir_cell.
+/// Records that the bound of a cell has been lowered, in all tiles whose window contains it: see
+/// ReposeTile::rows_to_pass. Coordinates as in activate_cell.
 void note_bound(const TilesAround& around, int32_t column, int32_t row);
 
-/// A block of a map with the cells that its links lead to: a column on either side and a row behind
-/// the last. What works on a block copies these cells to a window, and back.
+/// A block of a map and the cells to which its links lead: one column on either side and one row
+/// above. Functions that work on a block copy these cells to a window, and back.
 struct TileWindow {
   static constexpr int32_t kRows = kReposeBlock + 1;
   static constexpr int32_t kStride = 48;
@@ -52,18 +52,18 @@ struct TileWindow {
   }
   /// From a cell to its forward neighbour `k`.
   static constexpr int32_t step(int32_t k) { return kForwardRow[k] * kStride + kForwardColumn[k]; }
-  /// Whether other blocks look at that cell.
+  /// Whether other blocks read that cell.
   static constexpr bool is_border(int32_t column, int32_t row) {
     return row == 0 || row >= kReposeBlock - 1 || column <= 0 || column >= kReposeBlock - 1;
   }
 
-  /// Whether a cell, counted from the block's first, lies in its window.
+  /// Whether a cell, counted from the block's first, is in its window.
   static constexpr bool has(int32_t column, int32_t row) {
     return column >= -1 && column <= kReposeBlock && row >= 0 && row <= kReposeBlock;
   }
 
-  /// Which tiles around the block have a cell in their windows, itself left out: by row and column
-  /// from -1 to 1, bit 3 * (row + 1) + column + 1.
+  /// The tiles around the block that have a cell in their window, without the block's own: by row
+  /// and column from -1 to 1, bit 3 * (row + 1) + column + 1.
   static constexpr uint32_t seen_by(int32_t column, int32_t row) {
     uint32_t bits = 0;
     for (int32_t dy = -1; dy <= 1; ++dy) {
@@ -86,7 +86,7 @@ struct TileWindow {
     visit(around.at(0, dy), static_cast<size_t>(first), 0, static_cast<size_t>(kReposeBlock));
     visit(around.at(1, dy), static_cast<size_t>(first), kReposeBlock, size_t{1});
   }
-  /// Copies a row from a plane of the tiles, `absent` where there is none.
+  /// Copies a row from a plane of the tiles; `absent` for missing tiles.
   static void copy_row(const TilesAround& around, int32_t row, ReposeTile::Plane ReposeTile::*plane,
                        Plane& to, float absent) {
     for_row(around, row, [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {

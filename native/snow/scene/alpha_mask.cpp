@@ -9,7 +9,7 @@ namespace snowbough::snow {
 namespace {
 
 constexpr int32_t kLargestEdge = 8192;
-/// The smallest alpha, of 255, at which a texel is there.
+/// Minimum alpha, of 255, of a texel that receives snow.
 constexpr uint8_t kThreshold = 128;
 
 }  // namespace
@@ -19,12 +19,12 @@ AlphaMask make_alpha_mask(int32_t width, int32_t height, uint32_t extension,
   if (width < 1 || height < 1 || width > kLargestEdge || height > kLargestEdge) {
     throw std::invalid_argument("an alpha image has " + std::to_string(width) + " x " +
                                 std::to_string(height) + " texels; it must have 1 to " +
-                                std::to_string(kLargestEdge) + " a side");
+                                std::to_string(kLargestEdge) + " per side");
   }
   const size_t texels = static_cast<size_t>(width) * static_cast<size_t>(height);
   if (alpha.size() != texels) {
     throw std::invalid_argument("an alpha image has " + std::to_string(alpha.size()) +
-                                " values, its size asks for " + std::to_string(texels));
+                                " values, its size needs " + std::to_string(texels));
   }
   AlphaMask mask{width, height, extension, std::vector<uint32_t>((texels + 31) / 32, 0)};
   for (size_t i = 0; i < texels; ++i) {
@@ -56,7 +56,7 @@ void check_alpha(const ObjectAlpha& alpha, size_t triangles) {
   }
   for (const int32_t index : alpha.mask) {
     if (index < -1 || index >= static_cast<int32_t>(alpha.masks.size())) {
-      throw std::invalid_argument("its alpha asks for image " + std::to_string(index) + " of " +
+      throw std::invalid_argument("its alpha refers to image " + std::to_string(index) + " of " +
                                   std::to_string(alpha.masks.size()));
     }
   }

@@ -10,7 +10,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// Points along each side of a fragment.
+/// Sample points per side of a fragment.
 constexpr int32_t kPoints = 4;
 
 bool is_there(const AlphaMask& mask, glm::vec2 uv) {
@@ -20,8 +20,8 @@ bool is_there(const AlphaMask& mask, glm::vec2 uv) {
   return bit != shared::kNowhere && !shared::is_hole(mask.bits[bit >> 5], bit);
 }
 
-/// A triangle with an image, and how weights of its second and third corner change from texel to
-/// texel of the map.
+/// A triangle with an image, and the change of the weights of its second and third corner per texel
+/// of the map.
 struct MaskedTriangle {
   MaskedTriangle(const MapTopology& topology, const ObjectAlpha& alpha, size_t triangle)
       : mask(*alpha.masks[static_cast<size_t>(alpha.mask[triangle])]),
@@ -35,7 +35,7 @@ struct MaskedTriangle {
     texels = 0.5f * std::abs(twice);
   }
 
-  /// At weights beside the triangle: at its rim.
+  /// Weights outside the triangle are clamped to its rim.
   bool is_there_at(glm::vec2 weights) const {
     weights = glm::max(weights, 0.0f);
     weights /= std::max(weights.x + weights.y, 1.0f);
@@ -50,7 +50,7 @@ struct MaskedTriangle {
   float texels;
 };
 
-/// Of a fragment that holds `share` of the triangle around `centre`, taken as a square.
+/// Opacity of a fragment with `share` of the triangle around `centre`, taken as a square.
 float opacity_of(const MaskedTriangle& triangle, float share, glm::vec2 centre) {
   const float size = std::sqrt(std::min(1.0f, share * triangle.texels));
   int32_t there = 0;

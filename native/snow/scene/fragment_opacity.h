@@ -7,9 +7,9 @@
 
 namespace snowbough::snow {
 
-/// Per fragment of the table: which part of it (0 to 1) the alpha images leave, looked up at 4 x 4
-/// points. What falls on the rest falls through; its area counts as the texel's all the same.
-/// Empty where `alpha` is: the object is opaque.
+/// Per fragment of the table: the part of it (0 to 1) that the alpha images keep, sampled at 4 x 4
+/// points. Snow falls through the rest, whose area still counts as the texel's. Empty if `alpha`
+/// is: the object is opaque.
 std::vector<float> fragment_opacity(const TexelTable& table, const MapTopology& topology,
                                     const ObjectAlpha& alpha);
 

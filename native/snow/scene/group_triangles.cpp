@@ -16,7 +16,7 @@ void add_group_triangles(const TexelTable& table, const std::vector<int32_t>& or
                          uint32_t first_triangle, GroupTriangles& groups) {
   int32_t last = -1;
   for (const int32_t triangle : table.fragment_triangle) last = std::max(last, triangle);
-  // Per triangle: the last group, counted from 1, that it was noted in.
+  // Per triangle: the last group, counted from 1, that contains it.
   std::vector<int32_t> noted_in(static_cast<size_t>(last) + 1, 0);
   int32_t group = 0;
   for (size_t begin = 0; begin < order.size(); begin += kTexelGroup) {

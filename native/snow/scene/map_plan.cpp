@@ -6,7 +6,7 @@
 namespace snowbough::snow {
 
 MapPlan plan_maps(const std::vector<const SceneObject*>& objects, int32_t max_layers) {
-  // The owner table is the widest array: 8 bytes a texel.
+  // The owner table is the largest array: 8 bytes per texel.
   constexpr int64_t kBytesPerTexel = 8;
   MapPlan plan;
   plan.slot.resize(objects.size());

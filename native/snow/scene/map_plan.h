@@ -7,11 +7,11 @@
 
 namespace snowbough::snow {
 
-/// Largest texture array in bytes; maps of one size that need more are spread over several.
+/// Largest texture array in bytes; maps of one size that need more use several arrays.
 inline constexpr int64_t kLargestArrayBytes = int64_t{1} << 30;
 
-/// The plan of which map lies where: receivers sorted by size, then name, get slots 0, 1, ...; what
-/// does not receive follows. It needs no GPU, so that memory can be told beforehand.
+/// Assigns maps to texture arrays: receivers sorted by size, then name, get slots 0, 1, ...; other
+/// objects follow. Needs no GPU, so that memory can be estimated beforehand.
 struct MapPlan {
   struct Group {
     int32_t resolution = 0;
@@ -19,7 +19,7 @@ struct MapPlan {
     int32_t end_slot = 0;
   };
   std::vector<Group> groups;
-  /// Per object (in the order given): its slot, and its group (-1 for what does not receive).
+  /// Per object (in the order given): its slot, and its group (-1 for objects that do not receive).
   std::vector<int32_t> slot;
   std::vector<int32_t> group;
 };

@@ -11,9 +11,9 @@
 namespace snowbough::snow {
 namespace {
 
-/// At most what SeamLevelling and SeamLeveller keep, told before seams are known: by texels at the
-/// rim of their chart. The layout of a cylinder takes 540 bytes a rim
-/// texel, one whose triangles lie apart 1450.
+/// Upper bound of the memory of SeamLevelling and SeamLeveller, before seams are known: by texels
+/// at the rim of their chart. The layout of a cylinder takes 540 bytes per rim texel, one with
+/// separate triangles 1450.
 int64_t levelling_bytes(const TexelTable& table) {
   constexpr int64_t kPerRimTexel = 1536;
   int64_t count = 0;
@@ -53,7 +53,7 @@ std::string MemoryEstimate::text() const {
 MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, int32_t tile_size,
                                bool with_owners) {
   constexpr int64_t kPerTexel = 4 + 4 + sizeof(shared::TexelStep);
-  // On the processor, which takes more: 18, and its part of a run of 32 for some eight of them.
+  // Of engine CPU, which takes more: 18, and a share of a run of 32 for some eight fragments.
   constexpr int64_t kPerFragment = 18 + 4;
   MemoryEstimate estimate;
   int64_t largest_map = 0;
@@ -79,7 +79,7 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
     estimate.maps += map * (with_owners ? 4 + 8 : 4);
     estimate.seams += levelling_bytes(object->table);
     estimate.geometry += triangles * static_cast<int64_t>(sizeof(shared::MapTriangle));
-    // At most a point a corner: its corner, where these begin, its normal and what lies there.
+    // At most one point per corner: its corner, its list offsets, its normal and its snow.
     const bool is_smooth = !object->description.shading.empty();
     estimate.geometry += is_smooth ? triangles * (16 + 3 * (4 + 4 + 16 + 16)) : 0;
     const int64_t group = shared::kTexelGroup;
@@ -88,11 +88,11 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
     estimate.texels += texels * kPerTexel + texels / group * (16 + 4 * 4) + triangles * 2 * 4 +
                        kPerFragment * static_cast<int64_t>(object->table.fragment_triangle.size());
   }
-  // What is seen, drawn and copied; the depth test's own.
+  // Seen, drawn and copied pixels; the depth buffer.
   estimate.tile =
       int64_t{tile_size} * tile_size * static_cast<int64_t>(2 * sizeof(shared::SeenPixel) + 4);
-  // Two works of seven arrays and the distances to a bank's foot, a third more for the coarse
-  // levels; the map, a normal, tables, where a texel's surface ends.
+  // Two workspaces of seven arrays and the proximity to feet, a third more for the coarse levels;
+  // the map, a normal, tables, and the ends of the surface.
   estimate.output = largest_map * (2 * (28 + 2) + 4 + 12 + 12 + 1);
   return estimate;
 }
@@ -100,7 +100,7 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
 void require_memory(const MemoryEstimate& estimate, int64_t available) {
   if (available > 0 && estimate.total() > available) {
     throw std::runtime_error(
-        "the snow takes " + estimate.text() + ", and " + mebibytes(available) +
+        "the snow needs " + estimate.text() + ", and " + mebibytes(available) +
         " MiB are free: lower the resolution of the largest receivers (half the "
         "resolution takes a quarter), or bake the receivers in several runs");
   }

@@ -8,24 +8,24 @@
 
 namespace snowbough::snow {
 
-/// What a simulation will take in bytes, on the GPU or in main memory as its engine works, told
+/// Bytes that a simulation will take, on the GPU or in main memory, depending on its engine; known
 /// before anything is allocated.
 struct MemoryEstimate {
-  /// Height maps, and owner tables where there are any.
+  /// Height maps, and owner tables if there are any.
   int64_t maps = 0;
-  /// What the passes keep per owned texel.
+  /// Data of the passes per owned texel.
   int64_t texels = 0;
-  /// Vertices, triangles and alpha masks, the ones that objects share counted once.
+  /// Vertices, triangles and alpha masks; shared masks count once.
   int64_t geometry = 0;
   /// The occlusion tile.
   int64_t tile = 0;
-  /// What making output works on, for two maps at a time, in main memory.
+  /// Working memory of the output, for two maps at a time, in main memory.
   int64_t output = 0;
-  /// What levelling keeps of the receivers' seams: in main memory always, but counted here, since
-  /// it is little.
+  /// Tables for levelling the receivers' seams: always in main memory, but small enough to count
+  /// here.
   int64_t seams = 0;
 
-  /// What repose keeps, where snow moves, in main memory; the caller adds it.
+  /// Repose, if snow moves, in main memory; the caller adds it.
   int64_t repose = 0;
 
   int64_t total() const { return maps + texels + geometry + tile + output + seams + repose; }
@@ -40,8 +40,7 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
 /// Free memory of the machine in bytes; 0 = unknown.
 int64_t machine_memory();
 
-/// @throws std::runtime_error with the figures and a hint when the estimate is more than is
-/// available.
+/// @throws std::runtime_error with the figures and advice if the estimate exceeds `available`.
 void require_memory(const MemoryEstimate& estimate, int64_t available);
 
 }  // namespace snowbough::snow

@@ -17,12 +17,12 @@ double fraction(double value) {
   return value - std::floor(value);
 }
 
-/// Directions of flutter in a round, and how many of its places a step goes on: in an order in
-/// which parts of a round are spread over the cone too.
+/// Number of flutter directions per round, and the stride of a step among them: an order in which
+/// parts of a round are spread over the cone, too.
 constexpr uint32_t kFlutterRound = 64;
 constexpr uint32_t kFlutterStride = 19;
 
-/// splitmix64, to turn a seed into shifts of the sequences. Source: S. Vigna, public domain.
+/// splitmix64, for shifts of the sequences from a seed. Source: S. Vigna, public domain.
 double shift_of(uint32_t seed, uint32_t dimension) {
   uint64_t z = (uint64_t{seed} << 32 | dimension) + 0x9E3779B97F4A7C15ull;
   z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;
@@ -30,7 +30,7 @@ double shift_of(uint32_t seed, uint32_t dimension) {
   return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
 }
 
-/// Two axes across the fall whose cross product points to the sky.
+/// Two axes perpendicular to the fall whose cross product points to the sky.
 void grid_axes(const glm::dvec3& direction, glm::dvec3& x, glm::dvec3& y) {
   const glm::dvec3 sky = -direction;
   x = glm::cross(glm::dvec3(0.0, 1.0, 0.0), sky);
@@ -39,7 +39,7 @@ void grid_axes(const glm::dvec3& direction, glm::dvec3& x, glm::dvec3& y) {
   y = glm::cross(sky, x);
 }
 
-/// The middle of the scene, rounded to what a float holds exactly.
+/// The middle of the scene, rounded to an exact float.
 glm::vec3 scene_anchor(const Bounds& scene) {
   return scene.empty() ? glm::vec3(0.0f) : glm::vec3((scene.low + scene.high) * 0.5);
 }
@@ -92,7 +92,7 @@ glm::dvec3 flutter_direction(const glm::dvec3& direction, double flutter, uint32
   const uint32_t round = step_number / kFlutterRound;
   const auto first = static_cast<uint32_t>(shift_of(seed, 2) * kFlutterRound);
   const double seed_number = (first + step_number * kFlutterStride) % kFlutterRound;
-  // Every round lies elsewhere: the R2 sequence's shifts.
+  // Every round is shifted by the R2 sequence.
   const double within = fraction(0.5 + round * 0.7548776662466927);
   const double share = (seed_number + within) / kFlutterRound;
   const double turn =
@@ -143,7 +143,7 @@ shared::ProjectionFrame make_projection_frame(const FallSettings& settings, cons
   frame.direction = glm::vec4(glm::vec3(direction), settings.pixel_size);
   frame.range = {nearest, 1.0 / (farthest - nearest),
                  settings.depth / std::max(std::abs(direction.z), 0.01), settings.noise_density};
-  // Only the hash uses it, so wrapping around far from the origin does no harm.
+  // Only the hash uses it, so overflow far from the origin is harmless.
   frame.base = {static_cast<int32_t>(static_cast<uint32_t>(static_cast<int64_t>(base.x))),
                 static_cast<int32_t>(static_cast<uint32_t>(static_cast<int64_t>(base.y)))};
   frame.seed = settings.seed;
@@ -179,10 +179,10 @@ std::vector<Tile> make_tiles(const std::vector<PixelRect>& receivers, int32_t ti
     all.high = {std::max(all.high.x, rect.high.x), std::max(all.high.y, rect.high.y)};
   }
   if (all.size().x > kWidestGrid || all.size().y > kWidestGrid) {
-    throw std::invalid_argument(
-        "the receivers span " + std::to_string(std::max(all.size().x, all.size().y)) +
-        " pixels, at most " + std::to_string(kWidestGrid) +
-        " are rendered: use a larger pixel_size, or leave far-away receivers out");
+    throw std::invalid_argument("the receivers span " +
+                                std::to_string(std::max(all.size().x, all.size().y)) +
+                                " pixels; the maximum is " + std::to_string(kWidestGrid) +
+                                ": use a larger pixel_size, or leave far-away receivers out");
   }
   const auto block_of = [](int32_t pixel) {
     return static_cast<int32_t>(
@@ -196,7 +196,7 @@ std::vector<Tile> make_tiles(const std::vector<PixelRect>& receivers, int32_t ti
                             std::min(block.y + kBlockSize, all.high.y));
       for (int32_t y = low.y; y < high.y; y += tile_size) {
         for (int32_t x = low.x; x < high.x; x += tile_size) {
-          // Shrunk to the receivers inside: empty sky costs nothing.
+          // Shrunk to the receivers inside: empty sky needs no rendering.
           PixelRect shown{{high.x, high.y}, {low.x, low.y}};
           for (const PixelRect& rect : receivers) {
             const glm::ivec2 a(std::max(rect.low.x, x), std::max(rect.low.y, y));

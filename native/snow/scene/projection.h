@@ -30,41 +30,42 @@ struct PixelRect {
 /// A part of the grid that is rendered at once.
 struct Tile {
   PixelRect pixels;
-  /// Lower left corner of the viewport in local pixels. It is the same for every tile of a block,
-  /// so that a triangle is clipped in the same way whatever the tile size.
+  /// Lower left corner of the viewport in local pixels. All tiles of a block share it, so that a
+  /// triangle is clipped in the same way for every tile size.
   glm::ivec2 viewport_origin{0};
 
-  /// What is rendered: the tile's own pixels and those that points at its edge look at, too.
+  /// The rendered pixels: the tile's own and the margin that points at its edge sample.
   PixelRect with_margin() const {
     return {pixels.low - shared::kTileMargin, pixels.high + shared::kTileMargin};
   }
 };
 
-/// How one step falls.
+/// Snowfall of one step.
 struct FallSettings {
-  /// Unit vector in which snow falls on average.
+  /// Unit vector of the mean fall direction.
   glm::dvec3 direction{0.0, 0.0, -1.0};
   double pixel_size = 0.01;
-  /// Half the opening angle of the cone of directions, radians.
+  /// Half the opening angle of the cone of directions, in radians.
   double flutter = 0.0;
   double noise_density = 1.0;
-  /// Metres on open level ground.
+  /// Depth in metres on open level ground.
   double depth = 0.0;
   uint32_t seed = 0;
   uint32_t step_number = 0;
 };
 
-/// Width of the viewport in pixels and of a block: a block and a margin of half a block around it.
+/// Width of the viewport in pixels, and of a block: the viewport is a block with a margin of half a
+/// block.
 inline constexpr int32_t kViewportSize = 16384;
 inline constexpr int32_t kBlockSize = 8192;
 /// Largest edge of a tile.
 inline constexpr int32_t kLargestTile = 4096;
 static_assert(kLargestTile <= kBlockSize);
 
-/// The direction in which the flakes of one step fall: `direction` turned within the cone of
-/// `flutter`. Each 64 steps are the seeds of a sunflower's head, which from every side lie as
-/// evenly as 64 points can: a straight shadow's edge becomes an even slope without terraces. The
-/// cone is narrowed so that it stays within 89.5 degrees of vertical where `direction` itself does.
+/// The fall direction of one step: `direction` turned within the cone of `flutter`. Every 64 steps
+/// form a sunflower pattern, the most even distribution of 64 points from every side, so that a
+/// straight shadow's edge becomes an even slope without terraces. The cone is narrowed so that it
+/// stays within 89.5 degrees of vertical if `direction` does.
 /// Source: H. Vogel, A Better Way to Construct the Sunflower Head, 1979.
 glm::dvec3 flutter_direction(const glm::dvec3& direction, double flutter, uint32_t seed,
                              uint32_t step_number);
@@ -73,20 +74,20 @@ glm::dvec3 flutter_direction(const glm::dvec3& direction, double flutter, uint32
 /// Source: M. Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018.
 glm::dvec2 grid_jitter(uint32_t seed, uint32_t step_number);
 
-/// Where in its cell a sample of a texel that is much larger than a pixel lies in a step, in
-/// [0, 1): uniform, by seed and step.
+/// Position in its cell, in [0, 1), of the sample of a texel that is much larger than a pixel:
+/// uniform, by seed and step.
 glm::dvec2 sample_shift(uint32_t seed, uint32_t step_number);
 
-/// Builds the frame that the shaders use: the grid lies perpendicular to the (fluttering) fall and
-/// is anchored at the world's origin; `scene` are the bounds of all objects.
+/// Builds the frame for the shaders: the grid is perpendicular to the (fluttering) fall and
+/// anchored at the world's origin; `scene` bounds all objects.
 shared::ProjectionFrame make_projection_frame(const FallSettings& settings, const Bounds& scene);
 
-/// The local pixels that may show something of `bounds`, with a pixel to spare.
+/// The local pixels that may show a part of `bounds`, plus one pixel.
 PixelRect pixels_of(const Bounds& bounds, const shared::ProjectionFrame& frame);
 
-/// Cuts the pixels of all receivers into tiles of at most `tile_size` squared that show at least
-/// one.
-/// @throws std::invalid_argument when the grid would be wider than 65,536 pixels (with what to do).
+/// Divides the pixels of all receivers into tiles of at most `tile_size` pixels a side; tiles
+/// without a receiver are left out.
+/// @throws std::invalid_argument with advice if the grid would be wider than 65,536 pixels.
 std::vector<Tile> make_tiles(const std::vector<PixelRect>& receivers, int32_t tile_size);
 
 }  // namespace snowbough::snow

@@ -9,25 +9,25 @@
 
 namespace snowbough::snow {
 
-/// All objects of a scene in one set of arrays, as the engines' passes read them; positions and
-/// texels excepted. Objects are in drawing order (by name).
+/// All objects of a scene in one set of arrays for the engines' passes, without positions and
+/// texels. Objects are in drawing order (by name).
 struct SceneLayout {
   MapPlan plan;
-  /// Per object: where its vertices and triangles begin.
+  /// Per object: its first vertex and triangle.
   std::vector<int32_t> first_vertex;
   std::vector<int32_t> first_triangle;
-  /// Per object: its first triangle among `alpha_triangles`; -1 = it is opaque and has none there.
+  /// Per object: its first triangle in `alpha_triangles`; -1: it is opaque and not in there.
   std::vector<int32_t> first_alpha;
   int32_t vertex_count = 0;
 
   std::vector<shared::SceneTriangle> triangles;
-  /// Per triangle: its sheet (snow/texels/sheets.h), numbered through all objects.
+  /// Per triangle: its sheet (snow/texels/sheets.h), numbered across all objects.
   std::vector<uint32_t> triangle_sheets;
   /// Of receivers only, by slot.
   std::vector<shared::MapTriangle> map_triangles;
-  /// By slot: what to add to a triangle's index to get its index among `map_triangles`.
+  /// By slot: offset from a triangle's index to its index in `map_triangles`.
   std::vector<int32_t> map_offsets;
-  /// Of the objects with alpha only; masks that several objects share lie there once.
+  /// Only of objects with alpha; a mask that several objects share is stored once.
   std::vector<shared::AlphaTriangle> alpha_triangles;
   std::vector<shared::AlphaMaskPlace> alpha_places;
   std::vector<uint32_t> alpha_bits;
@@ -37,7 +37,7 @@ struct SceneLayout {
 /// `objects` are sorted by name and have positions. `max_layers`: of a texture array.
 SceneLayout lay_out_scene(const std::vector<const SceneObject*>& objects, int32_t max_layers);
 
-/// The object of every slot.
+/// The object index of every slot.
 std::vector<size_t> objects_by_slot(const MapPlan& plan);
 
 }  // namespace snowbough::snow

@@ -12,55 +12,55 @@
 
 namespace snowbough::snow {
 
-/// Which sides of a receiver take snow.
+/// Sides of a receiver that take snow.
 enum class Sides {
-  /// Both of what is open, a card or a leaf (snow/texels/open_sheets.h); else the front.
+  /// Both sides of open surfaces such as cards and leaves (snow/texels/open_sheets.h); otherwise
+  /// the front.
   kAuto,
-  /// The front, on which triangles run anticlockwise.
+  /// The front, where triangles run anticlockwise.
   kFront,
   kBoth,
 };
 
-/// What add_object gets: a mesh whose topology stays the same until replace_object gives it
-/// another.
+/// Arguments of add_object: a mesh whose topology stays until replace_object.
 struct ObjectDescription {
-  /// Unique; objects are drawn in the order of their names, whatever the order of adding.
+  /// Unique; objects are drawn in the order of their names.
   std::string name;
-  /// Triangles and texture coordinates (these only matter for receivers) and the map's resolution.
+  /// Triangles, and for receivers texture coordinates and the map's resolution.
   MapTopology topology;
-  /// Gathers snow on a map of its own. A receiver always occludes, too.
+  /// Whether the object gathers snow on a map. A receiver always occludes, too.
   bool receive = true;
-  /// Keeps snow from what is behind it.
+  /// Whether the object blocks snow.
   bool occlude = true;
-  /// Where snow falls through the object.
+  /// The parts through which snow falls.
   ObjectAlpha alpha;
   /// Positions in metres of the pose in which output measures distances across seams and for the
-  /// blur; empty: those of the object's first step. A simulation that goes on from a checkpoint
-  /// takes the pose that the first one began with, so that it ends with the same output.
+  /// blur; empty: the object's first step. A simulation that resumes from a checkpoint must use the
+  /// pose of the first one to get the same output.
   std::vector<glm::vec3> rest;
-  /// Sigma in metres of the blur of this object's output; negative: the simulation's.
+  /// Standard deviation in metres of the blur of this object's output; negative: the simulation's.
   double blur_radius = -1.0;
-  /// Three numbers a triangle: corners of one number share a smooth normal, worked out from the
-  /// positions of each step; negative, or no numbers at all: flat.
+  /// Three numbers per triangle: corners with the same number share a smooth normal, computed from
+  /// the positions of each step; negative, or empty: flat.
   std::vector<int32_t> shading;
   Sides sides = Sides::kAuto;
 };
 
-/// An object as the simulation holds it.
+/// An object in a simulation.
 struct SceneObject {
   ObjectDescription description;
   /// Receivers only.
   TexelTable table;
   /// See fragment_opacity.h; empty: opaque.
   std::vector<float> fragment_opacity;
-  /// Per triangle, 1 where it takes snow on both sides, by the rest pose; empty: all on the front.
+  /// Per triangle, 1 if it takes snow on both sides, by the rest pose; empty: all on the front.
   std::vector<uint8_t> two_sided;
-  /// Current world positions in metres; empty before the first step that names the object.
+  /// Current world positions in metres; empty before the object's first step.
   std::vector<glm::vec3> positions;
   Bounds bounds;
   /// Positions changed since the last step.
   bool moved = true;
-  /// Receivers only: see layer_terms, of the current positions; null: not worked out yet.
+  /// Receivers only: layer_terms of the current positions; null: not computed yet.
   std::shared_ptr<const std::vector<glm::vec3>> layers;
 
   int32_t triangle_count() const {

@@ -17,7 +17,7 @@ bool is_smooth(const SceneObject& object) {
 void add_points(const SceneObject& object, size_t first_triangle, uint32_t& count,
                 std::vector<shared::uvec4>& of_triangle) {
   const std::vector<int32_t>& shading = object.description.shading;
-  // Numbers may be any: those in use, ascending.
+  // Shading numbers may be arbitrary; these are the ones in use, ascending.
   std::vector<int32_t> numbers;
   for (const int32_t number : shading) {
     if (number >= 0) numbers.push_back(number);
@@ -71,7 +71,7 @@ SmoothPoints find_smooth_points(const std::vector<const SceneObject*>& objects) 
       visit(own.z, corner + 2);
     }
   };
-  // Shifted by one place, so that the second walk leaves the beginnings where they belong.
+  // Shifted by one place, so that the second pass leaves the offsets in their final places.
   for_each_corner([&](uint32_t point, uint32_t) { ++points.begin[point + 2]; });
   std::partial_sum(points.begin.begin(), points.begin.end(), points.begin.begin());
   points.corners.resize(points.begin.back());

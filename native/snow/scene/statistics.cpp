@@ -30,7 +30,7 @@ StatisticsPair balance_of(const shared::ObjectSums& sums) {
   total.held_volume = sums.held;
   total.stretched_volume = sums.total_stretched;
   total.visible_area = sums.total_visible_area;
-  // Back faces have no total of their own: what counts is whether they show now.
+  // Back faces have no total: only the current value matters.
   total.back_face_area = step.back_face_area;
   return pair;
 }

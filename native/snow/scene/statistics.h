@@ -9,10 +9,10 @@ namespace snowbough::snow {
 
 /// A balance of snow, of one object or of all: volumes in m3, areas in m2.
 struct SnowBalance {
-  /// Volume put on maps, and slid off them.
+  /// Volume deposited on maps, and slid off them.
   double deposited_volume = 0.0;
   double slid_volume = 0.0;
-  /// Volume that lies there now.
+  /// Volume on the maps now.
   double held_volume = 0.0;
   /// Change of volume because surfaces stretched or shrank under the snow.
   double stretched_volume = 0.0;
@@ -21,14 +21,14 @@ struct SnowBalance {
   double visible_area = 0.0;
   double back_face_area = 0.0;
 
-  /// Which share of what the sky sees is back faces: much of it hints at flipped normals.
+  /// Back faces as a fraction of the area that the sky sees: a high value suggests flipped normals.
   double back_face_share() const {
     const double seen = visible_area + back_face_area;
     return seen > 0.0 ? back_face_area / seen : 0.0;
   }
 };
 
-/// The last step, and all steps since the beginning.
+/// The last step, and all steps so far.
 struct StatisticsPair {
   SnowBalance step;
   SnowBalance total;

@@ -8,7 +8,7 @@ namespace snowbough::snow {
 struct TriangleRange {
   int32_t first = 0;
   int32_t count = 0;
-  /// Whether they may have holes, and then what leads from their index to that of their alpha.
+  /// Whether alpha may cut holes, and then the offset from a triangle's index to its alpha's.
   bool has_alpha = false;
   int32_t alpha_offset = 0;
 };

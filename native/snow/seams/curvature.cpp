@@ -12,7 +12,7 @@ namespace snowbough::snow {
 namespace {
 
 constexpr LayerTerms kFlat{1.0f, 0.0f, 0.0f};
-/// Normals at more than about 80 degrees from the face would make heights explode.
+/// Minimum cosine between normal and face: beyond about 80 degrees heights would explode.
 constexpr float kLeastCosine = 0.2f;
 
 glm::vec3 unit(const glm::vec3& v) {
@@ -38,8 +38,8 @@ Face face_of(const std::vector<int32_t>& triangles, const std::vector<glm::vec3>
   return face;
 }
 
-/// At one point of a triangle, for unit normals N: the parts of ((P_u + t N_u) x (P_v + t N_v)) . N
-/// by the powers of the height t, integrated over it.
+/// At one point of a triangle, for unit normals N: the coefficients of ((P_u + t N_u) x (P_v + t
+/// N_v)) . N by powers of the height t, integrated over t.
 LayerTerms terms_at(const glm::vec3& p_u, const glm::vec3& p_v, const glm::vec3 (&normal)[3],
                     glm::vec2 at) {
   const glm::vec3 mean = normal[0] * (1.0f - at.x - at.y) + normal[1] * at.x + normal[2] * at.y;
@@ -56,8 +56,8 @@ LayerTerms terms_at(const glm::vec3& p_u, const glm::vec3& p_v, const glm::vec3 
           glm::dot(glm::cross(n_u, n_v), n) / 3.0f};
 }
 
-/// Of the prism between a triangle and the same displaced: the mean of three points, exact where
-/// the terms change evenly or with the square of the place.
+/// Terms of the prism between a triangle and its displaced copy: the mean of three points, exact
+/// for linear and quadratic terms.
 LayerTerms prism_terms(const Face& face, const glm::vec3 (&normal)[3]) {
   const float area = glm::length(face.normal);
   if (!(area > 1e-30f)) return kFlat;

@@ -8,7 +8,7 @@ namespace snowbough::snow {
 namespace {
 
 constexpr float kMostGrowth = 1.25f;
-/// How near a layer comes to folding.
+/// Fraction of the folding height that a layer may reach.
 constexpr float kFold = 0.98f;
 constexpr int kNewtonSteps = 5;
 constexpr float kLeastSlope = 0.05f;
@@ -20,11 +20,11 @@ inline float larger(float a, float b) {
   return a > b ? a : b;
 }
 
-/// The height per held, 1 on flat ground: y of y + a y^2 + b y^3 = 1.
+/// Height per held volume, 1 on flat ground: y of y + a y^2 + b y^3 = 1.
 inline float growth(float a, float b) {
   const float root = a * a - 3.0f * b;
   const float turn = root >= 0.0f ? std::sqrt(larger(root, 0.0f)) - a : 0.0f;
-  // Where the layer folds: 1 + 2 a y + 3 b y^2 = 0.
+  // The layer folds at 1 + 2 a y + 3 b y^2 = 0.
   const float fold = turn > 0.0f ? kFold / (turn > 0.0f ? turn : 1.0f) : kMostGrowth;
   const float most = smaller(fold, kMostGrowth);
   const float without_b = 1.0f + 4.0f * a;

@@ -8,7 +8,7 @@
 
 namespace snowbough::snow {
 
-/// What layers hold (m3/m2), which raise_layers turns into their heights, and their terms.
+/// Volumes of layers (m3/m2), which raise_layers replaces by heights, and their terms.
 struct LayerView {
   float* height;
   const float* x;
@@ -16,7 +16,7 @@ struct LayerView {
   const float* z;
 };
 
-/// Room for some layers.
+/// Storage for `Count` layers.
 template <size_t Count>
 struct LayerBlock {
   std::array<float, Count> height;
@@ -34,7 +34,7 @@ struct LayerBlock {
   LayerView view() { return {height.data(), x.data(), y.data(), z.data()}; }
 };
 
-/// layer_height of `count` layers side by side.
+/// layer_height of `count` layers, vectorised.
 void raise_layers(const LayerView& layers, int32_t count);
 
 }  // namespace snowbough::snow

@@ -9,8 +9,8 @@
 
 namespace snowbough::snow {
 /// The factors L D L^T of a matrix, row by row of L: T. A. Davis, Algorithm 849: A Concise Sparse
-/// Cholesky Factorization Package, 2005. L without its diagonal of ones. Arrays are per unknown of
-/// the pattern; what they hold for those that are not in the problem is stale.
+/// Cholesky Factorization Package, 2005. L without its unit diagonal. Arrays are per unknown of the
+/// pattern; entries outside the problem are stale.
 struct SeamFactor::State {
   explicit State(std::shared_ptr<const SeamPattern> shared)
       : pattern(std::move(shared)),
@@ -18,22 +18,21 @@ struct SeamFactor::State {
         is_in(static_cast<size_t>(size), 0),
         is_stale(static_cast<size_t>(size), 0) {}
 
-  /// Finds where L has entries; returns false where these take too much work.
+  /// Finds the non-zero pattern of L; returns false if that takes too much work.
   bool analyse(int64_t most_work);
-  /// Computes the rows of L that are stale, and which stale ones make so; returns false where there
-  /// are no factors.
+  /// Computes the stale rows of L and those that depend on them; returns false if there are no
+  /// factors.
   bool factorise();
 
   std::shared_ptr<const SeamPattern> pattern;
   int32_t size;
   std::vector<int32_t> unknowns;
   std::vector<uint8_t> is_in;
-  /// What unknowns were when L's entries were found: from those that have left since it has entries
-  /// still, 0.
+  /// The unknowns when L's pattern was found: unknowns that have left since still have entries, 0.
   std::vector<int32_t> analysed;
-  /// Whether an unknown's row of L must be computed.
+  /// Whether an unknown's row of L must be recomputed.
   std::vector<uint8_t> is_stale;
-  /// Of the matrix: per entry of the pattern, and the diagonal.
+  /// The matrix: per entry of the pattern, and the diagonal.
   std::vector<float> value;
   std::vector<float> own;
 
@@ -44,16 +43,16 @@ struct SeamFactor::State {
   std::vector<float> lower;
   std::vector<float> diagonal;
 
-  /// Which entries the problem's rows of L have, in an order in which they can be found; where each
+  /// The entries of the problem's rows of L, in an order in which they can be computed; and each
   /// row's end.
   std::vector<int32_t> path;
   std::vector<int32_t> path_end;
   /// Of the elimination tree.
   std::vector<int32_t> parent;
-  /// Per column: the row in which it was last seen.
+  /// Per column: the last row that visited it.
   std::vector<int32_t> seen_in;
   std::vector<int32_t> scratch;
-  /// All 0 between two rows.
+  /// All 0 between rows.
   std::vector<float> sums;
 };
 
@@ -204,7 +203,7 @@ bool SeamFactor::keep(const std::vector<int32_t>& kept) {
 }
 
 void SeamFactor::solve(std::vector<float>& values, float negligible) const {
-  // Goes through few columns where snow lies on little of the surface.
+  // Visits few columns if snow covers little of the surface.
   const State& s = *state_;
   for (const int32_t j : s.unknowns) {
     const float x = values[j];

@@ -7,11 +7,10 @@
 
 namespace snowbough::snow {
 
-/// A set of numbers from 0 on, a bit each: to put many in and to read them in order takes less than
-/// to sort them.
+/// A bit set of numbers from 0: inserting many and reading them in order is faster than sorting.
 class NumberSet {
  public:
-  /// For numbers under `count`.
+  /// For numbers below `count`.
   void resize(size_t count) { words_.resize(count / 64 + 1, 0); }
   void add(int32_t number) {
     words_[static_cast<size_t>(number) / 64] |= uint64_t{1} << (number % 64);

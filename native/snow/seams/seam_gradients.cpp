@@ -12,7 +12,7 @@ double dot(const std::vector<float>& a, const std::vector<float>& b) {
   return sum;
 }
 
-/// The normal matrix times `from`, whose places behind the unknowns hold 0.
+/// The normal matrix times `from`, whose entries behind the unknowns are 0.
 void multiply(const std::vector<SeamRow>& rows, float damping, const std::vector<float>& from,
               std::vector<float>& to) {
   for (size_t i = 0; i < from.size(); ++i) to[i] = damping * from[i];

@@ -7,10 +7,9 @@
 
 namespace snowbough::snow {
 
-/// Comes near what SeamFactor::solve finds, where the factor would be too large: `rounds` steps of
-/// the method of conjugate gradients, which need nothing but the rows. The same input gives the
-/// same bits. M. R. Hestenes, E. Stiefel, Methods of Conjugate Gradients for Solving Linear
-/// Systems, 1952.
+/// Approximates the solution of SeamFactor::solve if the factor would be too large: `rounds` steps
+/// of the conjugate gradient method, which needs only the rows. The same input gives the same bits.
+/// M. R. Hestenes, E. Stiefel, Methods of Conjugate Gradients for Solving Linear Systems, 1952.
 ///
 /// `rows`, `damping` and `values` as for SeamFactor; sources are less than `sources`.
 void solve_by_gradients(const std::vector<SeamRow>& rows, int32_t sources, float damping,

@@ -12,34 +12,34 @@
 namespace snowbough::snow {
 namespace {
 
-/// How much a change of the map counts beside a difference that is left: in the first problem (both
-/// in metres), then in the second (both parts of the height).
+/// Weight of a change of the map relative to a remaining difference: in the first problem (both in
+/// metres), then in the second (both relative to the height).
 constexpr float kDamping = 0.05f;
 constexpr float kFineDamping = 0.0005f;
-/// What part of the height at a seam the sides may differ by, and how much more makes a texel take
-/// part fully; heights under least_height count as that.
+/// Allowed difference of the sides as a fraction of the height at a seam, and the additional
+/// fraction at which a texel participates fully; heights under least_height count as least_height.
 constexpr float kLevelWithin = 0.008f;
 constexpr float kLevelFade = 0.002f;
-/// What a factor may take, in multiplications: the one that is made once, about two seconds, and
-/// the one that is made for every map.
+/// Maximum work for a factor, in multiplications: for the one made once (about two seconds), and
+/// for the one made for every map.
 constexpr int64_t kMostWork = int64_t{1} << 29;
 constexpr int64_t kMostFineWork = int64_t{1} << 26;
-/// How often the second problem is solved again at most, each time for what is still too far apart:
-/// what suits the thinnest snow drives thicker snow beside it apart again.
+/// Maximum number of repeats of the second problem for points that still differ too much: the fit
+/// for the thinnest snow moves thicker snow beside it apart again.
 constexpr int32_t kMostRepeats = 3;
-/// What part of the texels may be left for a repeat to be worth another: where snow ends on a seam
-/// no heights make the sides equal, and there all repeats come to the same.
+/// Fraction of the texels that may remain for another repeat: where snow ends on a seam, no heights
+/// make the sides equal, and repeats do not help.
 constexpr double kWorthRepeating = 0.95;
-/// How often the second problem is solved again at most for what hangs together with texels that it
-/// wanted beyond their limits.
+/// Maximum number of repeats of the second problem for unknowns connected to texels at their
+/// limits.
 constexpr int32_t kMostLimited = 2;
-/// Rounds in place of a factor.
+/// Rounds of conjugate gradients if there is no factor.
 constexpr int32_t kRounds = 20;
 constexpr int32_t kFineRounds = 30;
-/// In the first problem, changes below this part of least_height are not followed on.
+/// In the first problem, changes below this fraction of least_height are not propagated.
 constexpr float kNegligible = 1e-5f;
 
-/// Gives the points' texels new numbers, up to the last, which stays.
+/// Renumbers the points' texels, except the last number.
 void renumber(std::vector<SeamRow>& points, const std::vector<int32_t>& number) {
   std::array<std::pair<int32_t, float>, kSeamTerms> terms;
   for (SeamRow& point : points) {
@@ -90,7 +90,7 @@ SeamLeveller::SeamLeveller(const SeamLevelling& levelling)
       }
     }
   };
-  // Shifted by one place, so that the second walk leaves the beginnings where they belong.
+  // Shifted by one place, so that the second pass leaves the offsets in their final places.
   for_each_sample([&](int32_t texel, int32_t) { ++sample_begin_[texel + 2]; });
   std::partial_sum(sample_begin_.begin(), sample_begin_.end(), sample_begin_.begin());
   samples_.resize(static_cast<size_t>(sample_begin_.back()));
@@ -159,7 +159,7 @@ void SeamLeveller::level_all() {
   std::fill(values_.begin(), values_.end(), 0.0f);
 }
 
-/// In place of a factor.
+/// Used instead of a factor.
 void SeamLeveller::solve_by_rounds(const std::vector<SeamRow>& rows, float damping,
                                    int32_t rounds) {
   values_.resize(static_cast<size_t>(unknowns_));
@@ -174,8 +174,8 @@ void SeamLeveller::note(int32_t point, const SeamResidual& residual) {
   if (reads_foreign(points_[point])) foreign_residuals_.push_back(at);
 }
 
-/// Takes the points with no snow beside them that read a texel which changes for others: what that
-/// rises to, their other side must show too. Whoever reads a texel with snow has snow beside it.
+/// Adds the points without snow beside them that read a texel which changes for other points: their
+/// other side must show the same rise. Points that read a texel with snow are already included.
 void SeamLeveller::note_bare_neighbours() {
   for (const int32_t texel : bare_) {
     is_seen_[texel] = 0;
@@ -186,18 +186,18 @@ void SeamLeveller::note_bare_neighbours() {
   }
 }
 
-/// Other charts' texels change on their own charts' account.
+/// Updates the copies of other charts' texels, which change with their own charts.
 void SeamLeveller::refresh_foreign() {
   for (const auto& [foreign, own] : foreign_) heights_[foreign] = heights_[own];
 }
 
-/// Marks the texels that change for a point whose sides differ by more than they may, and takes the
-/// points that look at a marked texel.
+/// Marks the texels of points whose sides differ too much, and adds the points that read a marked
+/// texel.
 void SeamLeveller::mark() {
   for (const int32_t texel : marked_) marks_[texel] = 0.0f;
   marked_.clear();
   if (has_marks_) {
-    // What has not changed since then has no mark now either: what had one has changed.
+    // Unchanged points have no mark: those with one have changed.
     for (const int32_t at : changed_) mark_for(residuals_[at]);
   } else {
     for (SeamResidual& residual : residuals_) mark_for(residual);
@@ -250,13 +250,13 @@ bool SeamLeveller::reads_foreign(const SeamRow& point) const {
                      [&](int32_t texel) { return texel >= unknowns_ && texel < none; });
 }
 
-/// By how much one unit of the second problem changes a texel's height.
+/// Change of a texel's height per unit of the second problem's solution.
 inline float SeamLeveller::fine_reach(int32_t texel) const {
   return marks_[texel] * (std::fabs(heights_[texel]) + least_height_);
 }
 
-/// Takes the texels that have a mark for those of the second problem.
-void SeamLeveller::open_fine() {
+/// Selects the marked texels for the second problem.
+void SeamLeveller::begin_refinement() {
   for (const int32_t i : fine_texels_) reach_[i] = values_[i] = 0.0f;
   fine_texels_.clear();
   for (const int32_t i : marked_) {
@@ -266,9 +266,9 @@ void SeamLeveller::open_fine() {
   }
 }
 
-/// Calls visit(point, row) for the rows of the second problem, and sums up what they want.
+/// Calls visit(point, row) for the rows of the second problem, and sums up their right-hand side.
 template <typename Visit>
-void SeamLeveller::ask_fine(const Visit& visit) {
+void SeamLeveller::for_each_fine_row(const Visit& visit) {
   SeamRow row;
   for (const FinePoint& fine : fine_points_) {
     const SeamRow& point = points_[fine.point];
@@ -291,44 +291,44 @@ void SeamLeveller::ask_fine(const Visit& visit) {
 /// Returns whether the solution is exact.
 bool SeamLeveller::solve_fine() {
   fine_factor_->begin(fine_texels_, kFineDamping);
-  ask_fine([&](int32_t point, const SeamRow& row) { fine_factor_->add(point, row); });
+  for_each_fine_row([&](int32_t point, const SeamRow& row) { fine_factor_->add(point, row); });
   if (fine_factor_->factorise(kMostFineWork)) {
     fine_factor_->solve(values_, 0.0f);
     return true;
   }
   std::fill(values_.begin(), values_.end(), 0.0f);
   std::vector<SeamRow> rows;
-  ask_fine([&](int32_t, const SeamRow& row) { rows.push_back(row); });
+  for_each_fine_row([&](int32_t, const SeamRow& row) { rows.push_back(row); });
   solve_by_rounds(rows, kFineDamping, kFineRounds);
   return false;
 }
 
-/// Solves the second problem once more for those of its texels that still have a mark: the matrix
-/// is a part of the last one, since their heights have not changed.
-void SeamLeveller::solve_waiting() {
-  open_fine();
+/// Solves the second problem again for its texels that still have a mark: the matrix is a part of
+/// the last one, since their heights have not changed.
+void SeamLeveller::solve_remaining() {
+  begin_refinement();
   if (fine_texels_.empty()) return;
-  ask_fine([](int32_t, const SeamRow&) {});
+  for_each_fine_row([](int32_t, const SeamRow&) {});
   fine_factor_->keep(fine_texels_);
   fine_factor_->solve(values_, 0.0f);
 }
 
-/// The height that the second problem's solution gives a texel, and that within limits.
+/// A texel's height from the second problem's solution, unlimited and limited.
 inline std::pair<float, float> SeamLeveller::fine_height(int32_t texel) const {
   const float height = heights_[texel] - reach_[texel] * values_[texel];
   return {height, std::clamp(height, lower_limits_[texel], limits_[texel])};
 }
 
-/// Takes over the heights that hang together with none beyond its limits; those that are beyond
-/// stay at their limits, and the others wait. What is done loses its mark. Returns whether any
-/// waits.
+/// Accepts the heights of components within their limits; texels beyond stay at their limits, and
+/// the rest of their components remain. Accepted texels lose their mark. Returns whether any
+/// remain.
 bool SeamLeveller::accept_within_limits() {
   const std::vector<int32_t> component = fine_factor_->components();
-  std::vector<int32_t> waiting;
+  std::vector<int32_t> remaining;
   for (size_t k = 0; k < fine_texels_.size(); ++k) {
     const auto [height, limited] = fine_height(fine_texels_[k]);
     if (height == limited || std::exchange(is_seen_[component[k]], 1) != 0) continue;
-    waiting.push_back(component[k]);
+    remaining.push_back(component[k]);
   }
   for (size_t k = 0; k < fine_texels_.size(); ++k) {
     const int32_t texel = fine_texels_[k];
@@ -337,19 +337,19 @@ bool SeamLeveller::accept_within_limits() {
     heights_[texel] = limited;
     marks_[texel] = 0.0f;
   }
-  for (const int32_t texel : waiting) is_seen_[texel] = 0;
-  return !waiting.empty();
+  for (const int32_t texel : remaining) is_seen_[texel] = 0;
+  return !remaining.empty();
 }
 
-size_t SeamLeveller::level_fine() {
+size_t SeamLeveller::refine() {
   mark();
-  open_fine();
+  begin_refinement();
   const size_t count = fine_texels_.size();
   if (count == 0) return 0;
   if (solve_fine()) {
     for (int32_t trial = 0; trial < kMostLimited; ++trial) {
       if (!accept_within_limits()) return count;
-      solve_waiting();
+      solve_remaining();
       if (fine_texels_.empty()) return count;
     }
   }
@@ -362,11 +362,11 @@ void SeamLeveller::run(std::vector<float>& map) {
   level_all();
   refresh_foreign();
   has_marks_ = false;
-  size_t left = level_fine();
+  size_t left = refine();
   for (int32_t repeat = 0; repeat < kMostRepeats && left > 0; ++repeat) {
     refresh_foreign();
     const size_t before = left;
-    left = level_fine();
+    left = refine();
     if (static_cast<double>(left) > kWorthRepeating * static_cast<double>(before)) break;
   }
   for (int32_t i = 0; i < unknowns_; ++i) map[texel_[i]] = heights_[i];

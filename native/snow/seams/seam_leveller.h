@@ -12,48 +12,45 @@
 
 namespace snowbough::snow {
 
-/// Makes both sides of every seam show the same height, as a bilinear reader sees them. Only texels
-/// within a texel of a seam change, and only where there is snow; the volume changes with them, by
-/// about a part in 10,000.
+/// Makes both sides of every seam show the same height under bilinear interpolation. Changes only
+/// texels with snow within a texel of a seam, and the volume by about 1/10,000.
 ///
-/// Two least-squares problems, each solved exactly: what is left between the sides counts, and so,
-/// much less, does every change. The first is over all texels and points and leaves differences of
-/// some thousandths of the height, but more where snow thins out beside deep snow. It depends on
-/// the layout alone, so that its matrix is factorised once. The second is over what the first left
-/// too far apart, measured by the height there, and is factorised anew for each map; what it leaves
-/// too far apart is solved again, a few times, while that helps. No texel falls below 0 or rises
-/// above the highest that its points look at: where the second problem wants that, the texel stays
-/// at its limit and what hangs together with it is solved once more. Where snow ends on a seam, the
-/// points just beyond its end count too: their texels must not show on one side alone what they are
-/// raised to for the last points with snow.
+/// Solves two least-squares problems that minimise the differences between the sides and, with a
+/// much smaller weight, the changes. The first covers all texels and points and leaves differences
+/// of some thousandths of the height, more where snow thins out beside deep snow. It depends on the
+/// layout alone, so its matrix is factorised once. The second covers the points whose remaining
+/// difference is too large relative to their height, and is factorised for each map; points that
+/// still differ too much are solved again, a few times, while that helps. No texel falls below 0 or
+/// rises above the highest height that its points read: it stays at its limit, and the texels
+/// connected to it are solved once more. Where snow ends on a seam, the points just beyond its end
+/// count too, since raising a texel for the last points with snow must not show on one side alone.
 ///
-/// How much a texel takes part in the second problem grows slowly from 0 at kLevelWithin on, so
-/// that whoever rounds otherwise comes to the same map.
+/// A texel's participation in the second problem grows continuously from 0 at kLevelWithin, so that
+/// rounding differences do not change the map.
 ///
-/// Where charts are so small and so many that a factor would take too long, some rounds of
-/// conjugate gradients take its place.
+/// Where charts are so small and numerous that factorising would take too long, some rounds of
+/// conjugate gradients replace it.
 class SeamLeveller {
  public:
   /// Keeps no reference to `levelling`.
   explicit SeamLeveller(const SeamLevelling& levelling);
 
-  /// `map`: resolution^2 heights, continued beyond the charts; changed in place.
+  /// `map`: resolution^2 heights, extended beyond the charts; changed in place.
   void run(std::vector<float>& map);
 
-  /// What it keeps in memory from map to map.
+  /// Memory kept between maps, in bytes.
   int64_t bytes() const;
 
  private:
-  /// A point beside which snow lies, and what the sides show there: their difference and their sum,
-  /// in metres.
+  /// A point with snow beside it: difference and sum of its sides' heights, in metres.
   struct SeamResidual {
     int32_t point;
-    /// Whether it may have changed since it was evaluated.
+    /// Whether it may have changed since its evaluation.
     bool may_differ;
     float gap;
     float height;
   };
-  /// A point of the second problem, and what its difference counts there, per metre.
+  /// A point of the second problem, and the weight of its difference, per metre.
   struct FinePoint {
     int32_t point;
     float share;
@@ -64,24 +61,25 @@ class SeamLeveller {
   void note(int32_t point, const SeamResidual& residual);
   void note_bare_neighbours();
   void refresh_foreign();
-  /// Returns how many texels had points further apart than they may be.
-  size_t level_fine();
+  /// Returns the number of texels whose points differed too much.
+  size_t refine();
   void mark();
   void mark_for(SeamResidual& residual);
   void activate_points();
   bool reads_foreign(const SeamRow& point) const;
-  void open_fine();
+  void begin_refinement();
   template <typename Visit>
-  void ask_fine(const Visit& visit);
+  void for_each_fine_row(const Visit& visit);
   bool solve_fine();
   void solve_by_rounds(const std::vector<SeamRow>& rows, float damping, int32_t rounds);
   bool accept_within_limits();
-  void solve_waiting();
+  void solve_remaining();
   float fine_reach(int32_t texel) const;
   std::pair<float, float> fine_height(int32_t texel) const;
 
-  /// The map's texels in the order of elimination; those from unknowns_ on are only read. Arrays of
-  /// a value a texel have one more at the end, 0, for points that look at fewer than kSeamTerms.
+  /// The map's texels in elimination order; those from unknowns_ on are only read. Arrays with one
+  /// value per texel have one more element at the end, 0, for points with fewer than kSeamTerms
+  /// terms.
   std::vector<int32_t> texel_;
   int32_t unknowns_ = 0;
   float least_height_ = 0.0f;
@@ -89,40 +87,40 @@ class SeamLeveller {
   /// The points that read unknown i: [sample_begin_[i], sample_begin_[i + 1]) of samples_.
   std::vector<int32_t> sample_begin_;
   std::vector<int32_t> samples_;
-  /// Texels that are only read because they are another chart's, and what they are there.
+  /// Texels that are only read because another chart owns them, and their index as that chart's.
   std::vector<std::pair<int32_t, int32_t>> foreign_;
   std::shared_ptr<const SeamPattern> pattern_;
   bool factorised_ = false;
   std::optional<SeamFactor> factor_;
 
   std::vector<float> heights_;
-  /// What a texel may rise and fall to: the highest and the lowest that the points that look at it
-  /// see, or bare ground.
+  /// Range of a texel's height: the highest and lowest heights read by the points that read it, or
+  /// bare ground.
   std::vector<float> limits_;
   std::vector<float> lower_limits_;
-  /// What a solution is asked for, then what it is; 0 for texels that are not in the problem.
+  /// Right-hand side, then solution; 0 for texels outside the problem.
   std::vector<float> values_;
   std::vector<SeamResidual> residuals_;
-  /// Per point: its index in residuals_; -1 = no snow lies beside it.
+  /// Per point: its index in residuals_; -1: no snow beside it.
   std::vector<int32_t> residual_of_;
-  /// Indices into residuals_: of points that read other charts' texels; that may have changed, of
-  /// which those of the second problem come first.
+  /// Indices into residuals_: of points that read other charts' texels; of points that may have
+  /// changed, those of the second problem first.
   std::vector<int32_t> foreign_residuals_;
   std::vector<int32_t> changed_;
-  /// Of indices into residuals_.
+  /// Set of indices into residuals_.
   NumberSet active_bits_;
   /// The bare unknowns beside snow.
   std::vector<int32_t> bare_;
-  /// Whether marks have been made in this map.
+  /// Whether this map has marks.
   bool has_marks_ = false;
-  /// The second problem. Per texel: how much it takes part, 0 to 1, and by how much one unit of the
-  /// problem changes its height.
+  /// The second problem. Per texel: its participation, 0 to 1, and the change of its height per
+  /// unit of the solution.
   std::vector<float> marks_;
   std::vector<float> reach_;
-  /// The unknowns that have a mark, and maybe some that have lost it, ascending.
+  /// The unknowns with a mark, possibly some that have lost it, ascending.
   std::vector<int32_t> marked_;
   NumberSet marked_bits_;
-  /// Per unknown: used for a while, all 0 then.
+  /// Per unknown: scratch flags, all 0 between uses.
   std::vector<uint8_t> is_seen_;
   std::vector<int32_t> fine_texels_;
   std::vector<FinePoint> fine_points_;

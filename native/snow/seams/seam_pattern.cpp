@@ -5,8 +5,8 @@
 namespace snowbough::snow {
 namespace {
 
-/// Per unknown its terms, as row * kSeamTerms + number: those of unknown i are
-/// [begin[i], begin[i + 1]) of term.
+/// Per unknown its terms, as row * kSeamTerms + number: those of unknown i are [begin[i], begin[i +
+/// 1]) of term.
 struct Terms {
   std::vector<int32_t> begin;
   std::vector<int32_t> term;
@@ -21,7 +21,7 @@ Terms terms_of(const std::vector<SeamRow>& rows, int32_t unknowns) {
     }
   };
   Terms terms;
-  // Shifted by one place, so that the second walk leaves the beginnings where they belong.
+  // Shifted by one place, so that the second pass leaves the offsets in their final places.
   terms.begin.assign(static_cast<size_t>(unknowns) + 2, 0);
   for_each_term([&](int32_t unknown, int32_t) { ++terms.begin[unknown + 2]; });
   std::partial_sum(terms.begin.begin(), terms.begin.end(), terms.begin.begin());
@@ -35,7 +35,7 @@ Terms terms_of(const std::vector<SeamRow>& rows, int32_t unknowns) {
 
 SeamPattern::SeamPattern(const std::vector<SeamRow>& rows, int32_t unknowns) {
   const Terms terms = terms_of(rows, unknowns);
-  // Per unknown: its entry in the last column that has it.
+  // Per unknown: its entry in the last column that contains it.
   std::vector<int32_t> entry(static_cast<size_t>(unknowns), -1);
   begin_.reserve(static_cast<size_t>(unknowns) + 1);
   offset_.resize(rows.size() * kPairs);

@@ -5,11 +5,11 @@
 
 namespace snowbough::snow {
 
-/// Two sides of a seam, each read between four texels.
+/// Number of terms: two sides of a seam, each interpolated between four texels.
 inline constexpr int32_t kSeamTerms = 8;
 
-/// One equation of a least-squares problem: a sum of weight * unknown. Sources ascend; those from
-/// the number of unknowns on are none, and so fill up a row that has fewer terms.
+/// One equation of a least-squares problem: a sum of weight * unknown. Sources ascend; sources from
+/// the number of unknowns on are padding.
 struct SeamRow {
   std::array<int32_t, kSeamTerms> source{};
   std::array<float, kSeamTerms> weight{};

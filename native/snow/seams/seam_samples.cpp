@@ -10,8 +10,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// What the sides show between two points is what they show at them but for a curve that four leave
-/// no room for.
+/// With four samples per texel, the curve between two samples is negligible.
 constexpr double kPointsPerTexel = 4.0;
 constexpr float kLeastHeight = 0.025f;
 
@@ -30,8 +29,8 @@ double edge_length(const MapTopology& topology, TriangleEdge side) {
 /// The terms of one point.
 class PointTerms {
  public:
-  /// Adds `weight` times what reading the map bilinearly at `at` (in texels) takes. `is_foreign`
-  /// tells which texels of the map are another chart's: they go in as ~texel.
+  /// Adds `weight` times the terms of a bilinear read of the map at `at` (in texels). `is_foreign`
+  /// tells which texels another chart owns: they are stored as ~texel.
   template <typename IsForeign>
   void read_map(glm::dvec2 at, int32_t resolution, double weight, const IsForeign& is_foreign) {
     const glm::dvec2 corner = glm::floor(at - 0.5);
@@ -48,7 +47,7 @@ class PointTerms {
     }
   }
 
-  /// Sources are texels of the map still; `none` for terms that the point has not.
+  /// Sources are still texels of the map; `none` for unused terms.
   SeamRow row(int32_t none) const {
     SeamRow row;
     row.source.fill(none);
@@ -75,9 +74,9 @@ class PointTerms {
   size_t count_ = 0;
 };
 
-/// Turns the points' texels of the map, 0 to `none`, into indices into `texel`, and fills that.
+/// Replaces the points' map texels, 0 to `none`, by indices into `texel`, and fills `texel`.
 void number_texels(SeamLevelling& levelling, int32_t none) {
-  // Per texel of the map: its index, once that is known. Other charts' texels are few.
+  // Per texel of the map: its index, if known. There are few texels of other charts.
   std::vector<int32_t> index(static_cast<size_t>(none), -1);
   std::vector<int32_t> foreign;
   for (const SeamRow& point : levelling.points) {

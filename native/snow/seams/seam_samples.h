@@ -9,25 +9,24 @@
 
 namespace snowbough::snow {
 
-/// What is left between the two sides of a seam after smoothing comes from interpolation: a side
-/// reads the map between texels that lie elsewhere than the other side's. Levelling takes it out
-/// (see seam_leveller.h); these are the points along every seam, four a texel, at which it looks.
+/// Sample points along every seam, four per texel, for levelling (see seam_leveller.h). Each side
+/// of a seam interpolates between differently placed texels, so that the sides differ slightly even
+/// after smoothing.
 struct SeamLevelling {
-  /// Every texel that a point looks at, by its linear index in the map: first those that may
-  /// change, ascending, then, ascending too, those that a side reads although they are another
-  /// chart's.
+  /// Linear map indices of all texels that a point reads: first those that may change, ascending;
+  /// then, also ascending, those that a side reads although another chart owns them.
   std::vector<int32_t> texel;
   int32_t unknowns = 0;
-  /// Per point: the second side's height less the first's; sources are indices into `texel`, and
-  /// texel.size() where a point has fewer terms.
+  /// Per point: the second side's height minus the first's; sources are indices into `texel`, or
+  /// texel.size() for unused terms.
   std::vector<SeamRow> points;
-  /// Snow thinner than this (metres) may differ by as much as snow of this height: a fortieth of a
-  /// texel.
+  /// Snow thinner than this (metres) is allowed the difference of snow of this height: a fortieth
+  /// of a texel.
   float least_height = 0.0f;
 };
 
-/// `owned`: per texel of the map its index in the table, or -1. `texel_size`: of a texel in the
-/// mean, metres.
+/// `owned`: per texel of the map its index in the table, or -1. `texel_size`: mean size of a texel,
+/// metres.
 SeamLevelling find_seam_gaps(const MapTopology& topology, const TexelTable& table,
                              const Charts& charts, const std::vector<int32_t>& owned,
                              float texel_size);

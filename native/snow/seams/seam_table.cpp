@@ -40,7 +40,7 @@ class SeamTableBuilder {
   }
 
   SeamTable build() {
-    // None of them reads what another writes.
+    // They write disjoint members and read none of them.
     const std::array<std::function<void()>, 4> parts{
         [this] { dilate(); }, [this] { lay_lines(seams_.u, 0); },
         [this] { lay_lines(seams_.v, 1); },
@@ -58,7 +58,7 @@ class SeamTableBuilder {
     return {texel % resolution_ + 0.5, row + 0.5};
   }
 
-  /// Where an owned texel's surface was sampled, in texels.
+  /// Sample point of an owned texel's surface, in texels.
   glm::dvec2 sample_point(int32_t i) const {
     const glm::vec2* uv = topology_.corner_uv.data() + 3 * static_cast<size_t>(table_.triangle[i]);
     const glm::dvec2 w(table_.barycentric[i]);
@@ -73,7 +73,7 @@ class SeamTableBuilder {
     return static_cast<float>(sum / static_cast<double>(std::max<size_t>(1, table_.texel.size())));
   }
 
-  /// Owned index of the texel at (column, row), if it is the chart's; else -1.
+  /// Owned index of the texel at (column, row) if the chart owns it, else -1.
   int32_t own_at(int32_t chart, int32_t column, int32_t row) const {
     if (column < 0 || row < 0 || column >= resolution_ || row >= resolution_) return -1;
     const int32_t i = owned_[static_cast<size_t>(row) * resolution_ + column];
@@ -81,8 +81,8 @@ class SeamTableBuilder {
   }
 
   /// Bilinear interpolation at a point of the surface. Texels that the chart does not own are
-  /// looked for beyond the seam, once; what then still misses is left out. Terms are added to
-  /// `terms`, scaled so that they sum to `weight`, or none.
+  /// looked up beyond the seam, once; those still missing are left out. Adds terms to `terms`,
+  /// scaled to sum to `weight`, or none.
   void interpolate(const SurfacePoint& point, double weight, bool beyond_seams,
                    Terms& terms) const {
     const glm::dvec2 corner = glm::floor(point.at - 0.5);
@@ -120,7 +120,7 @@ class SeamTableBuilder {
     for (size_t i = first; i < terms.size(); ++i) terms[i].second *= weight / sum;
   }
 
-  /// The chart's own texel nearest to a point that lies between texels of others.
+  /// Adds the chart's own texel nearest to a point between texels of other charts.
   void add_nearest(const SurfacePoint& point, double weight, Terms& terms) const {
     const auto column = static_cast<int32_t>(std::floor(point.at.x));
     const auto row = static_cast<int32_t>(std::floor(point.at.y));
@@ -153,15 +153,15 @@ class SeamTableBuilder {
     rows.begin.push_back(static_cast<int32_t>(rows.source.size()));
   }
 
-  /// Whether two texels side by side are also neighbours on the surface.
+  /// Whether two adjacent texels are also neighbours on the surface.
   bool joined(int32_t a, int32_t b) const {
     if (table_.chart[a] != table_.chart[b]) return false;
     if (table_.coverage[a] >= 1.0f && table_.coverage[b] >= 1.0f) return true;
     return !walk_.leaves_chart(table_.chart[a], sample_point(a), sample_point(b));
   }
 
-  /// Ghosts beyond the end `i` of a run, outwards along `step`, at places from `place` on in steps
-  /// of `place_step`.
+  /// Adds ghosts beyond the end `i` of a run, outwards along `step`, at places from `place` on with
+  /// stride `place_step`.
   void add_ghosts(TexelLines& lines, int32_t i, glm::dvec2 step, int32_t place, int32_t place_step,
                   Terms& terms) const {
     SurfacePoint point{table_.chart[i], sample_point(i)};
@@ -180,8 +180,8 @@ class SeamTableBuilder {
     }
   }
 
-  /// Copies columns of `owned_` from `first` on into `columns`, one behind the other: read one by
-  /// one, each would go through all of the map's memory.
+  /// Copies columns of `owned_` from `first` on into `columns`, consecutively: reading single
+  /// columns would touch all of the map's memory.
   void copy_columns(int32_t first, int32_t count, std::vector<int32_t>& columns) const {
     for (int32_t row = 0; row < resolution_; ++row) {
       const int32_t* from = &owned_[static_cast<size_t>(row) * resolution_ + first];
@@ -229,7 +229,7 @@ class SeamTableBuilder {
     lines.length = place;
   }
 
-  /// The nearest owned texel of every texel within kDilation, by rings of growing distance.
+  /// Finds the nearest owned texel of every texel within kDilation, by rings of growing distance.
   void dilate() {
     std::vector<std::pair<int32_t, int32_t>> offsets;
     for (int32_t dy = -kDilation; dy <= kDilation; ++dy) {

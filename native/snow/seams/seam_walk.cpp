@@ -8,13 +8,13 @@
 namespace snowbough::snow {
 namespace {
 
-/// More crossings than this on one walk of a few texels mean charts far below a texel in size.
+/// More crossings on one walk of a few texels mean charts far smaller than a texel.
 constexpr int kMostCrossings = 16;
-/// Cells of four texels hold few sides, and their table stays in the cache.
+/// Cells of four texels hold few sides, and their table fits the cache.
 constexpr int32_t kCellTexels = 4;
 constexpr int32_t kMostCells = 1024;
 
-/// One triangle at an edge: the edge's ends and the third corner, on the map and in space.
+/// A triangle at an edge: the edge's ends and the third corner, on the map and in space.
 struct Flank {
   glm::dvec2 uv[3];
   glm::dvec3 position[3];
@@ -33,8 +33,8 @@ Flank flank_of(const MapTopology& topology, const std::vector<glm::vec3>& positi
   return flank;
 }
 
-/// The linear part of the map from texels to metres in the triangle's plane: x along the edge, y
-/// from the edge towards the third corner. Singular where the triangle has no area in space.
+/// Linear map from texels to metres in the triangle's plane: x along the edge, y from the edge
+/// towards the third corner. Singular for a triangle without area in space.
 glm::dmat2 flatten(const Flank& flank) {
   const glm::dvec3 edge = flank.position[1] - flank.position[0];
   const glm::dvec3 third = flank.position[2] - flank.position[0];
@@ -47,7 +47,7 @@ glm::dmat2 flatten(const Flank& flank) {
   return glm::dmat2(glm::dvec2(length, 0.0), glm::dvec2(along, across)) * glm::inverse(layout);
 }
 
-/// Without a usable shape in space: along the edge to along the edge, and the same scale across.
+/// Fallback without a usable shape in space: edge to edge, with the same scale across.
 glm::dmat2 similarity(const Flank& from, const Flank& to) {
   const auto frame = [](const Flank& f, double inside) {
     const glm::dvec2 along = f.uv[1] - f.uv[0];
@@ -112,7 +112,7 @@ void SeamWalk::sort_into_cells(int32_t resolution) {
     const double low = std::min(side.begin.y, end.y);
     const double high = std::max(side.begin.y, end.y);
     for (int32_t row = cell(low); row <= cell(high); ++row) {
-      // The part of the side in this row of cells, a little widened against rounding.
+      // The part of the side in this row of cells, widened slightly against rounding.
       double from = side.begin.x;
       double to = end.x;
       if (high > low) {
@@ -148,13 +148,13 @@ const SeamWalk::Side* SeamWalk::first_crossing(int32_t chart, const glm::dvec2& 
   const int32_t first_column = cell(std::min(from.x, to.x) - kTolerance);
   const int32_t last_column = cell(std::max(from.x, to.x) + kTolerance);
   for (int32_t row = cell(std::min(from.y, to.y) - kTolerance); row <= last_row; ++row) {
-    // The entries of cells side by side follow each other.
+    // The entries of adjacent cells are consecutive.
     const int32_t* begin = &cell_begin_[static_cast<size_t>(row) * cells_];
     for (int32_t i = begin[first_column]; i < begin[last_column + 1]; ++i) {
       if (entries_[i].chart != chart) continue;
       const Side& side = sides_[entries_[i].side];
       const glm::dvec2 way = to - from;
-      // Only what leads out counts, so that a walk that has just come in is not sent back.
+      // Only sides crossed outwards count, so that a walk that has just entered is not sent back.
       const double speed = glm::dot(way, side.outward);
       if (speed <= 0.0) continue;
       const double at = glm::dot(side.begin - from, side.outward) / speed;
@@ -184,7 +184,7 @@ bool SeamWalk::go(SurfacePoint& point, const glm::dvec2& target, glm::dvec2& dir
     point.at = side->other_begin + side->change * (hit - side->begin);
     to = side->other_begin + side->change * (to - side->begin);
     direction = side->change * direction;
-    // A nearly flat triangle beyond would throw the walk far across the map.
+    // A nearly degenerate triangle beyond would send the walk far across the map.
     const glm::dvec2 rest = to - point.at;
     if (!(glm::dot(rest, rest) < 64.0 * 64.0)) return false;
   }

@@ -12,27 +12,27 @@
 
 namespace snowbough::snow {
 
-/// A point of the surface, given in the map's texels (not in 0..1).
+/// A point of the surface, in texels of the map (not 0..1).
 struct SurfacePoint {
   int32_t chart = 0;
   glm::dvec2 at{0.0};
 };
 
-/// Walks straight over the surface of a map, from chart to chart across the seams.
+/// Walks straight across the surface of a map, from chart to chart over the seams.
 ///
-/// Each seam carries an affine map from one side's layout to the other's: the two triangles are
-/// laid flat into one plane, in metres, along their common edge, so that along the edge maps to
-/// along the edge, the distance from it is kept in metres, and mirrored charts come out mirrored.
+/// Each seam has an affine map from one side's layout to the other's: the two triangles are
+/// unfolded into one plane, in metres, along their common edge. The direction along the edge and
+/// the distance from it in metres are kept; mirrored charts stay mirrored.
 class SeamWalk {
  public:
-  /// `positions`: vertices in metres, in the pose that the layout was made for. All are kept by
-  /// reference only while the constructor runs.
+  /// `positions`: vertices in metres, in the pose for which the layout was made. The constructor
+  /// keeps no references.
   SeamWalk(const MapTopology& topology, const Charts& charts,
            const std::vector<glm::vec3>& positions);
 
-  /// Moves `point` straight to `target` (in the layout of the chart it starts in); at each seam
-  /// that lies between, point, target and `direction` change over to the other chart's layout.
-  /// Returns false where the surface ends before.
+  /// Moves `point` straight to `target` (in the layout of its starting chart); at each seam on the
+  /// way, point, target and `direction` change to the other chart's layout. Returns false if the
+  /// surface ends first.
   bool go(SurfacePoint& point, const glm::dvec2& target, glm::dvec2& direction) const;
 
   /// Whether the straight line between two points of a chart leaves the chart.
@@ -46,7 +46,7 @@ class SeamWalk {
     glm::dvec2 along;
     /// Perpendicular to `along`, away from the chart; not of unit length.
     glm::dvec2 outward;
-    /// The chart beyond (-1: the surface ends), and where a point x of this chart lies there:
+    /// The chart beyond (-1: the surface ends), and the mapping of a point x of this chart to it:
     /// other_begin + change * (x - begin).
     int32_t other = -1;
     glm::dvec2 other_begin{0.0};
@@ -65,8 +65,8 @@ class SeamWalk {
     return std::clamp(static_cast<int32_t>(x * cells_per_texel_), 0, cells_ - 1);
   }
   void sort_into_cells(int32_t resolution);
-  /// The first side of `chart` that the way from `from` to `to` crosses outwards; `part` of the
-  /// way.
+  /// The first side of `chart` that the line from `from` to `to` crosses outwards; `part`: where,
+  /// as a fraction of the line.
   const Side* first_crossing(int32_t chart, const glm::dvec2& from, const glm::dvec2& to,
                              double& part) const;
 

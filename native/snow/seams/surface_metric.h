@@ -7,9 +7,8 @@
 
 namespace snowbough::snow {
 
-/// First fundamental form of a triangle on its map: dot products, in m2, of the steps over the
-/// surface that one texel along u and one along v make. All 0 for a triangle without area on the
-/// map.
+/// First fundamental form of a triangle on its map: dot products, in m2, of the surface steps of
+/// one texel along u and one along v. All 0 for a triangle without area on the map.
 struct SurfaceMetric {
   float uu = 0.0f;
   float uv = 0.0f;
@@ -20,7 +19,7 @@ struct SurfaceMetric {
 std::vector<SurfaceMetric> surface_metrics(const MapTopology& topology,
                                            const std::vector<glm::vec3>& positions);
 
-/// The area that each owned texel covers at these positions, m2: the same sums as the steps'.
+/// The area of each owned texel at these positions, m2: the same sums as in a step.
 std::vector<float> texel_areas(const MapTopology& topology, const TexelTable& table,
                                const std::vector<glm::vec3>& positions);
 

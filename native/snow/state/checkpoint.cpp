@@ -15,7 +15,7 @@ namespace {
 constexpr std::string_view kMagic{"SNOWBOUGH-STATE\n", 16};
 constexpr uint32_t kVersion = 3;
 constexpr int32_t kLargestResolution = 8192;
-/// The magic, the version, the length of what follows and its check sum.
+/// Magic, version, length of the body, and its check sum.
 constexpr size_t kHeaderBytes = 16 + 4 + 8 + 4;
 
 uint32_t check_sum(std::string_view bytes) {
@@ -51,7 +51,7 @@ class Writer {
   std::string bytes_;
 };
 
-/// Takes apart what a Writer wrote; what does not fit is damage.
+/// Parses the output of a Writer; throws for inconsistent data.
 class Reader {
  public:
   explicit Reader(std::string_view bytes) : rest_(bytes) {}
@@ -72,7 +72,7 @@ class Reader {
     for (double& value : values) value = std::bit_cast<double>(number<uint64_t>());
   }
   std::string_view raw(uint64_t count) {
-    if (count > rest_.size()) throw std::runtime_error("its content does not fit together");
+    if (count > rest_.size()) throw std::runtime_error("its content is inconsistent");
     const std::string_view part = rest_.substr(0, count);
     rest_.remove_prefix(count);
     return part;
@@ -83,12 +83,12 @@ class Reader {
   std::string_view rest_;
 };
 
-/// Whether nothing at all is written of a texel: 0, and not the negative one.
+/// Whether a texel is not stored: 0, but not -0.
 bool is_bare(float height) {
   return std::bit_cast<uint32_t>(height) == 0;
 }
 
-/// A bit a texel, 1 where it is not bare, the first in the highest bit.
+/// One bit per texel, 1 if it is not bare, the first in the highest bit.
 std::string mask_of(const std::vector<float>& height) {
   std::string mask((height.size() + 7) / 8, '\0');
   for (size_t i = 0; i < height.size(); ++i) {
@@ -116,7 +116,8 @@ std::string unpack(std::string_view packed, size_t size) {
   uLongf written = size;
   const int result = uncompress(reinterpret_cast<Bytef*>(data.data()), &written,
                                 reinterpret_cast<const Bytef*>(packed.data()), packed.size());
-  if (result != Z_OK || written != size) throw std::runtime_error("a map in it cannot be unpacked");
+  if (result != Z_OK || written != size)
+    throw std::runtime_error("one of its maps cannot be unpacked");
   return data;
 }
 
@@ -136,7 +137,7 @@ void write_object(Writer& body, const ObjectState& object) {
   }
 }
 
-/// A map as it stands in the file.
+/// A map as stored in the file.
 struct PackedObject {
   ObjectState object;  // without its heights
   std::string_view mask;
@@ -149,7 +150,7 @@ PackedObject read_object(Reader& reader) {
   object.name = reader.text();
   const auto resolution = reader.number<uint32_t>();
   if (resolution == 0 || resolution > kLargestResolution) {
-    throw std::runtime_error("a map in it has an impossible size");
+    throw std::runtime_error("one of its maps has an impossible size");
   }
   object.resolution = static_cast<int32_t>(resolution);
   reader.doubles(object.sums);
@@ -185,11 +186,11 @@ Checkpoint parse(std::string_view body,
     objects.push_back(read_object(reader));
     const ObjectState& object = objects.back().object;
     if (!outline.maps.empty() && object.name <= outline.maps.back().first) {
-      throw std::runtime_error("its maps are not in the order of their names");
+      throw std::runtime_error("its maps are not sorted by name");
     }
     outline.maps.emplace_back(object.name, object.resolution);
   }
-  if (!reader.at_end()) throw std::runtime_error("there is more in it than there should be");
+  if (!reader.at_end()) throw std::runtime_error("it has bytes after its end");
   if (check) check(outline);
   for (PackedObject& packed : objects) {
     checkpoint.state.objects.push_back(with_heights(std::move(packed)));

@@ -19,19 +19,19 @@ struct ObjectState {
   std::array<double, 16> sums{};
 };
 
-/// All that a simulation needs to go on as if it had never stopped, beside the objects themselves.
+/// Everything that a simulation needs to continue exactly, except the objects themselves.
 struct SimulationState {
-  /// Number of steps done: noise and jitter go on from here.
+  /// Number of steps done: noise and jitter depend on it.
   uint32_t step_number = 0;
   /// By name, ascending.
   std::vector<ObjectState> objects;
 };
 
-/// A state as a file: of all receivers (SnowSimulation::save), or of those that a bake can go on
-/// with by themselves.
+/// A state as a file: of all receivers (SnowSimulation::save), or of the receivers that a bake can
+/// resume individually.
 struct Checkpoint {
-  /// Whose state this is: settings, topology and driver. What it is made of is the caller's
-  /// business, who refuses another one with what changed; may be empty.
+  /// Identifies the simulation: settings, topology and driver. The caller writes it, and refuses a
+  /// file with another one; may be empty.
   std::string description;
   SimulationState state;
 };
@@ -42,7 +42,7 @@ struct Checkpoint {
 /// std::runtime_error with path and reason when the disk refuses.
 void save_checkpoint(const std::string& path, const Checkpoint& checkpoint);
 
-/// What a checkpoint says of itself, known before memory is taken for its maps.
+/// The header of a checkpoint, read before memory is allocated for its maps.
 struct CheckpointOutline {
   std::string description;
   /// Name and resolution of each map.
@@ -50,10 +50,10 @@ struct CheckpointOutline {
 };
 
 /// Reads a checkpoint back, bit for bit.
-/// @param check  sees the outline first and throws std::invalid_argument for a file that belongs to
-/// something else: a few bytes can stand for a large bare map.
-/// @throws std::runtime_error with the path and what is wrong: not there, not a Snowbough
-/// checkpoint, written by another version, truncated, or damaged; what `check` throws.
+/// @param check  receives the outline first and throws std::invalid_argument for a file of another
+///   simulation: a few bytes can stand for a large bare map.
+/// @throws std::runtime_error with the path and the reason: missing, not a Snowbough checkpoint,
+/// another version, truncated, or damaged; and as `check`.
 Checkpoint load_checkpoint(const std::string& path,
                            const std::function<void(const CheckpointOutline&)>& check = {});
 

@@ -22,22 +22,22 @@ EngineKind engine_kind(const std::string& name) {
   throw std::invalid_argument("engine must be AUTO, GL or CPU, not " + name);
 }
 
-EngineChoice::EngineChoice(const Wish& wish) : mapping_(wish.mapping) {
-  const bool is_geometry = wish.mapping == gl::DepositMapping::kGeometry;
-  if (wish.kind == EngineKind::kCpu) {
+EngineChoice::EngineChoice(const EngineRequest& request) : mapping_(request.mapping) {
+  const bool is_geometry = request.mapping == gl::DepositMapping::kGeometry;
+  if (request.kind == EngineKind::kCpu) {
     if (is_geometry) {
       throw std::invalid_argument(
-          "mapping GEOMETRY is drawn by OpenGL: use engine GL, or mapping COMPUTE");
+          "mapping GEOMETRY needs OpenGL: use engine GL, or mapping COMPUTE");
     }
     engine_ = cpu::make_engine();
-    reason_ = "asked for";
+    reason_ = "requested";
     return;
   }
-  if (wish.kind == EngineKind::kGl || is_geometry || names_a_device(wish.device)) {
-    thread_ = gpu::GpuThread::begin(wish.device);
-    reason_ = wish.kind == EngineKind::kGl ? "asked for"
-              : is_geometry                ? "mapping GEOMETRY is drawn by OpenGL"
-                                           : "a device is named";
+  if (request.kind == EngineKind::kGl || is_geometry || names_a_device(request.device)) {
+    thread_ = gpu::GpuThread::begin(request.device);
+    reason_ = request.kind == EngineKind::kGl ? "requested"
+              : is_geometry                   ? "mapping GEOMETRY needs OpenGL"
+                                              : "a device is named";
     return;
   }
   const std::string without = gpu::why_no_hardware();
@@ -55,8 +55,7 @@ Engine& EngineChoice::engine() {
   if (may_fall_back_) {
     try {
       if (gpu::is_software(thread_->info().renderer)) {
-        return fall_back("OpenGL would run on the processor, too (" + thread_->info().renderer +
-                         ")");
+        return fall_back("OpenGL would run on the CPU, too (" + thread_->info().renderer + ")");
       }
     } catch (const std::runtime_error& error) {
       return fall_back(error.what());

@@ -9,7 +9,7 @@
 
 namespace snowbough::snow {
 
-/// Which engine is asked for.
+/// The engine that the user requests.
 enum class EngineKind {
   /// GL on a hardware driver, else CPU.
   kAuto,
@@ -17,32 +17,30 @@ enum class EngineKind {
   kCpu,
 };
 
-/// The engine of a simulation: begun when this is made, there when it is first asked for, so that
-/// objects come in while a driver is still being loaded. For one thread at a time.
+struct EngineRequest {
+  EngineKind kind = EngineKind::kAuto;
+  gl::DepositMapping mapping = gl::DepositMapping::kCompute;
+  /// EGL device, see gpu::EglContext. With a device named here or in the environment, AUTO means
+  /// GL.
+  std::string device = {};
+};
+
+/// The engine of a simulation. The constructor starts it and `engine` waits for it, so that objects
+/// can be added while a driver loads. For one thread at a time.
 class EngineChoice {
  public:
-  struct Wish {
-    EngineKind kind = EngineKind::kAuto;
-    gl::DepositMapping mapping = gl::DepositMapping::kCompute;
-    /// Which EGL device, see gpu::EglContext. Where one is named, here or in the environment, AUTO
-    /// is GL.
-    std::string device = {};
-  };
+  /// @throws std::invalid_argument for GEOMETRY on the CPU, which lacks that mapping.
+  explicit EngineChoice(const EngineRequest& request);
 
-  /// @throws std::invalid_argument for GEOMETRY on the CPU, which has no such mapping.
-  explicit EngineChoice(const Wish& wish);
-
-  /// Waits for the engine. @throws std::runtime_error where GL is asked for and there is none.
+  /// Waits for the engine. @throws std::runtime_error if GL is requested and not available.
   Engine& engine();
-  /// Whether it is certain that passes run on the processor.
-  bool is_cpu() const { return engine_ != nullptr && engine_->name() == "CPU"; }
-  /// Whether the engine may still be changed for the processor's, where GL fails.
+  /// Whether the CPU engine may still replace this one if GL fails.
   bool may_fall_back() const { return may_fall_back_; }
-  /// Takes the processor's engine instead, because `why`.
+  /// Switches to the CPU engine; `why` becomes the reason.
   Engine& fall_back(const std::string& why);
-  /// From here on a failure is the caller's: what has been done cannot be done again.
+  /// After this call the engine stays: a step that has run cannot be repeated on another one.
   void commit() { may_fall_back_ = false; }
-  /// Why this engine: a sentence without its full stop.
+  /// Why this engine was chosen: a sentence without its full stop.
   const std::string& reason() const { return reason_; }
 
  private:
@@ -53,7 +51,7 @@ class EngineChoice {
   std::unique_ptr<Engine> engine_;
 };
 
-/// AUTO, GL or CPU, or std::invalid_argument.
+/// @throws std::invalid_argument for names other than AUTO, GL and CPU.
 EngineKind engine_kind(const std::string& name);
 
 }  // namespace snowbough::snow

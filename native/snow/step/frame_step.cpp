@@ -18,7 +18,7 @@ void hand_over_moved(Engine& engine, const std::vector<SceneObject*>& objects) {
   }
 }
 
-/// Triangles of the objects that may show in `shown`; neighbours in one run.
+/// Triangles of the objects that may show in `shown`; adjacent ranges are merged.
 std::vector<TriangleRange> ranges_in(const std::vector<SceneObject*>& objects,
                                      const SceneLayout& layout, const std::vector<PixelRect>& rects,
                                      const PixelRect& shown) {

@@ -8,14 +8,14 @@
 namespace snowbough::snow {
 namespace {
 
-/// Layout tools write one UV per corner and copy it along an edge; what differs by more is a cut.
+/// Layout tools write one UV per corner and copy it along an edge; larger differences are cuts.
 constexpr float kSameUv = 1e-6f;
 
 struct EdgeRecord {
   int32_t low_vertex;
   int32_t high_vertex;
   int32_t triangle;
-  /// Edge number, with the bit 4 set where it runs from the higher to the lower index.
+  /// Edge number, with bit 4 set if it runs from the higher to the lower index.
   int32_t edge_and_direction;
 
   int32_t edge() const { return edge_and_direction & 3; }
@@ -78,7 +78,8 @@ Charts find_charts(const MapTopology& topology) {
     std::vector<bool> joined(end - begin, false);
     for (size_t i = begin; i < end; ++i) {
       const EdgeUv uv_i = edge_uv(topology, edges[i]);
-      // Long fans of triangles on one edge are compared with their next few only: never quadratic.
+      // Long fans of triangles on one edge are compared with their next few only, which avoids
+      // quadratic time.
       for (size_t j = i + 1; j < std::min(end, i + 16); ++j) {
         const EdgeUv uv_j = edge_uv(topology, edges[j]);
         if (!same_uv(uv_i.low, uv_j.low) || !same_uv(uv_i.high, uv_j.high)) continue;

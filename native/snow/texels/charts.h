@@ -7,14 +7,14 @@
 
 namespace snowbough::snow {
 
-/// One triangle's side: edge k runs from corner k to corner (k + 1) % 3.
+/// A triangle's edge: edge k runs from corner k to corner (k + 1) % 3.
 struct TriangleEdge {
   int32_t triangle = -1;
   int32_t edge = 0;
 };
 
-/// Two triangle sides that are one edge of the mesh but not of the layout: the surface goes on
-/// across it, the UVs do not. Corner k of `a` meets corner k + 1 of `b` where `same_direction` is
+/// Two triangle edges that are one edge of the mesh but not of the layout: the surface continues
+/// across it, the UVs do not. Corner k of `a` meets corner k + 1 of `b` if `same_direction` is
 /// false (the usual case, neighbours with one winding), else corner k.
 struct Seam {
   TriangleEdge a;
@@ -27,14 +27,14 @@ struct Charts {
   std::vector<int32_t> chart;
   int32_t count = 0;
   std::vector<Seam> seams;
-  /// Sides with no triangle on the other side, or with more than one, where the surface ends or
-  /// branches: nothing is carried across.
+  /// Edges without a neighbour, or with several, where the surface ends or branches: nothing is
+  /// carried across.
   std::vector<TriangleEdge> open_edges;
 };
 
 /// Finds the charts of a layout: triangles that share two vertex indices with equal UVs (within
-/// 1e-6) at both are in one chart; sharing the vertices alone makes a seam. O(T log T). `topology`
-/// must have passed build_texel_table's checks.
+/// 1e-6) are in one chart; sharing only the vertices makes a seam. O(T log T). `topology` must have
+/// passed build_texel_table's checks.
 Charts find_charts(const MapTopology& topology);
 
 }  // namespace snowbough::snow

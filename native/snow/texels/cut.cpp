@@ -13,7 +13,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// Triangles lower than this, in texels, have no area: rounding of their float UVs alone is more.
+/// Minimum height of a triangle in texels: rounding of its float UVs alone is larger.
 constexpr double kMinHeight = 1e-6;
 
 bool is_degenerate(const UvTriangle& t) {
@@ -25,8 +25,8 @@ bool is_degenerate(const UvTriangle& t) {
   return std::abs(a.x * b.y - a.y * b.x) <= kMinHeight * std::sqrt(longest);
 }
 
-/// Triangles by the band of rows that they reach into: triangles of band b are
-/// items[begin[b] .. begin[b + 1]), ascending.
+/// Triangles by the bands of rows that they touch: the triangles of band b are items[begin[b] ..
+/// begin[b + 1]), ascending.
 struct Bands {
   int32_t rows_per_band = 1;
   std::vector<int64_t> begin;
@@ -35,7 +35,7 @@ struct Bands {
 
 Bands sort_into_bands(const std::vector<std::array<int32_t, 2>>& row_ranges, int32_t resolution) {
   Bands bands;
-  // About 64 k texels a band keep its working arrays in the cache and small at any resolution.
+  // About 64 k texels per band keep its working arrays in the cache and small at any resolution.
   bands.rows_per_band = std::clamp(65536 / resolution, 1, resolution);
   const int32_t band_count = (resolution + bands.rows_per_band - 1) / bands.rows_per_band;
   bands.begin.assign(static_cast<size_t>(band_count) + 1, 0);
@@ -69,21 +69,21 @@ struct BandFragment {
   glm::vec2 barycentric;
 };
 
-/// What a band of rows holds, texels ascending.
+/// The texels of a band of rows, ascending.
 struct BandTexels {
   std::vector<BandTexel> texels;
   std::vector<BandFragment> fragments;
   std::vector<Fragment> displaced;
-  /// Per triangle of the band: its area there in texels.
+  /// Per triangle of the band: its area in the band, in texels.
   std::vector<double> triangle_area;
   int64_t covered_samples = 0;
   int64_t shared_samples = 0;
 };
 
-/// Chart and area; an array that keeps its memory.
+/// Chart and area; the array is reused.
 using ChartAreas = std::vector<std::pair<int32_t, double>>;
 
-/// The chart that covers most of a texel; of equals the lower number.
+/// The chart that covers most of a texel; on a tie, the lower number.
 int32_t find_owner(const TexelTableBuilder& builder, const Fragment* begin, const Fragment* end,
                    ChartAreas& areas) {
   int32_t owner = builder.chart_of(begin->triangle);
@@ -111,13 +111,13 @@ int32_t find_owner(const TexelTableBuilder& builder, const Fragment* begin, cons
   return owner;
 }
 
-/// Makes the texels of bands, one band after the other.
+/// Computes the texels of bands, one after the other.
 class BandCutter {
  public:
   explicit BandCutter(const TexelTableBuilder& builder)
       : builder_(builder), sampler_(builder.topology) {}
 
-  /// `triangles` reach into the rows [row_begin, row_end), ascending.
+  /// `triangles` touch the rows [row_begin, row_end), ascending.
   BandTexels cut(std::span<const int32_t> triangles, int32_t row_begin, int32_t row_end) {
     const int32_t resolution = builder_.topology.resolution;
     BandTexels band;
@@ -149,8 +149,8 @@ class BandCutter {
   }
 
  private:
-  /// Fills in `whole_` and returns how many texels are; where several triangles hold one as a
-  /// whole, all but the first become parts.
+  /// Fills `whole_` and returns the number of whole texels; if several triangles cover one wholly,
+  /// all but the first become parts.
   size_t note_whole(int32_t texel_count) {
     whole_.assign(static_cast<size_t>(texel_count), -1);
     size_t count = 0;
@@ -170,7 +170,7 @@ class BandCutter {
 
   /// Sorts the parts by texel.
   void sort_parts(int32_t texel_count) {
-    // Two places on while counting, one while sorting: at the end each begins at its own.
+    // Two places ahead while counting, one while sorting: the offsets end in their final places.
     part_begin_.assign(static_cast<size_t>(texel_count) + 2, 0);
     for (const Fragment& f : cuts_.parts) ++part_begin_[f.texel - first_texel_ + 2];
     std::partial_sum(part_begin_.begin(), part_begin_.end(), part_begin_.begin());
@@ -189,7 +189,7 @@ class BandCutter {
     texel.fragment_end = static_cast<int32_t>(band.fragments.size());
   }
 
-  /// Adds texel i of the band, of which at least one triangle holds a part.
+  /// Adds texel i of the band, which is only partly covered by at least one triangle.
   void add_parts(int32_t i, BandTexels& band) {
     texel_.assign(parts_.begin() + part_begin_[i], parts_.begin() + part_begin_[i + 1]);
     if (whole_[i] >= 0) {
@@ -226,7 +226,7 @@ class BandCutter {
   TexelSampler sampler_;
   int32_t first_texel_ = 0;
   TriangleCuts cuts_;
-  /// Per texel of the band: the triangle that holds it as a whole, the first of several; -1 = none.
+  /// Per texel of the band: the first triangle that covers it wholly; -1: none.
   std::vector<int32_t> whole_;
   /// Parts of texel i of the band: [part_begin_[i], part_begin_[i + 1]).
   std::vector<int32_t> part_begin_;
@@ -235,7 +235,7 @@ class BandCutter {
   ChartAreas chart_areas_;
 };
 
-/// Puts the bands' texels into the table, one band behind the other.
+/// Concatenates the bands' texels into the table.
 void join_bands(const std::vector<BandTexels>& bands, int32_t threads, TexelTable& table) {
   std::vector<size_t> first_texel{0};
   std::vector<size_t> first_fragment{0};
@@ -245,7 +245,7 @@ void join_bands(const std::vector<BandTexels>& bands, int32_t threads, TexelTabl
   }
   const size_t texels = first_texel.back();
   const size_t fragments = first_fragment.back();
-  // Most of the time that this takes is the system's, for fresh memory.
+  // Most of this time is the system's, for new memory.
   const std::array<std::function<void()>, 9> arrays{
       [&] { table.texel.resize(texels); },
       [&] { table.triangle.resize(texels); },

@@ -10,7 +10,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// Per vertex: the first one of those in its place.
+/// Per vertex: the first vertex at its position.
 std::vector<int32_t> places_of(const std::vector<int32_t>& triangles,
                                const std::vector<glm::vec3>& positions) {
   glm::dvec3 low(1e300);
@@ -20,14 +20,13 @@ std::vector<int32_t> places_of(const std::vector<int32_t>& triangles,
     high = glm::max(high, glm::dvec3(positions[static_cast<size_t>(index)]));
   }
   const double size = std::max({high.x - low.x, high.y - low.y, high.z - low.z, 1e-30});
-  // 21 bits an axis, so that a number sorts as quickly as can be.
+  // 21 bits per axis, so that a number sorts fast.
   std::vector<std::pair<uint64_t, int32_t>> order;
   order.reserve(positions.size());
   for (size_t i = 0; i < positions.size(); ++i) {
     const glm::dvec3 cells = (glm::dvec3(positions[i]) - low) * (1e6 / size);
     uint64_t key = 0;
-    // Cells that no round number lies on the border of; vertices that no triangle has may lie
-    // anywhere.
+    // Cell borders avoid round numbers; unused vertices may be anywhere.
     for (int axis = 0; axis < 3; ++axis) {
       key = key << 21 | static_cast<uint64_t>(std::clamp(cells[axis] + 0.3719, 0.0, 2e6));
     }
@@ -43,10 +42,10 @@ std::vector<int32_t> places_of(const std::vector<int32_t>& triangles,
   return place;
 }
 
-/// An edge between two places, the lower one in the upper half, and a triangle that has it.
+/// An edge between two positions, the lower one in the upper half, and a triangle with it.
 using Edge = std::pair<uint64_t, int32_t>;
 
-/// In the edges' order, without those from a place to itself.
+/// Sorted edges, without degenerate ones.
 std::vector<Edge> edges_of(const std::vector<int32_t>& triangles) {
   std::vector<Edge> edges;
   edges.reserve(triangles.size());

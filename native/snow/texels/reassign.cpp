@@ -8,8 +8,8 @@
 namespace snowbough::snow {
 namespace {
 
-/// Index of the chart's own texel nearest to a point; rows are searched outwards, the columns of
-/// a row by bisection.
+/// Index of the chart's own texel nearest to a point; searches rows outwards, and the columns of a
+/// row by bisection.
 size_t nearest_own_texel(const TexelTableBuilder& builder, const std::vector<int32_t>& own,
                          glm::dvec2 point) {
   const int32_t resolution = builder.table.resolution;
@@ -65,7 +65,7 @@ void reassign_displaced_fragments(TexelTableBuilder& builder) {
   for (const Fragment& f : builder.displaced) {
     std::vector<int32_t>& texels = own[builder.chart_of(f.triangle)];
     if (texels.front() == -1) texels.erase(texels.begin());
-    // An unmapped chart's area stays where it is.
+    // An unmapped chart's area stays.
     const size_t owned = texels.empty() ? builder.owned_index(f.texel)
                                         : nearest_own_texel(builder, texels, f.centroid);
     if (texels.empty()) texels.push_back(-1);

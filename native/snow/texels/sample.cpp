@@ -36,7 +36,7 @@ inline glm::dvec2 TexelSampler::barycentric_at(int32_t triangle, glm::dvec2 poin
   return {cross(p, frame_.side_c) / frame_.area, cross(frame_.side_b, p) / frame_.area};
 }
 
-/// The fragment's triangle that holds the point best, if any does (within rounding).
+/// Finds the fragment's triangle that contains the point best, if any does (within rounding).
 bool TexelSampler::find_triangle(const std::vector<Fragment>& own, glm::dvec2 point,
                                  TexelSample& sample) {
   double best = -1e-9;

@@ -5,9 +5,9 @@
 
 namespace snowbough::snow {
 
-/// Parts of a mesh that hang together: triangles that are joined by vertices they share.
+/// Connected components of a mesh: triangles joined by shared vertices.
 struct Sheets {
-  /// Per triangle: its sheet, numbered by their first triangles.
+  /// Per triangle: its sheet, numbered in the order of first triangles.
   std::vector<int32_t> sheet;
   int32_t count = 0;
 };

@@ -13,8 +13,8 @@ glm::dvec2 on_map(const MapTopology& topology, int32_t triangle, glm::vec2 baryc
   return uv[0] + weight.x * (uv[1] - uv[0]) + weight.y * (uv[2] - uv[0]);
 }
 
-/// Gives each texel of `assignments` (owned index, ascending after sorting) to the chart of the
-/// fragments beside it; what its old owner held there is displaced.
+/// Assigns each texel of `assignments` (owned index, ascending after sorting) to the chart of its
+/// fragments; its old owner's fragments there become displaced.
 void assign(TexelTableBuilder& builder,
             std::vector<std::pair<size_t, std::vector<Fragment>>>& assignments) {
   if (assignments.empty()) return;
@@ -74,7 +74,7 @@ void assign(TexelTableBuilder& builder,
     builder.table.fragment_begin.push_back(
         static_cast<int32_t>(builder.table.fragment_triangle.size()));
   }
-  // What the new owners hold is displaced no longer.
+  // The new owners' fragments are no longer displaced.
   std::erase_if(builder.displaced, [&](const Fragment& f) {
     const size_t i = builder.owned_index(f.texel);
     return builder.table.chart[i] == builder.chart_of(f.triangle);
@@ -101,7 +101,7 @@ void assign_texels_to_small_charts(TexelTableBuilder& builder) {
     size_t begin;
     size_t end;
   };
-  // New owners by owned index, applied in one go below.
+  // New owners by owned index, applied together below.
   std::vector<std::pair<size_t, std::vector<Fragment>>> assignments;
   std::vector<bool> is_assigned(builder.table.texel.size(), false);
   for (size_t begin = 0; begin < unmapped.size();) {

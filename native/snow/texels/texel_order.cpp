@@ -10,7 +10,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// Texels of a row side by side, of one chart and in one square.
+/// Consecutive texels of a row, of one chart and in one square.
 struct Run {
   int32_t first;
   int32_t count;
@@ -36,7 +36,7 @@ std::vector<Run> find_runs(const TexelTable& table) {
   return runs;
 }
 
-/// Sorted by the keys of the runs (below `keys`), equal ones left in their order.
+/// Stable sort by the runs' keys (below `keys`).
 template <typename Key>
 std::vector<Run> sorted_by(const std::vector<Run>& runs, int32_t keys, const Key& key) {
   std::vector<int32_t> begin(static_cast<size_t>(keys) + 1, 0);
@@ -49,10 +49,10 @@ std::vector<Run> sorted_by(const std::vector<Run>& runs, int32_t keys, const Key
   return sorted;
 }
 
-/// From here on the number of a texel's fragments makes no difference to the order.
+/// Numbers of fragments from this on count as equal.
 constexpr int32_t kMostParts = 16;
 
-/// Sorts a work group's texels by their number of fragments, equal ones left in their order.
+/// Stable sort of a work group's texels by their number of fragments.
 void sort_group(const TexelTable& table, std::span<int32_t> group) {
   const auto parts = [&](int32_t i) {
     const int32_t* begin = &table.fragment_begin[static_cast<size_t>(i)];
@@ -78,7 +78,7 @@ std::vector<int32_t> texel_order(const TexelTable& table) {
   for (const Run& run : runs) {
     for (int32_t i = run.first; i < run.first + run.count; ++i) order.push_back(i);
   }
-  // A few neighbouring invocations walk along their fragments together: as long as the longest
+  // A few neighbouring invocations loop over their fragments together, as long as the longest
   // takes.
   for (size_t begin = 0; begin < order.size(); begin += shared::kTexelGroup) {
     const size_t count = std::min<size_t>(shared::kTexelGroup, order.size() - begin);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int32_t kMinResolution = 64;
 constexpr int32_t kMaxResolution = 8192;
-/// How far coordinates may lie outside [0, 1]: what layout tools leave by rounding.
+/// Tolerance for coordinates outside [0, 1]: rounding in layout tools.
 constexpr float kUvSlack = 1e-4f;
 
 void check_topology(const MapTopology& topology) {
@@ -26,7 +26,7 @@ void check_topology(const MapTopology& topology) {
         "triangles must hold three vertex indices each, and at least one triangle");
   }
   if (topology.corner_uv.size() != topology.triangles.size()) {
-    throw std::invalid_argument("uv must hold one coordinate a triangle corner: " +
+    throw std::invalid_argument("uv must hold one coordinate per triangle corner: " +
                                 std::to_string(topology.triangles.size()) + ", not " +
                                 std::to_string(topology.corner_uv.size()));
   }
@@ -50,8 +50,8 @@ void check_topology(const MapTopology& topology) {
   }
 }
 
-/// Areas become shares of their triangles. The sum of the cut areas is the divisor, not the
-/// triangle's own area, so that slivers, whose cuts round coarsely, sum to 1 as well.
+/// Divides areas by their triangles' sum of cut areas instead of the triangles' own area, so that
+/// the shares of slivers, whose cuts round coarsely, sum to 1 as well.
 void shares_from_areas(TexelTableBuilder& builder) {
   for (size_t f = 0; f < builder.table.fragment_share.size(); ++f) {
     const double whole = builder.triangle_area[builder.table.fragment_triangle[f]];
@@ -73,7 +73,6 @@ size_t TexelTableBuilder::owned_index(int32_t at) const {
                              table.texel.begin());
 }
 
-/// A triangle's UVs in texels, inside the map.
 UvTriangle texel_triangle(const MapTopology& topology, int32_t triangle) {
   UvTriangle result;
   const auto size = static_cast<double>(topology.resolution);

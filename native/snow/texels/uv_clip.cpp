@@ -10,7 +10,7 @@ namespace {
 constexpr uint64_t kWholeTexel = ~uint64_t{0};
 
 /// Sutherland and Hodgman, Reentrant Polygon Clipping (CACM 1974), against one axis-aligned line;
-/// keeps what lies at or over `limit` (kSign = 1) or at or under it (kSign = -1).
+/// keeps the part at or over `limit` (kSign = 1) or at or under it (kSign = -1).
 template <int kAxis, int kSign>
 void clip_half(const ClipPolygon& polygon, double limit, ClipPolygon& result) {
   result.count = 0;
@@ -34,8 +34,8 @@ void clip_half(const ClipPolygon& polygon, double limit, ClipPolygon& result) {
   }
 }
 
-/// The part of a polygon, which reaches from `low` to `high`, in [lower, upper]: itself, or in
-/// `scratch`.
+/// The part of a polygon with bounds `low` to `high` that lies in [lower, upper]: itself, or a copy
+/// in `scratch`.
 template <int kAxis>
 const ClipPolygon& clip(const ClipPolygon& polygon, double low, double high, double lower,
                         double upper, std::array<ClipPolygon, 2>& scratch) {
@@ -52,13 +52,6 @@ const ClipPolygon& clip(const ClipPolygon& polygon, double low, double high, dou
 }
 
 }  // namespace
-
-ClipPolygon clip_to_slab(const ClipPolygon& polygon, int axis, double lower, double upper) {
-  constexpr double kFar = std::numeric_limits<double>::infinity();
-  std::array<ClipPolygon, 2> scratch;
-  return axis == 0 ? clip<0>(polygon, -kFar, kFar, lower, upper, scratch)
-                   : clip<1>(polygon, -kFar, kFar, lower, upper, scratch);
-}
 
 AreaCentroid area_and_centroid(const ClipPolygon& polygon) {
   AreaCentroid result;
@@ -87,7 +80,7 @@ SampleEdges::SampleEdges(const UvTriangle& triangle) {
   for (int k = 0; k < 3; ++k) {
     glm::dvec2 a = triangle[k];
     glm::dvec2 b = triangle[(k + 1) % 3];
-    // One order of an edge's ends for both of its triangles gives both the same crossings.
+    // The same order of an edge's ends in both its triangles gives the same crossings.
     if (b.y < a.y || (b.y == a.y && b.x < a.x)) std::swap(a, b);
     edges[k] = {a, b.y, b.y > a.y ? (b.x - a.x) / (b.y - a.y) : 0.0};
   }
@@ -110,7 +103,7 @@ SampleRow::SampleRow(const SampleEdges& triangle, int32_t row) {
 }
 
 uint64_t SampleRow::mask(int32_t column) const {
-  // The number of samples of a line, at column + (sample + 0.5) / 8, that lie before x.
+  // Number of a line's samples, at column + (sample + 0.5) / 8, before x.
   const auto before = [column](double x) {
     const double samples = std::clamp((x - column) * 8.0 - 0.5, 0.0, 8.0);
     const int whole = static_cast<int>(samples);
@@ -149,7 +142,7 @@ double cut_triangle(const UvTriangle& triangle, int32_t index, int32_t resolutio
     constexpr double kFar = std::numeric_limits<double>::infinity();
     double left = kFar;
     double right = -kFar;
-    // Between these the strip reaches from the row's lower to its upper line.
+    // Between these the strip extends from the row's lower to its upper line.
     double full_left[2] = {kFar, kFar};
     double full_right[2] = {-kFar, -kFar};
     for (int32_t i = 0; i < strip.count; ++i) {

@@ -15,10 +15,7 @@ struct ClipPolygon {
   int32_t count = 0;
 };
 
-/// The part of `polygon` with lower <= point[axis] <= upper.
-ClipPolygon clip_to_slab(const ClipPolygon& polygon, int axis, double lower, double upper);
-
-/// Area and centroid; centroid is the mean of the corners where the area is 0.
+/// Area and centroid; the mean of the corners if the area is 0.
 struct AreaCentroid {
   double area = 0.0;
   glm::dvec2 centroid{0.0};
@@ -37,13 +34,13 @@ struct SampleEdges {
   std::array<Edge, 3> edges;
 };
 
-/// Where a triangle begins and ends on the eight lines of sub-samples of a row of texels.
+/// Where a triangle begins and ends on the eight sub-sample lines of a row of texels.
 class SampleRow {
  public:
   SampleRow(const SampleEdges& triangle, int32_t row);
 
-  /// Which of a texel's 8 x 8 sub-samples the triangle holds: bit 8 * row + column. Half-open, so
-  /// that of two triangles that share an edge exactly one holds a sample on it.
+  /// The texel's 8 x 8 sub-samples inside the triangle: bit 8 * row + column. Half-open, so that
+  /// exactly one of two triangles that share an edge holds a sample on it.
   uint64_t mask(int32_t column) const;
 
  private:
@@ -57,7 +54,7 @@ struct Fragment {
   int32_t triangle;
   double area;
   glm::dvec2 centroid;
-  /// Its part of the texel's sub-samples, as SampleRow gives them.
+  /// The texel's sub-samples inside it, as from SampleRow.
   uint64_t samples;
 };
 
@@ -66,17 +63,17 @@ inline glm::dvec2 texel_centre(int32_t texel, int32_t resolution) {
   return {texel % resolution + 0.5, texel / resolution + 0.5};
 }
 
-/// The fragment of a triangle that holds a whole texel.
+/// The fragment of a triangle that covers a whole texel.
 Fragment whole_fragment(int32_t texel, int32_t triangle, int32_t resolution);
 
-/// Texels side by side that lie wholly in one triangle.
+/// Consecutive texels that lie wholly in one triangle.
 struct WholeRun {
   int32_t first_texel;
   int32_t count;
   int32_t triangle;
 };
 
-/// What triangles hold: texels as a whole, and parts of others.
+/// Texels that triangles cover wholly, and fragments of the others.
 struct TriangleCuts {
   std::vector<WholeRun> whole;
   std::vector<Fragment> parts;
@@ -88,7 +85,7 @@ struct TriangleCuts {
 };
 
 /// Cuts the rows [row_begin, row_end) of `triangle` (number `index`) of a resolution x resolution
-/// map, appended to `cuts`, rows ascending, columns ascending. Returns the area of all in texels,
+/// map, appended to `cuts`, rows ascending, columns ascending. Returns the total area in texels,
 /// summed in this order.
 double cut_triangle(const UvTriangle& triangle, int32_t index, int32_t resolution,
                     int32_t row_begin, int32_t row_end, TriangleCuts& cuts);

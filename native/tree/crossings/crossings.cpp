@@ -23,27 +23,27 @@ using base::bits;
 using base::Float4;
 using base::Int4;
 
-/// Junctions a thread looks at before it takes the next ones: many enough that most find faces of
-/// the one before, few enough that the threads end together.
+/// Junctions per thread at a time: enough that most share faces with the one before, few enough
+/// that the threads end together.
 constexpr size_t kJunctionBlock = 64;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr Float4 kNowhere = {kInfinity, kInfinity, kInfinity, kInfinity};
 
-/// Boxes around four faces, first along the axis of a sweep; where there are fewer than four, boxes
-/// that meet none.
+/// Bounding boxes of four faces, first along the axis of a sweep; unused lanes hold boxes that
+/// overlap none.
 struct Boxes {
   std::array<Float4, 3> low{kNowhere, kNowhere, kNowhere}, high{-kNowhere, -kNowhere, -kNowhere};
-  /// -1 for those that the junction before had as well.
+  /// -1 for faces that the previous junction had as well.
   Int4 known{};
 };
 
 using Pairs = std::vector<std::pair<int32_t, int32_t>>;
 
-/// Looks at junctions one after the other. Neighbours along a limb have most faces in common; what
-/// was found among those is taken over. Each thread has its own.
+/// Searches junctions one after the other. Neighbours along a limb share most faces; results for
+/// these are reused. One per thread.
 class CrossingSearch {
  public:
-  /// @param memo  null: nothing is known, and nothing kept.
+  /// @param memo  null: no cache.
   CrossingSearch(const Surface& surface, const VertexFaces& around, CrossingMemo* memo)
       : surface_(surface),
         neighbourhoods_(surface, around),
@@ -52,10 +52,10 @@ class CrossingSearch {
     if (memo_ != nullptr) prints_.emplace(surface);
   }
 
-  /// Forgets all junctions looked at.
+  /// Forgets all searched junctions.
   void begin() { searched_ = false; }
 
-  /// All pairs near the junction that cross, the lower number first, ascending.
+  /// All intersecting pairs near the junction, the lower index first, ascending.
   const Pairs& at(const Junction& junction) {
     const std::vector<int32_t>& numbers = neighbourhoods_.at(junction);
     const uint64_t print = prints_ ? prints_->of(numbers) : 0;
@@ -74,11 +74,11 @@ class CrossingSearch {
  private:
   /// A face of the neighbourhood.
   struct Entry {
-    /// Where it begins along the axis of the sweep.
+    /// Its beginning along the axis of the sweep.
     float low;
-    /// Where it is in faces_.
+    /// Its index in faces_.
     int32_t slot;
-    /// The junction before had it as well.
+    /// Whether the previous junction had it as well.
     int32_t known;
   };
 
@@ -107,7 +107,7 @@ class CrossingSearch {
         return !neighbourhoods_.has(pair.first) || !neighbourhoods_.has(pair.second);
       });
     } else {
-      // Of the junction before no faces are at hand.
+      // No faces of the previous junction are available.
       faces_.clear();
       found_.clear();
     }
@@ -115,7 +115,7 @@ class CrossingSearch {
     sweep();
   }
 
-  /// Puts the neighbourhood's faces in the order in which they begin along its longest axis.
+  /// Sorts the neighbourhood's faces by their beginning along its longest axis.
   void gather(const std::vector<int32_t>& numbers) {
     glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
     order_.clear();
@@ -152,14 +152,14 @@ class CrossingSearch {
     }
   }
 
-  /// Tests each face against those that begin before it ends, but for two that the junction before
-  /// had.
+  /// Tests each face against those that begin before it ends, except two faces of the previous
+  /// junction.
   void sweep() {
     for (size_t i = 0; i < order_.size(); ++i) {
       const CrossingFace& one = faces_[order_[i].slot];
       const Boxes& own = boxes_[i / 4];
       const size_t lane = i % 4;
-      // Of its own four those after it.
+      // Within its own four only the later ones.
       uint32_t after = 0xeu << lane & 0xfu;
       for (size_t four = i / 4; four < boxes_.size(); ++four) {
         const Boxes& boxes = boxes_[four];
@@ -190,22 +190,22 @@ class CrossingSearch {
   Neighbourhoods neighbourhoods_;
   std::optional<Fingerprints> prints_;
   CrossingMemo* memo_;
-  /// Whether the junction before was searched: since begin(), and not known.
+  /// Whether the previous junction was searched, since begin(), and not cached.
   bool searched_ = false;
-  /// Faces met since a junction before was not searched, and per face of the surface where it is
-  /// among them.
+  /// Faces met since the last junction without search, and per face of the surface its index among
+  /// them.
   std::vector<CrossingFace> faces_;
   std::vector<int32_t> slot_;
-  /// What the last junction gave.
+  /// Result of the last junction.
   Pairs found_;
   /// Faces of the last junction.
   std::vector<Entry> order_;
-  /// In that order, by fours.
+  /// In that order, in groups of four.
   std::vector<Boxes> boxes_;
 };
 
-/// Searches that no thread works with just now: as large as the surface, a block of junctions
-/// should not have to make its own.
+/// Searches not in use by a thread: one is as large as the surface, so blocks of junctions should
+/// not create their own.
 class SearchPool {
  public:
   SearchPool(const Surface& surface, const VertexFaces& around, CrossingMemo* memo)
@@ -261,7 +261,7 @@ JunctionCrossings find_crossings(const Surface& surface, const std::vector<uint8
 }
 
 std::vector<int32_t> missing_limbs(const Surface& surface, const std::vector<uint8_t>& only) {
-  // A branch left out stands with its first ring alone.
+  // Only the first ring of a branch left out exists.
   std::vector<uint8_t> open(surface.vertices.size(), 0);
   std::vector<std::pair<int32_t, int32_t>> rims;
   for (size_t b = 0; b < surface.limbs.size(); ++b) {
@@ -294,11 +294,6 @@ std::vector<int32_t> missing_limbs(const Surface& surface, const std::vector<uin
   std::sort(missing.begin(), missing.end());
   missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
   return missing;
-}
-
-int32_t count_crossing(const JunctionCrossings& crossings) {
-  return static_cast<int32_t>(std::count_if(crossings.begin(), crossings.end(),
-                                            [](const auto& pairs) { return !pairs.empty(); }));
 }
 
 }  // namespace snowbough::tree

@@ -10,25 +10,21 @@
 
 namespace snowbough::tree {
 
-/// Pairs of faces that intersect each other, per junction of the surface (in its order).
+/// Pairs of intersecting faces, per junction of the surface (in its order).
 using JunctionCrossings = std::vector<std::vector<std::pair<int32_t, int32_t>>>;
 
-/// Looks for faces that cross near the junctions: for each, all pairs of faces within two edges of
-/// its knuckle (faces that touch the knuckle, their neighbours, and the neighbours of those;
-/// neighbours share a vertex). Quads count as two triangles, cut from corner 0 to 2, as floats; the
-/// test is exact.
-/// @param only per junction, 0 skips it; empty = look at all.
-/// @param memo what was found in a surface of the same skeleton before: junctions around which
-///   nothing has moved since are not searched again. Null: none.
+/// Finds intersecting faces near the junctions: for each, all pairs of faces within two edges of
+/// its knuckle (faces at the knuckle, their neighbours, and the neighbours of those; neighbours
+/// share a vertex). Quads count as two triangles, split from corner 0 to 2, in floats; the test is
+/// exact.
+/// @param only per junction, 0 skips it; empty = all.
+/// @param memo results of an earlier surface of the same skeleton: junctions whose surroundings
+///   have not changed are not searched again. Null: none.
 JunctionCrossings find_crossings(const Surface& surface, const std::vector<uint8_t>& only = {},
                                  const base::Execution& execution = {},
                                  CrossingMemo* memo = nullptr);
 
-/// Branches that the surface was built without and whose faces belong to what find_crossings looks
-/// at; ascending.
+/// Branches that were left out of the surface although find_crossings needs their faces; ascending.
 std::vector<int32_t> missing_limbs(const Surface& surface, const std::vector<uint8_t>& only);
-
-/// Junctions that have a crossing.
-int32_t count_crossing(const JunctionCrossings& crossings);
 
 }  // namespace snowbough::tree

@@ -20,17 +20,17 @@ using base::largest;
 using base::rotated;
 using base::smallest;
 
-/// Distance from a plane, as a share of the coordinates that went into it, that rounding can not
-/// make up; of floats and of doubles.
+/// Distance from a plane, relative to the coordinates, beyond which rounding cannot change the
+/// side; for floats and for doubles.
 constexpr float kClear = 3e-6f;
 constexpr double kClearDouble = 1e-12;
-/// Faces whose boxes have sides of more or less together are left to the exact test, before floats
-/// overflow or lose digits.
+/// Faces whose box sides sum to less or more use the exact test, before floats overflow or lose
+/// digits.
 constexpr float kSmallest = 1e-6f;
 constexpr float kLargest = 1e6f;
-/// Times that a plane between two faces is turned before the exact test is asked.
+/// Number of turns of a separating plane before the exact test.
 constexpr int kTurns = 8;
-/// Corners of the two triangles that a face counts as.
+/// Corners of a face's two triangles.
 constexpr int kTriangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -44,8 +44,8 @@ Corners points(const CrossingFace& face) {
   return {corner(face, 0), corner(face, 1), corner(face, 2), corner(face, 3)};
 }
 
-/// A face's corners seen from one place; in place of those that it shares with another face stands
-/// one that it does not.
+/// A face's corners relative to a point; corners shared with another face are replaced by one that
+/// is not shared.
 struct Seen {
   Float4 x, y, z;
 
@@ -55,11 +55,11 @@ struct Seen {
     y = (shared ? four(face.y[free]) : face.y) - from.y;
     z = (shared ? four(face.z[free]) : face.z) - from.z;
   }
-  /// Above the plane through that place.
+  /// Heights above the plane through that point.
   Float4 heights(const glm::vec3& normal) const {
     return normal.x * x + normal.y * y + normal.z * z;
   }
-  /// The first corner of that height.
+  /// The first corner with that height.
   glm::vec3 at(const Float4& heights, float height) const {
     const int k = std::countr_zero(bits(heights == height) | 8u);
     return {x[k], y[k], z[k]};
@@ -70,15 +70,15 @@ float length_of(const glm::vec3& v) {
   return std::sqrt(glm::dot(v, v));
 }
 
-/// Whether a plane through what two faces share has all their other corners clear of it, on either
-/// side. Looked for by turning the plane until it parts the two corners that were worst off.
+/// Whether a plane through the shared corners separates all other corners of two faces with a
+/// margin. Turns the plane until it separates the two worst corners.
 ///
 /// Source: K. Chung and W. Wang, "Quick Collision Detection of Polytopes in Virtual Environments",
 /// ACM VRST 1996.
-/// @param margin  how far from the plane is clear.
-/// @param touching  the plane goes through the origin; else anywhere.
-bool turn_until_parted(const Seen& f, const Seen& g, glm::vec3 normal, float margin, bool touching,
-                       int turns) {
+/// @param margin  required distance from the plane.
+/// @param touching  the plane passes through the origin; else it is free.
+bool turn_until_separated(const Seen& f, const Seen& g, glm::vec3 normal, float margin,
+                          bool touching, int turns) {
   for (int turn = 0;; ++turn) {
     const Float4 of_f = f.heights(normal), of_g = g.heights(normal);
     const float highest_f = largest(of_f), lowest_g = smallest(of_g);
@@ -95,7 +95,7 @@ bool turn_until_parted(const Seen& f, const Seen& g, glm::vec3 normal, float mar
                            : below   ? q
                                      : q / length_of(q) - p / length_of(p);
     const float squared = glm::dot(away, away);
-    // Corners at one place, or no number.
+    // Coincident corners, or NaN.
     if (!(squared > std::numeric_limits<float>::min())) {
       return false;
     }
@@ -103,13 +103,13 @@ bool turn_until_parted(const Seen& f, const Seen& g, glm::vec3 normal, float mar
   }
 }
 
-/// Whether a plane through what two faces share proves that they have nothing else in common; what
-/// it cannot tell is left to the exact test.
-bool parted(const CrossingFace& f, const CrossingFace& g) {
+/// Whether a plane through the shared corners proves that two faces have nothing else in common;
+/// false leaves it to the exact test.
+bool separated(const CrossingFace& f, const CrossingFace& g) {
   if (!(std::min(f.size, g.size) > kSmallest && std::max(f.size, g.size) < kLargest)) {
     return false;
   }
-  // Corner k of f against corner k + turn of g, and back.
+  // Compares corner k of f with corner k + turn of g, and back.
   Int4 other = g.corners;
   Int4 same = f.corners == other;
   Int4 shared_f = same, shared_g = same;
@@ -136,16 +136,16 @@ bool parted(const CrossingFace& f, const CrossingFace& g) {
     return kClear * size * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z));
   };
   if (set == 0) {
-    // The length of the normal, and with it its margin, stay when it is turned; the sum of its
-    // parts at most doubles.
+    // Turning keeps the normal's length and with it the margin; the sum of its components at most
+    // doubles.
     const glm::vec3 normal = g.sum - f.sum;
-    return turn_until_parted(seen_f, seen_g, normal, 2.0f * margin_of(normal), false, kTurns);
+    return turn_until_separated(seen_f, seen_g, normal, 2.0f * margin_of(normal), false, kTurns);
   }
-  // Half way between the directions in which the faces lie, however large either is.
+  // Half-way between the directions of the faces, independent of their size.
   glm::vec3 to_f = f.sum - 4.0f * base, to_g = g.sum - 4.0f * base;
   if (rest == 0) {
     const glm::vec3 normal = to_g * length_of(to_f) - to_f * length_of(to_g);
-    return turn_until_parted(seen_f, seen_g, normal, 2.0f * margin_of(normal), true, kTurns);
+    return turn_until_separated(seen_f, seen_g, normal, 2.0f * margin_of(normal), true, kTurns);
   }
   if ((rest & (rest - 1)) != 0) {
     return false;
@@ -155,14 +155,15 @@ bool parted(const CrossingFace& f, const CrossingFace& g) {
   to_f -= edge * (glm::dot(to_f, edge) / squared);
   to_g -= edge * (glm::dot(to_g, edge) / squared);
   const glm::vec3 normal = to_g * length_of(to_f) - to_f * length_of(to_g);
-  // As far as the plane misses the edge's other end, it has to be tilted.
+  // Tilts the plane by its distance from the edge's other end.
   const float margin = margin_of(normal);
   const float tilt = (margin + std::abs(glm::dot(normal, edge))) * size / std::sqrt(squared);
-  return turn_until_parted(seen_f, seen_g, normal, margin + tilt, true, 0);
+  return turn_until_separated(seen_f, seen_g, normal, margin + tilt, true, 0);
 }
 
-/// Whether all corners of `g` but those that a triangle of `f` shares lie clear of its plane on one
-/// side, for both triangles: decides most pairs of a large face and a small one.
+/// Whether all corners of `g`, except those shared with a triangle of `f`, are clear of that
+/// triangle's plane on one side, for both triangles: decides most pairs of a large and a small
+/// face.
 bool on_one_side(const CrossingFace& f, const CrossingFace& g) {
   const Corners of_f = points(f), of_g = points(g);
   const double size = f.size;
@@ -235,7 +236,7 @@ CrossingFace make_crossing_face(std::span<const glm::dvec3> vertices, std::span<
 }
 
 bool faces_cross(const CrossingFace& f, const CrossingFace& g) {
-  return !parted(f, g) && !on_one_side(f, g) && !on_one_side(g, f) && quads_cross(f, g);
+  return !separated(f, g) && !on_one_side(f, g) && !on_one_side(g, f) && quads_cross(f, g);
 }
 
 }  // namespace snowbough::tree

@@ -9,15 +9,15 @@
 
 namespace snowbough::tree {
 
-/// A face of a surface with all that the tests for crossings read of it.
+/// A face of a surface with the data for the intersection tests.
 struct CrossingFace {
-  /// The four corners as floats, which is what the mesh has.
+  /// The four corners as floats, as in the mesh.
   base::Float4 x, y, z;
   /// Their vertices.
   base::Int4 corners;
   /// Sum of the corners.
   glm::vec3 sum;
-  /// The box around them, and its three sides together.
+  /// Their bounding box, and the sum of its sides.
   glm::vec3 low, high;
   float size;
   int32_t number;
@@ -26,10 +26,10 @@ struct CrossingFace {
 CrossingFace make_crossing_face(std::span<const glm::dvec3> vertices, std::span<const Quad> quads,
                                 int32_t number);
 
-/// Whether two different faces have more in common than the corners they share: quads count as two
-/// triangles, cut from corner 0 to 2. Exact; pairs that a plane parts with room to spare, nearly
-/// all that are near each other, are told without the exact test.
-/// @param f, g  faces whose boxes meet.
+/// Whether two different faces intersect beyond the corners they share: quads count as two
+/// triangles, split from corner 0 to 2. Exact; pairs that a plane clearly separates, nearly all
+/// neighbours, skip the exact test.
+/// @param f, g  faces whose bounding boxes overlap.
 bool faces_cross(const CrossingFace& f, const CrossingFace& g);
 
 }  // namespace snowbough::tree

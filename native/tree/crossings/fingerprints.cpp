@@ -5,7 +5,7 @@
 namespace snowbough::tree {
 namespace {
 
-/// Mixes 64 bits so that each of them changes about half of the result's.
+/// Hash in which each of 64 bits changes about half of the result's.
 ///
 /// Source: S. Vigna's SplitMix64, after G. L. Steele, D. Lea and C. H. Flood, "Fast Splittable
 /// Pseudorandom Number Generators", OOPSLA 2014.
@@ -33,8 +33,7 @@ uint64_t Fingerprints::of(std::span<const int32_t> faces) {
         print = mixed(print, static_cast<uint64_t>(number_[v] - first));
         continue;
       }
-      // A vertex that was not met before is the next one: its place says all, as floats, as the
-      // tests for crossings see it.
+      // A new vertex is hashed by its position in floats, as in the intersection tests.
       number_[v] = next_++;
       const glm::vec3 p(surface_.vertices[v]);
       print =

@@ -10,32 +10,32 @@
 
 namespace snowbough::tree {
 
-/// Tells whether faces look as others did, of the same surface or of one that was built anew: the
-/// same corners, shared the same way, in the same order. Each thread needs its own.
+/// Hashes of faces, to tell whether faces of a surface equal those of an earlier or rebuilt one:
+/// the same corners, shared in the same way, in the same order. One object per thread.
 class Fingerprints {
  public:
   /// The surface must outlive this object.
   explicit Fingerprints(const Surface& surface);
 
-  /// 64 bits; of faces that look different they are the same by chance only.
+  /// 64 bits; collisions of different faces are improbable.
   uint64_t of(std::span<const int32_t> faces);
 
  private:
   const Surface& surface_;
-  /// Per vertex: its number among those met, counted on from call to call.
+  /// Per vertex: its number of first use, counted across calls.
   std::vector<int64_t> number_;
   int64_t next_ = 0;
 };
 
-/// What was found near every junction when it was last looked at.
+/// Results of the last search near every junction.
 class CrossingMemo {
  public:
-  /// Pairs of faces that cross, by their places among the faces looked at.
+  /// Pairs of intersecting faces, as indices into the faces searched.
   using Places = std::vector<std::pair<int32_t, int32_t>>;
 
   explicit CrossingMemo(size_t branches) : entries_(branches) {}
 
-  /// What faces of that look hold near the child's junction; null where it is not known.
+  /// The result for faces with this hash near the child's junction; null if unknown.
   const Places* known(int32_t child, uint64_t print) const {
     const Entry& entry = entries_[child];
     if (!entry.filled || entry.print != print) return nullptr;
@@ -43,10 +43,10 @@ class CrossingMemo {
     return &entry.places;
   }
 
-  /// How often something was known.
+  /// Number of cache hits.
   int64_t hits() const { return hits_.load(std::memory_order_relaxed); }
 
-  /// Different children may be set by different threads.
+  /// Different threads may set different children.
   void set(int32_t child, uint64_t print, Places places) {
     entries_[child] = {print, std::move(places), true};
   }

@@ -55,7 +55,7 @@ const std::vector<int32_t>& Neighbourhoods::at(const Junction& junction) {
       }
     }
     expanded_ = vertex;
-    // Nobody asks for the vertices of the last faces.
+    // The last faces' vertices are not needed.
     for (; step < 2 && face < faces_.size(); ++face) {
       for (int32_t v : surface_.quads[faces_[face]]) {
         reach(v);

@@ -23,20 +23,20 @@ class VertexFaces {
   std::vector<int32_t> faces_;
 };
 
-/// Finds the faces near junctions, one after the other. Each thread needs its own.
+/// Finds the faces near junctions, one after the other. One object per thread.
 class Neighbourhoods {
  public:
   /// Both must outlive this object.
   Neighbourhoods(const Surface& surface, const VertexFaces& around);
 
-  /// The faces within two edges of the junction: those that touch the knuckle, their neighbours,
-  /// and the neighbours of those; neighbours share a vertex. Valid until the next call.
+  /// The faces within two edges of the junction: those at the knuckle, their neighbours, and the
+  /// neighbours of those; neighbours share a vertex. Valid until the next call.
   const std::vector<int32_t>& at(const Junction& junction);
 
-  /// After at(): the vertices whose faces were all taken.
+  /// After at(): the vertices all of whose faces were added.
   std::span<const int32_t> expanded() const { return {vertices_.data(), expanded_}; }
 
-  /// After at(): per face, whether the junction before had it as well.
+  /// After at(): per face, whether the previous junction had it as well.
   const std::vector<uint8_t>& known() const { return known_; }
 
   /// Whether the last at() found the face.
@@ -45,7 +45,7 @@ class Neighbourhoods {
  private:
   const Surface& surface_;
   const VertexFaces& around_;
-  /// The last junction, counted, at which the face or the vertex was met.
+  /// Number of the last junction that visited the face or the vertex.
   std::vector<int32_t> face_stamp_, vertex_stamp_;
   int32_t stamp_ = 0;
   std::vector<int32_t> vertices_, faces_;

@@ -9,7 +9,7 @@
 namespace snowbough::tree {
 namespace {
 
-/// A sum of doubles that does not overlap in bits: the exact value of what was added.
+/// A sum of non-overlapping doubles: the exact value of the additions.
 class ExactSum {
  public:
   void add(double value) {
@@ -46,8 +46,8 @@ class ExactSum {
   int count_ = 0;
 };
 
-/// The exact sign where the rounded determinant cannot tell it; apart, so that the usual case is
-/// short enough to be inlined.
+/// The exact sign if the rounded determinant cannot decide it; separate, so that the usual case can
+/// be inlined.
 [[gnu::noinline]] int exact_orientation(const glm::dvec3& u, const glm::dvec3& v,
                                         const glm::dvec3& w) {
   ExactSum sum;
@@ -86,7 +86,7 @@ double turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// A segment in a triangle's plane: whether it has a stretch inside.
+/// Whether a segment in a triangle's plane has a part inside.
 bool crosses_in_plane(const glm::dvec3& p, const glm::dvec3& q, const Triangle& t) {
   const glm::dvec3 normal = glm::abs(glm::cross(t[1] - t[0], t[2] - t[0]));
   const int axis = normal.x >= normal.y && normal.x >= normal.z ? 0 : normal.y >= normal.z ? 1 : 2;
@@ -96,7 +96,7 @@ bool crosses_in_plane(const glm::dvec3& p, const glm::dvec3& q, const Triangle& 
     std::swap(corners[1], corners[2]);
   }
   const glm::dvec2 a = flatten(p, axis), b = flatten(q, axis);
-  // Cut the segment by the three edges' half planes.
+  // Clips the segment to the three edges' half planes.
   double begin = 0.0, end = 1.0;
   for (int k = 0; k < 3; ++k) {
     const double da = turn(corners[k], corners[(k + 1) % 3], a);
@@ -128,8 +128,7 @@ bool segment_crosses(const glm::dvec3& p, const glm::dvec3& q, const Triangle& t
   return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
 }
 
-/// All of `b` lies on one side of the plane of `a`: the usual case for the opposite walls of a
-/// limb.
+/// Whether `b` lies on one side of the plane of `a`: the usual case for opposite walls of a limb.
 bool on_one_side(const Triangle& a, const Triangle& b) {
   const int side = side_of_plane(a[0], a[1], a[2], b[0]);
   return side != 0 && side_of_plane(a[0], a[1], a[2], b[1]) == side &&
@@ -177,7 +176,7 @@ bool triangles_cross(const Triangle& a, const Triangle& b, const std::array<int,
   if (common == 1) {
     const int corner_a = shared[0] >= 0 ? 0 : shared[1] >= 0 ? 1 : 2;
     const int corner_b = shared[corner_a];
-    // Off the other's plane but for the shared corner: the usual case for neighbours on a limb.
+    // Off the other's plane except for the shared corner: the usual case for neighbours on a limb.
     const int side = side_of_plane(b[0], b[1], b[2], a[(corner_a + 1) % 3]);
     if (side != 0 && side_of_plane(b[0], b[1], b[2], a[(corner_a + 2) % 3]) == side) {
       return false;

@@ -14,9 +14,9 @@ using Triangle = std::array<glm::dvec3, 3>;
 /// Predicates", Discrete & Computational Geometry 18, 1997.
 int orientation(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d);
 
-/// Whether two triangles have more in common than the corners they share. `shared` tells per corner
-/// of `a` which corner of `b` it is, or -1. Triangles that share an edge cross only when one is
-/// folded flat onto the other.
+/// Whether two triangles intersect beyond the corners they share. `shared`: per corner of `a` the
+/// corner of `b` that it coincides with, or -1. Triangles that share an edge intersect only if one
+/// is folded flat onto the other.
 bool triangles_cross(const Triangle& a, const Triangle& b, const std::array<int, 3>& shared);
 
 }  // namespace snowbough::tree

@@ -11,19 +11,19 @@
 namespace snowbough::tree {
 namespace {
 
-/// Faces that are compared each with each, and how often a part of them is halved at most.
+/// Number of faces that are compared pairwise, and maximum number of halvings.
 constexpr size_t kFew = 40;
 constexpr int kMostHalvings = 20;
-/// A part is not halved where both halves together would have so many times its faces.
+/// A part is not halved if both halves together would have more than this many times its faces.
 constexpr double kWorthwhile = 1.15;
 
-/// Parts and faces that a thread takes at a time.
+/// Parts and faces per thread at a time.
 constexpr size_t kParts = 64;
 constexpr size_t kFaces = 4096;
 
 using Pairs = std::vector<std::pair<int32_t, int32_t>>;
 
-/// Calls work(begin, end) for all blocks; where there is but one, at once.
+/// Calls work(begin, end) for all blocks; directly if there is only one.
 template <typename Work>
 void in_blocks(size_t count, size_t block, int threads, const Work& work) {
   if (count > block) {
@@ -37,8 +37,8 @@ int longest_axis(const glm::vec3& size) {
   return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
 }
 
-/// Finds pairs by halving space: a pair belongs where the lowest corner of what their boxes share
-/// lies, so that none is met twice.
+/// Finds pairs by halving space: a pair belongs to the part that contains the lowest corner of its
+/// boxes' intersection, so that none is found twice.
 class PairFinder {
  public:
   PairFinder(std::vector<CrossingFace> faces, std::span<const uint8_t> changed)
@@ -59,7 +59,7 @@ class PairFinder {
   }
 
  private:
-  /// Faces of which all pairs are compared that belong above `above`, and up to `up_to`.
+  /// Faces to compare pairwise, for pairs between `above` and `up_to`.
   struct Part {
     std::vector<int32_t> faces;
     glm::vec3 above, up_to;
@@ -67,11 +67,11 @@ class PairFinder {
 
   bool is_changed(int32_t i) const { return changed_.empty() || changed_[faces_[i].number] != 0; }
 
-  /// @param above, up_to  the part of space that is halved, without its lower sides.
+  /// @param above, up_to  the part of space to halve, without its lower sides.
   void halve(std::vector<int32_t> part, const glm::vec3& above, const glm::vec3& up_to, int depth) {
     if (std::none_of(part.begin(), part.end(), [&](int32_t i) { return is_changed(i); })) return;
     glm::vec3 size = extent(part);
-    // Along its longest axis, or where faces are too long for that along another.
+    // Along the longest axis, or along another if faces are too long for it.
     for (int turn = 0; turn < 3 && part.size() > kFew && depth < kMostHalvings; ++turn) {
       const int axis = longest_axis(size);
       const float cut = middle(part, axis);
@@ -96,7 +96,7 @@ class PairFinder {
     parts_.push_back({std::move(part), above, up_to});
   }
 
-  /// How far apart faces begin.
+  /// Extent of the faces' beginnings.
   glm::vec3 extent(const std::vector<int32_t>& part) const {
     glm::vec3 low(1e30f), high(-1e30f);
     for (const int32_t i : part) {
@@ -106,7 +106,7 @@ class PairFinder {
     return high - low;
   }
 
-  /// Where along an axis half of the faces begin.
+  /// Median of the faces' beginnings along an axis.
   float middle(std::vector<int32_t>& part, int axis) const {
     const auto half = part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
     std::nth_element(part.begin(), half, part.end(), [&](int32_t a, int32_t b) {
@@ -115,7 +115,7 @@ class PairFinder {
     return faces_[*half].low[axis];
   }
 
-  /// Swept along the axis on which they begin furthest apart: what begins before another ends.
+  /// Sweeps along the axis with the largest extent.
   void compare(Part& part, Pairs& found) const {
     const int axis = longest_axis(extent(part.faces));
     std::sort(part.faces.begin(), part.faces.end(), [&](int32_t a, int32_t b) {

@@ -9,11 +9,10 @@
 
 namespace snowbough::tree {
 
-/// All pairs of quads that cross each other (faces_cross), the lower number first,
-/// ascending.
-/// @param only  the quads that are looked at.
-/// @param changed  per quad of `quads`, 1: only pairs of which one is so marked. Empty: all.
-/// @param threads  that may share the work, 0 = one a core; the result does not depend on them.
+/// All pairs of intersecting quads (faces_cross), the lower index first, ascending.
+/// @param only  the quads to test.
+/// @param changed  per quad of `quads`: 1 tests only pairs with such a quad. Empty: all.
+/// @param threads  that may share the work, 0 = one per core; does not change the result.
 std::vector<std::pair<int32_t, int32_t>> crossing_quads(std::span<const glm::dvec3> vertices,
                                                         std::span<const Quad> quads,
                                                         std::span<const int32_t> only,

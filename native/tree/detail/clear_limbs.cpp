@@ -16,30 +16,31 @@
 namespace snowbough::tree {
 namespace {
 
-/// How often what crosses is looked for and mended.
+/// Maximum number of rounds of searching and repairing.
 constexpr int kRounds = 10;
-/// In the first rounds only the thinner of two limbs is bent; then both are, as one may be caught
+/// In the first rounds only the thinner of two limbs is bent; then both, since one may be stuck
 /// between two others.
 constexpr int kThinnerOnly = 4;
-/// What goes back to the base does so in the first rounds.
+/// Rounds in which faces move back to the base.
 constexpr int kBackRounds = 5;
-/// Where so many pairs a face cross, the skeleton is none of a tree: nothing is mended.
-constexpr double kHopeless = 0.01;
-/// A limb is bent by what it reaches into the other and so much of both radii, by at most so many
-/// of these at a time, over a stretch at least so many times as long and so many of its radii.
+/// If more pairs per face than this intersect, the input is not a tree; skip repair.
+constexpr double kMaxPairsPerFace = 0.01;
+/// A limb is bent by its depth in the other limb plus a fraction of both radii; the maximum per
+/// round in the same unit; and the minimum length of the bend, as a multiple of the displacement
+/// and in radii.
 constexpr double kSpare = 0.06;
 constexpr double kMostAtATime = 1.0;
 constexpr double kStretchOfWay = 8.0;
 constexpr double kStretchOfRadius = 4.0;
-/// Where faces are longer than that: so many times as far as the nearest vertex is away.
+/// For longer faces: the length as a multiple of the nearest vertex's distance.
 constexpr double kStretch = 2.0;
-/// What goes back towards the base: faces so many edges around those that cross.
+/// Number of edges around intersecting faces that move back to the base.
 constexpr int kBackRings = 2;
 constexpr double kBackReach = 3.0;
 
 using Pairs = std::vector<std::pair<int32_t, int32_t>>;
 
-/// Where two limbs come nearest to each other, against their thickness.
+/// The closest approach of two limbs relative to their thickness.
 struct Approach {
   glm::dvec3 on_first{0.0}, on_second{0.0};
   double first_radius = 0.0, second_radius = 0.0;
@@ -51,7 +52,7 @@ double radius_of(const LimbPath& path, size_t i, double t) {
   return corner * std::sqrt(2.0 / M_PI);
 }
 
-/// Shares of two segments, from p and q on, at which they are nearest.
+/// Fractions of two segments, from p and q on, at their closest points.
 ///
 /// Source: C. Ericson, "Real-Time Collision Detection", 2005, section 5.1.9.
 std::pair<double, double> nearest_shares(const glm::dvec3& p, const glm::dvec3& along_p,
@@ -88,7 +89,7 @@ Approach nearest_approach(const LimbPath& first, const LimbPath& second) {
   return nearest;
 }
 
-/// Two limbs that cross, and the faces of each that do.
+/// Two intersecting limbs, and the intersecting faces of each.
 struct CrossingLimbs {
   int32_t first = -1, second = -1;
   std::vector<int32_t> first_faces, second_faces;
@@ -109,14 +110,14 @@ class Clearer {
   void clear(const base::Execution& execution) {
     std::vector<int32_t> all(fine_.quads.size());
     std::iota(all.begin(), all.end(), 0);
-    // Of what has not moved since the last round nothing is left to mend.
+    // Faces that have not moved since the last round need no check.
     std::vector<uint8_t> changed;
     for (int round = 0; round < kRounds; ++round) {
       base::report_progress(execution.progress, static_cast<float>(round) / kRounds);
       const Pairs crossing = crossing_quads(points_, fine_.quads, all, changed, execution.threads);
       const std::vector<glm::dvec3> before(points_);
       for (const CrossingLimbs& limbs : strangers(crossing)) part(limbs, round >= kThinnerOnly);
-      if (static_cast<double>(crossing.size()) > kHopeless * static_cast<double>(all.size()))
+      if (static_cast<double>(crossing.size()) > kMaxPairsPerFace * static_cast<double>(all.size()))
         return;
       if (round < kBackRounds) {
         to_base(related(crossing), kBackReach * std::exp2(round), execution);
@@ -130,7 +131,7 @@ class Clearer {
  private:
   int32_t branch(int32_t face) const { return surface_.origins[fine_.face[face]].branch; }
 
-  /// Whether two limbs are one or one leaves the other.
+  /// Whether two limbs are the same or one leaves the other.
   bool are_related(int32_t a, int32_t b) const {
     const auto parent_chain = [&](int32_t limb) {
       const int32_t parent = parents_[chains_[limb]];
@@ -140,7 +141,7 @@ class Clearer {
            parent_chain(b) == chains_[a];
   }
 
-  /// 1 per face of which a corner has moved; empty: none has.
+  /// 1 per face with a moved corner; empty: none has moved.
   std::vector<uint8_t> changed_faces(const std::vector<glm::dvec3>& before) const {
     std::vector<uint8_t> changed(fine_.quads.size(), 0);
     bool any = false;
@@ -189,7 +190,7 @@ class Clearer {
     return found;
   }
 
-  /// Least or greatest reach of faces along a direction.
+  /// Minimum or maximum extent of faces along a direction.
   double reach(const std::vector<int32_t>& faces, const glm::dvec3& along, double sign) const {
     double most = -1e300;
     for (const int32_t f : faces) {
@@ -200,7 +201,7 @@ class Clearer {
     return sign * most;
   }
 
-  /// Bends the thinner of two limbs away from the other one, unless they cross in the export.
+  /// Bends the thinner of two limbs away from the other one, unless they intersect in the export.
   void part(const CrossingLimbs& limbs, bool both_bend) {
     const Approach near = nearest_approach(paths_[limbs.first], paths_[limbs.second]);
     if (near.clearance <= 0.0) return;
@@ -221,7 +222,7 @@ class Clearer {
     }
   }
 
-  /// A place, or where it lies off some faces by more than a distance, their middle.
+  /// A place, or the centre of some faces if the place is too far from them.
   glm::dvec3 place_of(const std::vector<int32_t>& faces, const glm::dvec3& place,
                       double distance) const {
     glm::dvec3 low(1e300), high(-1e300);
@@ -235,7 +236,7 @@ class Clearer {
     return glm::distance(nearest, place) <= distance ? place : 0.5 * (low + high);
   }
 
-  /// Moves what lies on a limb around a place, the less the further away.
+  /// Moves a limb's vertices around a place, less with distance.
   void bend(int32_t limb, const glm::dvec3& place, const glm::dvec3& way, double radius) {
     const double stretch =
         std::max(kStretchOfWay * glm::length(way), kStretchOfRadius * radius) + radius;
@@ -248,7 +249,7 @@ class Clearer {
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
     double nearest = 1e300;
     for (const int32_t v : vertices) {
-      // Those between others go where these go.
+      // Vertices between others follow these.
       if (between_[v] == 0) nearest = std::min(nearest, glm::distance(points_[v], place));
     }
     const double farthest = stretch + kStretch * nearest;
@@ -259,7 +260,7 @@ class Clearer {
     }
   }
 
-  /// The faces of every limb, and the vertices that lie between others.
+  /// Collects the faces of every limb, and the vertices between others.
   void number_faces() {
     first_faces_.assign(surface_.limbs.size() + 1, 0);
     for (size_t f = 0; f < fine_.quads.size(); ++f) {
@@ -274,12 +275,12 @@ class Clearer {
     }
   }
 
-  /// Puts what crosses, and what is around it, back towards the base.
-  /// @param radii  how far what crosses reaches, in corner radii of the thicker limb.
+  /// Moves intersecting faces and their surroundings back towards the base.
+  /// @param radii  range around them, in corner radii of the thicker limb.
   void to_base(const Pairs& crossing, double radii, const base::Execution& execution) {
     if (crossing.empty()) return;
     if (!neighbours_) neighbours_.emplace(fine_.quads, fine_.vertices.size());
-    // Per vertex that goes back: how far from it others do, by the thickness of what crosses there.
+    // Per vertex that moves back: the range in which others do, from the limb's thickness there.
     std::vector<double> near(points_.size(), 0.0);
     const auto take_beside = [&](int32_t face, int32_t other, double reach) {
       for (const int32_t v : fine_.quads[face]) {
@@ -318,8 +319,8 @@ class Clearer {
     tree::take_back(around, base, execution, points_);
   }
 
-  /// Whether a corner of a face is so near to a vertex: the other end of a long face may be far
-  /// from where it crosses another one.
+  /// Whether a corner of a face is within `distance` of a vertex: the other end of a long face may
+  /// be far from its intersection.
   bool is_beside(int32_t vertex, int32_t face, double distance) const {
     const Quad& quad = fine_.quads[face];
     return std::any_of(quad.begin(), quad.end(), [&](int32_t v) {
@@ -340,7 +341,7 @@ class Clearer {
   const std::vector<int32_t>& chains_;
   const FineMesh& fine_;
   std::vector<glm::dvec3>& points_;
-  /// Made when first asked for: most trees need neither.
+  /// Created on first use: most trees need neither.
   std::optional<Neighbours> neighbours_;
   std::vector<size_t> first_faces_;
   std::vector<int32_t> by_limb_;

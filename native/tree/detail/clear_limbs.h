@@ -11,17 +11,15 @@
 
 namespace snowbough::tree {
 
-/// Mends faces that cross anywhere on the finished mesh but do not in the export.
+/// Repairs faces that intersect anywhere on the finished mesh but not in the export.
 ///
-/// Limbs that have nothing to do with each other may pass so closely that a curve, or the corners
-/// of a limb with few sides, cuts the other one: the thinner one is bent out of the way, away from
-/// the other's middle line. Those whose own tubes, round along their straight segments, cut each
-/// other already, stay: they cross in the bought tree. Where a limb crosses itself, its parent or
-/// its child, the faces around go back towards the four-sided base, which has been freed of that
-/// (build_uncrossed_surface).
-///
+/// Two unrelated limbs may pass so closely that a curve, or the corners of a limb with few sides,
+/// cuts the other one: the thinner limb is bent away from the other's centreline. Limbs whose round
+/// tubes along their straight segments already intersect stay, since they intersect in the export.
+/// Where a limb intersects itself, its parent or its child, the faces around move back towards the
+/// four-sided base, which is free of intersections (build_uncrossed_surface).
 /// @param paths  limb_paths.
-/// @param parents  per branch its parent, or -1.
+/// @param parents  per branch: its parent, or -1.
 /// @param chains  per branch, limb_chains.
 /// @throws Cancelled when execution's progress says stop.
 void clear_limbs(const Surface& surface, const std::vector<LimbPath>& paths,

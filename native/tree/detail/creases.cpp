@@ -9,22 +9,22 @@
 namespace snowbough::tree {
 namespace {
 
-/// Cosine of the angle between faces from which on they make a crease: 20 degrees.
+/// Cosine of the angle between faces that counts as a crease: 20 degrees.
 constexpr double kCrease = 0.9397;
-/// Share of the way onto the line, and how often it is gone at most.
+/// Fraction of the distance to the line per step, and maximum number of steps.
 constexpr double kStep = 0.5;
 constexpr int kRounds = 24;
-/// Ends of an edge across lie at the same share of their row.
+/// Tolerance for the ends of an edge across: both are at the same fraction of their row.
 constexpr double kLevel = 1e-9;
 
-/// An edge across a limb, and beside each of its ends the vertices before and after it.
+/// An edge across a limb, and for each of its ends the vertices before and after it.
 struct CrossEdge {
   std::array<int32_t, 2> ends{};
   std::array<int32_t, 2> before{}, after{};
   int32_t face_before = -1, face_after = -1;
 };
 
-/// One of a face's two edges across, from its own side.
+/// One of a face's two edges across the limb.
 struct HalfEdge {
   std::array<int32_t, 2> ends{}, beside{};
   int32_t face = -1;
@@ -35,7 +35,7 @@ struct HalfEdge {
   }
 };
 
-/// The edges across limbs of which an end may move.
+/// The edges across limbs with a movable end.
 std::vector<CrossEdge> cross_edges(const FineMesh& fine, std::span<const FaceOrigin> origins,
                                    const std::vector<int32_t>& chains,
                                    std::span<const double> farthest) {
@@ -80,7 +80,8 @@ bool creased(const CrossEdge& edge, const FineMesh& fine, const std::vector<glm:
   return glm::dot(a, b) < kCrease * glm::length(a) * glm::length(b);
 }
 
-/// The place on the way from one point to another that parts it as a third one's distances do.
+/// The point between two others that divides their distance in the ratio of a third point's
+/// distances.
 glm::dvec3 between(const glm::dvec3& before, const glm::dvec3& p, const glm::dvec3& after) {
   const double low = glm::distance(before, p), high = glm::distance(p, after);
   const double sum = low + high;
@@ -94,7 +95,7 @@ void soften_creases(const FineMesh& fine, std::span<const FaceOrigin> origins,
                     std::vector<glm::dvec3>& points) {
   const std::vector<CrossEdge> edges = cross_edges(fine, origins, chains, farthest);
   const std::vector<glm::dvec3> first(points);
-  // What an end of several creases is asked for, and by how many.
+  // Targets of an end of several creases, and their number.
   std::vector<std::pair<int32_t, glm::dvec3>> wanted;
   for (int round = 0; round < kRounds; ++round) {
     wanted.clear();

@@ -18,41 +18,40 @@
 namespace snowbough::tree {
 namespace {
 
-/// Rounds of moving as the neighbours have moved and back to the surface, the share of the way that
-/// a vertex goes, and steps back to the surface in each. Most vertices rest after a few; those in
-/// acute crotches, which have far to go, would leave a notch there.
+/// Rounds of following the neighbours and projecting to the surface, the fraction of the distance
+/// that a vertex moves, and projection steps per round. Most vertices converge after a few; fewer
+/// rounds would leave a notch in acute crotches, where vertices move far.
 constexpr int kRounds = 40;
 constexpr double kRelaxation = 0.5;
 constexpr int kSteps = 2;
-/// A step is no longer than this many of the child's radii.
+/// Maximum length of a step, in radii of the child.
 constexpr double kLongestStep = 0.5;
-/// A vertex rests while it and its neighbours go less than this share of the longest step in a
+/// A vertex stops while it and its neighbours move less than this fraction of the longest step in a
 /// round.
 constexpr double kRest = 0.02;
-/// A way on which a face would turn its back is halved so often before it is given up; a face shows
-/// its back when less than this share of it is seen from outside.
+/// Number of halvings of a step that would turn a face over before it is dropped; a face counts as
+/// turned if less than this fraction of it is visible from outside.
 constexpr int kHalvings = 3;
 constexpr double kLeastArea = 0.1;
-/// Share of a fork's reach from which on vertices stay where they are along the surface.
+/// Fraction of a fork's reach beyond which vertices do not move along the surface.
 constexpr double kStill = 0.7;
-/// Where the mesh is spread out: edges longer than this many of the child's radii pull as if they
-/// were as long, and steps back to the surface.
+/// When unfolding: maximum pulling distance in radii of the child, and projection steps.
 constexpr double kPull = 0.25;
 constexpr int kStepsBack = 3;
-/// Creases in the rows beside holes go away within this share of the limb's corner radius: the
-/// middle of one of sixteen sides lies 0.02 of it inside.
+/// Maximum displacement when softening creases in the rows beside holes, in corner radii of the
+/// limb: the middle of one of sixteen sides lies 0.02 inside.
 constexpr double kBesideHole = 0.03;
-/// Share of the time until everything is blended, and spread out.
+/// Progress at which the forks are blended, and unfolded.
 constexpr float kBlended = 0.5f;
 constexpr float kSpreadOut = 0.8f;
-/// Vertices that a thread moves at a time.
+/// Vertices per thread at a time.
 constexpr size_t kBlock = 256;
 
-/// A vertex that moves, and the forks that have a say in it.
+/// A vertex that moves, and the forks that affect it.
 struct Mover {
   int32_t vertex = -1;
   int32_t first_fork = 0, last_fork = 0;
-  /// How far it goes along the surface, and how far off it at a time.
+  /// Its relaxation along the surface, and its projection step.
   double relaxation = 0.0;
   double longest_step = 0.0;
 };
@@ -86,17 +85,18 @@ class ForkBlender {
                              moved[active[i]] = move(movers_[active[i]]);
                            }
                          });
-      take_ways(moved, active);
+      move_active(moved, active);
     }
     ForkFaces moved_faces{fine_.quads, neighbours_, {}, fork_faces()};
     for (const Mover& mover : movers_) moved_faces.moving.push_back(mover.vertex);
-    std::vector<uint8_t> due = spread_out(moved_faces, execution.part(kBlended, kSpreadOut));
-    soften(moved_faces, due);
-    uncross(moved_faces, first_points_, execution.part(kSpreadOut, 1.0f), points_, std::move(due));
+    std::vector<uint8_t> dirty = spread_out(moved_faces, execution.part(kBlended, kSpreadOut));
+    soften(moved_faces, dirty);
+    uncross(moved_faces, first_points_, execution.part(kSpreadOut, 1.0f), points_,
+            std::move(dirty));
   }
 
  private:
-  /// Per fork, whether faces may cross still.
+  /// Per fork, whether faces may still intersect.
   std::vector<uint8_t> spread_out(const ForkFaces& moved_faces, const base::Execution& execution) {
     std::vector<double> pull(points_.size(), 0.0);
     for (const Mover& mover : movers_) {
@@ -108,15 +108,15 @@ class ForkBlender {
     return untangle(moved_faces, pull, onto, execution, points_);
   }
 
-  /// Softens creases; in the forks where some were, faces may cross again.
-  void soften(const ForkFaces& moved_faces, std::vector<uint8_t>& due) {
+  /// Softens creases; faces may intersect again in the affected forks.
+  void soften(const ForkFaces& moved_faces, std::vector<uint8_t>& dirty) {
     std::vector<double> farthest = beside_holes();
     for (const Mover& mover : movers_) farthest[mover.vertex] = mover.longest_step;
     const std::vector<glm::dvec3> before(points_);
     soften_creases(fine_, surface_.origins, chains_, farthest, points_);
-    for (size_t j = 0; j < due.size(); ++j) {
+    for (size_t j = 0; j < dirty.size(); ++j) {
       const std::vector<int32_t>& faces = moved_faces.faces[j];
-      due[j] |= std::any_of(faces.begin(), faces.end(), [&](int32_t face) {
+      dirty[j] |= std::any_of(faces.begin(), faces.end(), [&](int32_t face) {
         const Quad& quad = fine_.quads[face];
         return std::any_of(quad.begin(), quad.end(),
                            [&](int32_t v) { return points_[v] != before[v]; });
@@ -124,9 +124,9 @@ class ForkBlender {
     }
   }
 
-  /// Per vertex how far it may go in the rows beside holes: where a hole nearly fills its row, what
-  /// is left of them is so short that the middle of a side, which lies inside the next row's
-  /// corners, makes a step.
+  /// Per vertex its maximum displacement in the rows beside holes: where a hole nearly fills its
+  /// row, the remaining strip is so short that the middle of a side, which lies inside the next
+  /// row's corners, makes a step.
   std::vector<double> beside_holes() const {
     std::vector<std::vector<double>> of_rows(surface_.limbs.size());
     for (const Junction& junction : surface_.junctions) {
@@ -147,26 +147,26 @@ class ForkBlender {
     return farthest;
   }
 
-  /// Moves the active vertices, and leaves those active that go on: they or neighbours have moved.
-  void take_ways(const std::vector<glm::dvec3>& moved, std::vector<int32_t>& active) {
-    std::vector<uint8_t> awake(movers_.size(), 0);
+  /// Moves the active vertices; those that moved, or whose neighbours moved, stay active.
+  void move_active(const std::vector<glm::dvec3>& moved, std::vector<int32_t>& active) {
+    std::vector<uint8_t> is_active(movers_.size(), 0);
     for (const int32_t i : active) {
       const int32_t v = movers_[i].vertex;
       if (glm::distance(points_[v], moved[i]) > kRest * movers_[i].longest_step) {
-        awake[i] = 1;
+        is_active[i] = 1;
         for (const int32_t neighbour : neighbours_.of(v)) {
-          if (mover_of_[neighbour] >= 0) awake[mover_of_[neighbour]] = 1;
+          if (mover_of_[neighbour] >= 0) is_active[mover_of_[neighbour]] = 1;
         }
       }
       points_[v] = moved[i];
     }
     active.clear();
     for (size_t i = 0; i < movers_.size(); ++i) {
-      if (awake[i] != 0) active.push_back(static_cast<int32_t>(i));
+      if (is_active[i] != 0) active.push_back(static_cast<int32_t>(i));
     }
   }
 
-  /// Caps stay flat, and the rings around them where they are.
+  /// Caps stay flat, and the rings around them stay in place.
   std::vector<uint8_t> capped() const {
     std::vector<uint8_t> cap(points_.size(), 0);
     for (size_t f = 0; f < fine_.quads.size(); ++f) {
@@ -178,7 +178,7 @@ class ForkBlender {
     return cap;
   }
 
-  /// From the rim of every child's hole on, all vertices within the fork's reach.
+  /// Finds all vertices within the fork's reach, starting from the rim of every child's hole.
   void find_movers() {
     const std::vector<uint8_t> fixed = capped();
     std::vector<std::pair<int32_t, int32_t>> pairs;
@@ -222,14 +222,14 @@ class ForkBlender {
         mover.longest_step = std::max(mover.longest_step, kLongestStep * fork.radius);
       }
       mover.last_fork = static_cast<int32_t>(at_.size());
-      // One on a limb that only begins further out keeps to that limb's own surface.
+      // On a limb that begins only further out, the vertex keeps that limb's own surface.
       if (!known) continue;
       mover_of_[mover.vertex] = static_cast<int32_t>(movers_.size());
       movers_.push_back(mover);
     }
   }
 
-  /// Per fork: the faces that have vertices in it that move.
+  /// Per fork: the faces with moving vertices.
   std::vector<std::vector<int32_t>> fork_faces() const {
     std::vector<std::vector<int32_t>> faces(forks_.size());
     for (size_t f = 0; f < fine_.quads.size(); ++f) {
@@ -251,8 +251,7 @@ class ForkBlender {
   glm::dvec3 move(const Mover& mover) const {
     glm::dvec3 p = points_[mover.vertex];
     if (mover.relaxation > 0.0) {
-      // Vertices go where their neighbours go, the nearest most: how far apart they were at first
-      // is as it should be.
+      // Vertices follow their neighbours, weighted by proximity: their initial distances are right.
       const glm::dvec3& from = first_points_[mover.vertex];
       glm::dvec3 sum(0.0);
       double weights = 0.0;
@@ -275,7 +274,7 @@ class ForkBlender {
     return old;
   }
 
-  /// Where some steps from p towards the blended surface lead, and the direction out of it there.
+  /// Result of some steps from p towards the blended surface, and the outward direction there.
   std::pair<glm::dvec3, glm::dvec3> onto_surface(const Mover& mover, glm::dvec3 p,
                                                  int steps) const {
     FieldValue field;
@@ -286,7 +285,7 @@ class ForkBlender {
     return {p, field.gradient};
   }
 
-  /// Whether a face around a vertex would turn its back where the vertex goes.
+  /// Whether moving a vertex to p would turn a face around it over.
   bool folds(int32_t vertex, const glm::dvec3& p, const glm::dvec3& outwards) const {
     const glm::dvec3& old = points_[vertex];
     for (int32_t i = neighbours_.begin[vertex]; i < neighbours_.begin[vertex + 1]; ++i) {
@@ -304,7 +303,7 @@ class ForkBlender {
   const Surface& surface_;
   const FineMesh& fine_;
   std::vector<glm::dvec3>& points_;
-  /// Where they were at first.
+  /// Initial positions.
   const std::vector<glm::dvec3> first_points_;
   const std::vector<int32_t>& chains_;
   const std::vector<Fork>& forks_;
@@ -312,7 +311,7 @@ class ForkBlender {
   std::vector<Mover> movers_;
   /// Per vertex: its mover, or -1.
   std::vector<int32_t> mover_of_;
-  /// The forks of all movers, in their order.
+  /// The forks of all movers, in order of the movers.
   std::vector<int32_t> at_;
 };
 

@@ -10,14 +10,14 @@
 
 namespace snowbough::tree {
 
-/// The vertices around every vertex, those of each in flat arrays.
+/// The vertices around every vertex, in flat arrays.
 struct Neighbours {
   std::vector<int32_t> begin, all;
-  /// The vertex before, in the face in which that in `all` comes after.
+  /// Per entry of `all`: the vertex before it in the face that contributed the entry.
   std::vector<int32_t> before;
 
   Neighbours(const std::vector<Quad>& quads, size_t count) : begin(count + 1, 0) {
-    // Every edge is met from both its faces, once in either direction.
+    // Every edge appears in both its faces, once in either direction.
     for (const Quad& quad : quads) {
       for (const int32_t v : quad) ++begin[v + 1];
     }

@@ -17,16 +17,16 @@
 namespace snowbough::tree {
 namespace {
 
-/// Vertices or faces that a thread takes at a time.
+/// Vertices or faces per thread at a time.
 constexpr size_t kBlock = 4096;
-/// Share of the time until the mesh is cut, its forks are blended, nothing crosses, and it is
-/// weighted.
+/// Progress at which the mesh is cut, its forks are blended, intersections are repaired, and
+/// weights are set.
 constexpr float kCutDone = 0.3f;
 constexpr float kForksDone = 0.7f;
 constexpr float kCleared = 0.85f;
 constexpr float kWeighted = 0.93f;
 
-/// Shares of a quad's four corners at a place on it.
+/// Bilinear weights of a quad's four corners.
 std::array<double, 4> corner_shares(double u, double v) {
   return {(1.0 - u) * (1.0 - v), u * (1.0 - v), u * v, (1.0 - u) * v};
 }

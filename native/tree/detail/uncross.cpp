@@ -9,19 +9,20 @@
 namespace snowbough::tree {
 namespace {
 
-/// What crosses goes back by this factor, entirely once less than the least share is left, in at
-/// most so many rounds; with its neighbours, which keep at most so much more of their ways.
+/// Displacements at intersections are multiplied by kBack per round, and undone below kLeastShare
+/// of the first one, in at most kBackRounds; the remaining shares of neighbours differ by at most
+/// kShareStep.
 constexpr double kBack = 0.6;
 constexpr double kLeastShare = 0.15;
 constexpr int kBackRounds = 8;
 constexpr double kShareStep = 0.34;
-/// What crosses still is put between its neighbours by this share of the way, in at most so many
-/// rounds.
+/// Fraction of the distance to the neighbours' mean that remaining intersections move per round,
+/// and the maximum number of rounds.
 constexpr double kSmoothing = 0.5;
 constexpr int kSmoothRounds = 12;
-/// Share of the time until what has come to cross is taken back.
+/// Progress at which undoing is finished.
 constexpr float kTakenBack = 0.9f;
-/// Forks that a thread looks at at a time.
+/// Forks per thread at a time.
 constexpr size_t kForkBlock = 8;
 
 using Pairs = std::vector<std::pair<int32_t, int32_t>>;
@@ -36,18 +37,18 @@ class Uncrosser {
         crossing_(forks.faces.size()),
         crossed_before_(forks.faces.size()) {}
 
-  void take_back(const base::Execution& execution, std::vector<uint8_t> due = {}) {
+  void take_back(const base::Execution& execution, std::vector<uint8_t> dirty = {}) {
     const std::vector<glm::dvec3> moved(points_);
-    // Share of its way that every vertex goes.
+    // Fraction of each vertex's displacement that is kept.
     std::vector<double> shares(points_.size(), 1.0);
-    if (due.empty()) due.assign(forks_.faces.size(), 1);
+    if (dirty.empty()) dirty.assign(forks_.faces.size(), 1);
     for (int round = 0; round < kBackRounds; ++round) {
-      find(due, execution.part(static_cast<float>(round) / kBackRounds,
-                               static_cast<float>(round + 1) / kBackRounds));
+      find(dirty, execution.part(static_cast<float>(round) / kBackRounds,
+                                 static_cast<float>(round + 1) / kBackRounds));
       std::vector<double> wanted(shares);
       bool crosses = false;
       for (size_t j = 0; j < crossing_.size(); ++j) {
-        if (due[j] == 0) continue;
+        if (dirty[j] == 0) continue;
         for (const auto& pair : crossing_[j]) {
           const Pairs& before = crossed_before_[j];
           if (std::binary_search(before.begin(), before.end(), pair)) continue;
@@ -65,10 +66,10 @@ class Uncrosser {
       for (const int32_t v : forks_.moving) {
         if (wanted[v] != shares[v]) points_[v] = before_[v] + (moved[v] - before_[v]) * wanted[v];
       }
-      find_due(shares, wanted, due);
+      find_dirty(shares, wanted, dirty);
       shares = std::move(wanted);
     }
-    find(due, execution);
+    find(dirty, execution);
   }
 
   void smooth() {
@@ -80,11 +81,11 @@ class Uncrosser {
   }
 
  private:
-  /// Finds what crosses in the forks that are due, and where there is some, what did before.
-  void find(const std::vector<uint8_t>& due, const base::Execution& execution) {
-    base::parallel_for(due.size(), kForkBlock, execution, [&](size_t begin, size_t end) {
+  /// Finds the intersections in the dirty forks and, if there are any, those before the move.
+  void find(const std::vector<uint8_t>& dirty, const base::Execution& execution) {
+    base::parallel_for(dirty.size(), kForkBlock, execution, [&](size_t begin, size_t end) {
       for (size_t j = begin; j < end; ++j) {
-        if (due[j] == 0) continue;
+        if (dirty[j] == 0) continue;
         crossing_[j] = crossing_quads(points_, forks_.quads, forks_.faces[j]);
         if (!crossing_[j].empty() && crossed_before_[j].empty()) {
           crossed_before_[j] = crossing_quads(before_, forks_.quads, forks_.faces[j]);
@@ -93,18 +94,18 @@ class Uncrosser {
     });
   }
 
-  /// Forks of which a face has a corner that has moved.
-  void find_due(const std::vector<double>& from, const std::vector<double>& to,
-                std::vector<uint8_t>& due) const {
-    for (size_t j = 0; j < due.size(); ++j) {
-      due[j] = std::any_of(forks_.faces[j].begin(), forks_.faces[j].end(), [&](int32_t face) {
+  /// Finds the forks with a face whose corner has moved.
+  void find_dirty(const std::vector<double>& from, const std::vector<double>& to,
+                  std::vector<uint8_t>& dirty) const {
+    for (size_t j = 0; j < dirty.size(); ++j) {
+      dirty[j] = std::any_of(forks_.faces[j].begin(), forks_.faces[j].end(), [&](int32_t face) {
         const Quad& quad = forks_.quads[face];
         return std::any_of(quad.begin(), quad.end(), [&](int32_t v) { return from[v] != to[v]; });
       });
     }
   }
 
-  /// Neighbours' shares differ by no more than kShareStep.
+  /// Limits the difference between neighbours' fractions to kShareStep.
   void even_out(std::vector<double>& shares) const {
     for (int pass = 0; pass < 3; ++pass) {
       for (const int32_t vertex : forks_.moving) {
@@ -115,7 +116,7 @@ class Uncrosser {
     }
   }
 
-  /// The corners of crossing faces and what is beside them, of what may move.
+  /// The movable corners of intersecting faces and their neighbours.
   std::vector<int32_t> around(const Pairs& crossing, const std::vector<uint8_t>& moves) const {
     std::vector<int32_t> vertices;
     for (const auto& [f, g] : crossing) {
@@ -134,7 +135,7 @@ class Uncrosser {
   }
 
   void smooth(const std::vector<int32_t>& faces, const std::vector<uint8_t>& moves) {
-    // An earlier fork may have mended it, or not.
+    // An earlier fork may have repaired it.
     Pairs crossing = crossing_quads(points_, forks_.quads, faces);
     const size_t at_first = crossing.size();
     std::vector<std::pair<int32_t, glm::dvec3>> kept;
@@ -159,7 +160,7 @@ class Uncrosser {
   const ForkFaces& forks_;
   const std::vector<glm::dvec3>& before_;
   std::vector<glm::dvec3>& points_;
-  /// Per fork: pairs of its faces that cross when last looked at, and that did before.
+  /// Per fork: the last found pairs of intersecting faces, and those before the move.
   std::vector<Pairs> crossing_, crossed_before_;
 };
 
@@ -172,9 +173,9 @@ void take_back(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
 
 void uncross(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
              const base::Execution& execution, std::vector<glm::dvec3>& points,
-             std::vector<uint8_t> due) {
+             std::vector<uint8_t> dirty) {
   Uncrosser uncrosser(forks, before, points);
-  uncrosser.take_back(execution.part(0.0f, kTakenBack), std::move(due));
+  uncrosser.take_back(execution.part(0.0f, kTakenBack), std::move(dirty));
   uncrosser.smooth();
 }
 

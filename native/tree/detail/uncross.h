@@ -10,30 +10,30 @@
 
 namespace snowbough::tree {
 
-/// What has moved at forks.
+/// The movable vertices at forks and their faces.
 struct ForkFaces {
   const std::vector<Quad>& quads;
   const Neighbours& neighbours;
-  /// The vertices that have moved and may move, ascending.
+  /// The vertices that have moved and may still move, ascending.
   std::vector<int32_t> moving;
-  /// Per fork: the faces that have some of them as corners, ascending.
+  /// Per fork: the faces with a moving corner, ascending.
   std::vector<std::vector<int32_t>> faces;
 };
 
-/// Only takes back what has come to cross by moving.
-/// @param before, points, execution  uncross.
+/// Only undoes movements that caused intersections.
+/// @param before, points, execution  as for uncross.
 void take_back(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
                const base::Execution& execution, std::vector<glm::dvec3>& points);
 
-/// Mends faces that cross at forks. Where moving made some cross that did not before, the vertices
-/// around them go back, part of the way at a time, until none does. What crosses still, because it
-/// did before, is put between its neighbours, round by round; where that does not help it stays.
+/// Repairs intersecting faces at forks. Where moving made faces intersect, the vertices around them
+/// move back step by step until none do. Faces that intersected before are moved between their
+/// neighbours, round by round; if that fails they stay.
 ///
-/// @param before  all points as they were before they moved.
-/// @param due  per fork, 0 where nothing crosses; empty: all are looked at.
+/// @param before  all points before the move.
+/// @param dirty  per fork, 0 if nothing intersects; empty: check all.
 /// @throws Cancelled when execution's progress says stop.
 void uncross(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
              const base::Execution& execution, std::vector<glm::dvec3>& points,
-             std::vector<uint8_t> due = {});
+             std::vector<uint8_t> dirty = {});
 
 }  // namespace snowbough::tree

@@ -9,14 +9,14 @@
 namespace snowbough::tree {
 namespace {
 
-/// Rounds on the surface, and without regard to it after them; sweeps in each.
+/// Rounds with projection, and without it after them; sweeps in each.
 constexpr int kOnSurface = 10;
 constexpr int kFree = 4;
 constexpr int kSweeps = 5;
-/// Cosine of the angle between the faces beside an edge from which on they lie in a pleat: 107
-/// degrees, more than limbs of four sides have at their corners.
+/// Cosine of the angle between the faces beside an edge beyond which they form a pleat: 107
+/// degrees, more than at the corners of four-sided limbs.
 constexpr double kPleat = -0.3;
-/// Forks that a thread looks at at a time.
+/// Forks per thread at a time.
 constexpr size_t kForkBlock = 8;
 
 using Pairs = std::vector<std::pair<int32_t, int32_t>>;
@@ -28,7 +28,7 @@ void keep_once(std::vector<int32_t>& numbers) {
 
 class Untangler {
  public:
-  Untangler(const ForkFaces& forks, std::span<const double> pull, const OntoSurface& onto,
+  Untangler(const ForkFaces& forks, std::span<const double> pull, const SurfaceProjection& onto,
             std::vector<glm::dvec3>& points)
       : forks_(forks),
         pull_(pull),
@@ -39,12 +39,12 @@ class Untangler {
 
   std::vector<uint8_t> untangle(const base::Execution& execution) {
     constexpr int kRounds = kOnSurface + kFree;
-    std::vector<uint8_t> due(forks_.faces.size(), 1);
+    std::vector<uint8_t> dirty(forks_.faces.size(), 1);
     for (int round = 0; round < kRounds; ++round) {
-      find_crossing(due, execution.part(static_cast<float>(round) / kRounds,
-                                        static_cast<float>(round + 1) / kRounds));
+      find_crossing(dirty, execution.part(static_cast<float>(round) / kRounds,
+                                          static_cast<float>(round + 1) / kRounds));
       std::vector<int32_t> around = tangled();
-      if (around.empty()) return std::vector<uint8_t>(due.size(), 0);
+      if (around.empty()) return std::vector<uint8_t>(dirty.size(), 0);
       const bool on_surface = round < kOnSurface;
       grow(on_surface ? round + 1 : 1, around);
       for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -53,24 +53,24 @@ class Untangler {
           points_[v] = on_surface ? onto_(v, p) : p;
         }
       }
-      find_due(around, due);
+      find_dirty(around, dirty);
       add_neighbours(around);
       suspects_ = std::move(around);
     }
-    for (size_t j = 0; j < due.size(); ++j) due[j] |= crossing_[j].empty() ? 0 : 1;
-    return due;
+    for (size_t j = 0; j < dirty.size(); ++j) dirty[j] |= crossing_[j].empty() ? 0 : 1;
+    return dirty;
   }
 
  private:
-  void find_crossing(const std::vector<uint8_t>& due, const base::Execution& execution) {
-    base::parallel_for(due.size(), kForkBlock, execution, [&](size_t begin, size_t end) {
+  void find_crossing(const std::vector<uint8_t>& dirty, const base::Execution& execution) {
+    base::parallel_for(dirty.size(), kForkBlock, execution, [&](size_t begin, size_t end) {
       for (size_t j = begin; j < end; ++j) {
-        if (due[j] != 0) crossing_[j] = crossing_quads(points_, forks_.quads, forks_.faces[j]);
+        if (dirty[j] != 0) crossing_[j] = crossing_quads(points_, forks_.quads, forks_.faces[j]);
       }
     });
   }
 
-  /// Vertices in pleats and of faces that cross.
+  /// Vertices in pleats and of intersecting faces.
   std::vector<int32_t> tangled() const {
     std::vector<int32_t> found;
     for (const Pairs& pairs : crossing_) {
@@ -87,7 +87,7 @@ class Untangler {
     return found;
   }
 
-  /// Whether two faces that share an edge at a vertex lie nearly on each other.
+  /// Whether two faces that share an edge at a vertex are nearly folded onto each other.
   bool in_pleat(int32_t vertex) const {
     const Neighbours& all = forks_.neighbours;
     const glm::dvec3& p = points_[vertex];
@@ -104,7 +104,7 @@ class Untangler {
     return false;
   }
 
-  /// Takes in what lies up to so many edges away and may move; leaves out what may not.
+  /// Adds movable vertices up to `rings` edges away; removes fixed ones.
   void grow(int rings, std::vector<int32_t>& vertices) const {
     for (int ring = 0; ring < rings; ++ring) add_neighbours(vertices);
     std::erase_if(vertices, [&](int32_t v) { return pull_[v] <= 0.0; });
@@ -129,12 +129,12 @@ class Untangler {
     return points_[vertex] + sum / static_cast<double>(beside.size());
   }
 
-  /// Forks of which a face has a corner that has moved.
-  void find_due(const std::vector<int32_t>& moved, std::vector<uint8_t>& due) const {
+  /// Finds the forks with a face whose corner has moved.
+  void find_dirty(const std::vector<int32_t>& moved, std::vector<uint8_t>& dirty) const {
     std::vector<uint8_t> has_moved(points_.size(), 0);
     for (const int32_t v : moved) has_moved[v] = 1;
-    for (size_t j = 0; j < due.size(); ++j) {
-      due[j] = std::any_of(forks_.faces[j].begin(), forks_.faces[j].end(), [&](int32_t face) {
+    for (size_t j = 0; j < dirty.size(); ++j) {
+      dirty[j] = std::any_of(forks_.faces[j].begin(), forks_.faces[j].end(), [&](int32_t face) {
         const Quad& quad = forks_.quads[face];
         return std::any_of(quad.begin(), quad.end(), [&](int32_t v) { return has_moved[v] != 0; });
       });
@@ -143,19 +143,19 @@ class Untangler {
 
   const ForkFaces& forks_;
   std::span<const double> pull_;
-  const OntoSurface& onto_;
+  const SurfaceProjection& onto_;
   std::vector<glm::dvec3>& points_;
-  /// Per fork: pairs of its faces that cross when last looked at.
+  /// Per fork: the last found pairs of intersecting faces.
   std::vector<Pairs> crossing_;
-  /// What may lie in pleats: at first all that has moved, then what moved in the last round and its
-  /// neighbours.
+  /// Vertices to check for pleats: at first all moved ones, then those moved in the last round and
+  /// their neighbours.
   std::vector<int32_t> suspects_;
 };
 
 }  // namespace
 
 std::vector<uint8_t> untangle(const ForkFaces& forks, std::span<const double> pull,
-                              const OntoSurface& onto, const base::Execution& execution,
+                              const SurfaceProjection& onto, const base::Execution& execution,
                               std::vector<glm::dvec3>& points) {
   return Untangler(forks, pull, onto, points).untangle(execution);
 }

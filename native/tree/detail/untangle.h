@@ -11,22 +11,22 @@
 
 namespace snowbough::tree {
 
-/// The place on a smooth surface that a point near it belongs to.
-using OntoSurface = std::function<glm::dvec3(int32_t vertex, const glm::dvec3& p)>;
+/// Projects a point near a smooth surface onto the surface.
+using SurfaceProjection = std::function<glm::dvec3(int32_t vertex, const glm::dvec3& p)>;
 
-/// Spreads out what lies in pleats or crosses: the mesh lies on a smooth surface, which does not
-/// fold, so vertices around go between their neighbours and back to the surface, over more and more
-/// rings around what is still folded, until nothing is. Vertices that all lie between their
-/// neighbours leave no room for a pleat (W. T. Tutte, "How to Draw a Graph", Proceedings of the
-/// London Mathematical Society 13, 1963). What crosses in the end, where faces are too long for the
-/// surface's bends, is spread out without regard to it.
+/// Unfolds pleats and intersecting faces: the mesh lies on a smooth surface that does not fold, so
+/// vertices around a fault move between their neighbours and are projected back, over more and more
+/// rings of faces, until no fault is left. If all vertices lie between their neighbours there is no
+/// pleat (W. T. Tutte, "How to Draw a Graph", Proceedings of the London Mathematical Society 13,
+/// 1963). Faces that still intersect, being too long for the surface's curvature, are moved without
+/// projection.
 ///
-/// @param pull  per vertex: neighbours further away than this pull as if they were so near, metres;
-///   0 for those that stay.
+/// @param pull  per vertex: neighbours farther away than this, in metres, pull as if they were at
+///   this distance; 0 fixes the vertex.
 /// @throws Cancelled when execution's progress says stop.
-/// @return per fork, 1 where faces cross still or were not looked at since they moved.
+/// @return per fork, 1 if faces still intersect or have moved since the last check.
 std::vector<uint8_t> untangle(const ForkFaces& forks, std::span<const double> pull,
-                              const OntoSurface& onto, const base::Execution& execution,
+                              const SurfaceProjection& onto, const base::Execution& execution,
                               std::vector<glm::dvec3>& points);
 
 }  // namespace snowbough::tree

@@ -8,13 +8,12 @@
 
 namespace snowbough::tree {
 
-/// An edge of a face, and the two points where it starts and ends: corners counted through all of
-/// the faces.
+/// An edge of a face, and its start and end points: corner indices counted over all faces.
 struct FaceEdge {
-  /// Its vertices, the lower one first, in the upper and the lower half; counted from the first
-  /// face's first one.
+  /// Its vertices, the lower one in the upper half, the higher one in the lower half; relative to
+  /// the first face's first vertex.
   uint64_t vertices = 0;
-  /// It goes from the lower to the higher vertex.
+  /// Runs from the lower to the higher vertex.
   bool forward = false;
   int32_t face = 0;
   int32_t point = 0;
@@ -23,19 +22,19 @@ struct FaceEdge {
   bool shares_vertex(const FaceEdge& other) const;
 };
 
-/// How some faces hang together by edges: what does is an island. Leaves are mostly copies of one
-/// another: nothing is done for faces that are numbered like those asked about before.
+/// Edge-connected islands of some faces. Leaves are mostly copies of one another: faces numbered
+/// like the previous ones reuse its result.
 class FaceConnections {
  public:
   /// @param faces  of three or more corners each.
   void find(const Foliage& foliage, std::span<const int32_t> faces);
 
   int32_t island_count() const { return island_count_; }
-  /// Of each face the first one of its island.
+  /// Per face: the first face of its island.
   const std::vector<int32_t>& island_of() const { return island_of_; }
-  /// Edges that have one face.
+  /// Edges with one face.
   const std::vector<FaceEdge>& outline() const { return outline_; }
-  /// Whether all other edges have two, one on either side.
+  /// Whether all other edges have two faces, one on either side.
   bool two_sided() const { return two_sided_; }
 
  private:
@@ -43,11 +42,11 @@ class FaceConnections {
   void find_outline();
   void find_islands(int32_t face_count);
 
-  /// Of every face the number of corners and then their vertices, counted from the first face's
-  /// first one: what is asked about and what was.
+  /// Per face its number of corners and its vertices, relative to the first face's first vertex: of
+  /// the current and of the previous faces.
   std::vector<int32_t> numbering_;
   std::vector<int32_t> known_numbering_;
-  /// Equal ones side by side.
+  /// Sorted: equal edges are adjacent.
   std::vector<FaceEdge> edges_;
   std::vector<FaceEdge> outline_;
   bool two_sided_ = true;

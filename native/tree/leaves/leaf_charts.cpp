@@ -17,18 +17,19 @@
 namespace snowbough::tree {
 namespace {
 
-/// Leaves that a thread takes at a time.
+/// Leaves per thread at a time.
 constexpr size_t kLeafBlock = 512;
-/// A face that shows less than this share of its area along the island's normal gets its own chart.
+/// A face with less than this fraction of its area visible along the island's normal gets its own
+/// chart.
 constexpr double kMinFacing = 0.25;
-/// Islands with a longer outline are taken apart, as testing them for folds grows with its square.
+/// Islands with a longer outline are split: testing them for folds takes quadratic time.
 constexpr size_t kMaxOutline = 400;
-/// Size in metres of what stands for a face without area; it is widened later.
+/// Size in metres of the replacement for a face without area; it is widened later.
 constexpr double kNoSize = 1e-12;
 
 using Point = glm::dvec2;
 
-/// An edge of the outline laid flat, with the island on its left.
+/// An edge of the flattened outline, with the island on its left.
 struct Segment {
   Point a, b;
 };
@@ -43,7 +44,7 @@ bool touch(const Segment& p, const Segment& q) {
          turn(q.a, q.b, p.a) * turn(q.a, q.b, p.b) <= 0.0;
 }
 
-/// Whether an outline goes round `centre` once, always anticlockwise: then it does not cross
+/// Whether an outline goes around `centre` once, always anticlockwise: then it does not intersect
 /// itself.
 bool is_star(const std::vector<Segment>& outline, const Point& centre) {
   int rounds = 0;
@@ -51,7 +52,7 @@ bool is_star(const std::vector<Segment>& outline, const Point& centre) {
     if (turn(centre, edge.a, edge.b) <= 0.0) {
       return false;
     }
-    // Going up, it passes on the right.
+    // An upward edge passes on the right.
     rounds += edge.a.y < centre.y && edge.b.y >= centre.y ? 1 : 0;
   }
   return rounds == 1;
@@ -65,7 +66,7 @@ Point mean(const std::vector<Point>& points) {
   return sum / static_cast<double>(points.size());
 }
 
-/// Turns the points so that their widest spread stands upright, and moves them to the origin.
+/// Rotates the points so that their largest extent is vertical, and moves them to the origin.
 /// @return their extent.
 Point straighten(std::vector<Point>& points) {
   const Point centre = mean(points);
@@ -78,7 +79,7 @@ Point straighten(std::vector<Point>& points) {
     xy += d.x * d.y;
     yy += d.y * d.y;
   }
-  // The covariance's first axis lies at half the angle of (xx - yy, 2 xy).
+  // The principal axis has half the angle of (xx - yy, 2 xy).
   const double x = xx - yy;
   const double y = 2.0 * xy;
   const double length = std::sqrt(x * x + y * y);
@@ -101,15 +102,15 @@ Point straighten(std::vector<Point>& points) {
   return high - low;
 }
 
-/// Lays leaves flat, one after the other. Vectors are kept from one to the next.
+/// Flattens leaves, one after the other. Reuses its vectors.
 class LeafFlattener {
  public:
-  /// @param result  the faces of the leaves to come and their points are its to change.
-  /// @param charts  where charts are added.
+  /// @param result  it changes the order of the leaves' faces, and their points.
+  /// @param charts  receives the charts.
   LeafFlattener(const Foliage& foliage, LeafCharts& result, std::vector<LeafChart>& charts)
       : foliage_(foliage), result_(result), charts_(charts) {}
 
-  /// Adds the charts of the leaf that has faces [first, last) of the result's.
+  /// Adds the charts of the leaf with faces [first, last) of the result.
   void add_leaf(int32_t first, int32_t last) {
     if (last - first == 1) {
       add_island(first, last);
@@ -120,7 +121,7 @@ class LeafFlattener {
       add_island(first, last);
       return;
     }
-    // One island's faces after another's, each in their order.
+    // Faces grouped by island, each group in order.
     std::vector<std::pair<int32_t, int32_t>> by_island;
     for (int32_t at = first; at < last; ++at) {
       by_island.emplace_back(connections_.island_of()[at - first], result_.faces[at]);
@@ -148,8 +149,7 @@ class LeafFlattener {
     return std::span(result_.faces).subspan(first, last - first);
   }
 
-  /// Adds an island, of which is known how it hangs together, as one chart, or else each of its
-  /// faces as one.
+  /// Adds an island, whose connectivity is known, as one chart, or as one chart per face.
   void add_island(int32_t first, int32_t last) {
     if (project(first, last) && (last - first == 1 || lies_flat())) {
       add_chart(first, last, straighten(points_));
@@ -163,7 +163,7 @@ class LeafFlattener {
     }
   }
 
-  /// Newell's normal of a polygon: twice its area along each axis.
+  /// Newell's normal of a polygon, with a length of twice its area.
   static glm::dvec3 area_normal(std::span<const glm::dvec3> corners) {
     glm::dvec3 sum(0.0);
     for (size_t i = 2; i < corners.size(); ++i) {
@@ -172,7 +172,8 @@ class LeafFlattener {
     return sum;
   }
 
-  /// Sees faces along their mean normal: fills points_ and faces_front_. False if there is none.
+  /// Projects faces along their mean normal: fills points_ and faces_front_. False if there is
+  /// none.
   bool project(int32_t first, int32_t last) {
     corners_.clear();
     normals_.clear();
@@ -205,8 +206,8 @@ class LeafFlattener {
     return true;
   }
 
-  /// Whether the island lies flat without covering itself: every face shows its front, every inner
-  /// edge has a face on either side, and the outline does not cross itself.
+  /// Whether the island is flat without overlap: every face shows its front, every inner edge has a
+  /// face on either side, and the outline does not intersect itself.
   bool lies_flat() {
     if (!faces_front_ || !connections_.two_sided()) {
       return false;
@@ -258,7 +259,7 @@ class LeafFlattener {
   /// The island's corners, face by face, and its faces' normals.
   std::vector<glm::dvec3> corners_;
   std::vector<glm::dvec3> normals_;
-  /// The corners seen flat, and whether all of its faces show their front.
+  /// The projected corners, and whether all faces show their front.
   std::vector<Point> points_;
   bool faces_front_ = false;
   std::vector<Segment> outline_;
@@ -288,7 +289,7 @@ LeafCharts flatten_leaves(const Foliage& foliage, const base::Execution& executi
   LeafCharts result;
   result.faces = faces_by_leaf(foliage);
   result.points.assign(foliage.corner_vertex.size(), glm::vec2(0.0f));
-  // Where each leaf's faces begin, and where the last one's end.
+  // First face of each leaf, and the end of the last one.
   std::vector<int32_t> leaves;
   for (size_t i = 0; i < result.faces.size(); ++i) {
     if (i == 0 || foliage.face_leaf[result.faces[i]] != foliage.face_leaf[result.faces[i - 1]]) {

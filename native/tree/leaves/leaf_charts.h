@@ -9,7 +9,7 @@
 
 namespace snowbough::tree {
 
-/// Faces that lie flat together: [first_face, last_face) of LeafCharts::faces.
+/// Faces laid flat together: [first_face, last_face) of LeafCharts::faces.
 struct LeafChart {
   int32_t first_face = 0;
   int32_t last_face = 0;
@@ -19,7 +19,7 @@ struct LeafChart {
 
 /// The leaves, laid flat one by one.
 struct LeafCharts {
-  /// By their leaves.
+  /// In the order of their leaves.
   std::vector<LeafChart> charts;
   /// All faces of three or more corners, chart by chart.
   std::vector<int32_t> faces;
@@ -28,11 +28,11 @@ struct LeafCharts {
   std::vector<glm::vec2> points;
 };
 
-/// Lays every leaf flat. One that is a flat or slightly bent island keeps its own shape, seen along
-/// its mean normal with its longer side upright. Leaves of several islands (crossed planes) become
-/// one chart an island, and an island that would fold upon itself (needle tubes, spheres) one a
-/// face. A face without area becomes a regular polygon of next to no size.
-/// @param foliage  arrays that do not contradict each other.
+/// Lays every leaf flat. A leaf that is one flat or slightly bent island keeps its shape, projected
+/// along its mean normal with its longer side upright. Leaves of several islands (crossed planes)
+/// get one chart per island, and an island that would overlap itself (needle tubes, spheres) one
+/// per face. A face without area becomes a tiny regular polygon.
+/// @param foliage  with consistent arrays.
 /// @throws Cancelled when execution's progress says stop.
 LeafCharts flatten_leaves(const Foliage& foliage, const base::Execution& execution = {});
 

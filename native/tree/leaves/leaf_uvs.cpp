@@ -16,11 +16,11 @@ namespace {
 
 constexpr int kMinResolution = 16;
 constexpr int kMaxResolution = 16384;
-/// Share of the time until all leaves lie flat.
+/// Progress at which all leaves are flat.
 constexpr float kFlatDone = 0.8f;
-/// The search for the scale ends when it is known to this share of itself.
+/// Relative tolerance of the search for the scale.
 constexpr double kScaleTolerance = 1e-3;
-/// ... or, where charts are at their smallest whatever the scale, after so many steps.
+/// Maximum number of search steps, for charts that keep their minimum size at any scale.
 constexpr int kSearchSteps = 40;
 
 void check(const Foliage& foliage, int resolution) {
@@ -37,7 +37,7 @@ void check(const Foliage& foliage, int resolution) {
                      : begin.front() == 0 && std::is_sorted(begin.begin(), begin.end()) &&
                            static_cast<size_t>(begin.back()) == foliage.corner_vertex.size());
   if (!consistent) {
-    throw std::invalid_argument("face_begin, face_leaf and corner_vertex contradict each other");
+    throw std::invalid_argument("face_begin, face_leaf and corner_vertex are inconsistent");
   }
   for (const int32_t vertex : foliage.corner_vertex) {
     if (vertex < 0 || static_cast<size_t>(vertex) >= foliage.vertices.size()) {
@@ -46,9 +46,9 @@ void check(const Foliage& foliage, int resolution) {
   }
 }
 
-/// Charts in the order in which they are laid out: the tallest first.
+/// Charts in layout order: the tallest first.
 std::vector<LeafChart> sorted_charts(const std::vector<LeafChart>& charts) {
-  // The heights beside the numbers: sorting reads nothing else.
+  // Heights together with indices, so that sorting reads nothing else.
   std::vector<std::pair<double, size_t>> order(charts.size());
   for (size_t i = 0; i < charts.size(); ++i) {
     order[i] = {-charts[i].size.y, i};
@@ -71,7 +71,7 @@ int whole_texels(double extent) {
   return texels < extent ? texels + 1 : texels;
 }
 
-/// Lays charts on shelves, from the bottom of the map up.
+/// Places charts on shelves, from the bottom of the map up.
 class Shelves {
  public:
   /// @param charts  the tallest first; not empty.
@@ -81,10 +81,10 @@ class Shelves {
     }
   }
 
-  /// Side in metres of the square that every chart fits into.
+  /// Side in metres of a square that contains any chart.
   double largest() const { return std::max(widest_, charts_.front().size.y); }
 
-  /// True if all fit; then `places` has their lower left texels.
+  /// True if all fit; `places` then receives their lower left texels.
   bool fill(double scale, int resolution, std::vector<glm::ivec2>& places) const {
     if (scale * largest() > resolution) {
       return false;
@@ -120,8 +120,8 @@ class Shelves {
   double widest_ = 0.0;
 };
 
-/// Nearly the largest scale at which the charts fit; negative if they do not even at their
-/// smallest.
+/// Nearly the largest scale at which the charts fit; negative if they do not fit at their minimum
+/// size.
 double search_scale(const Shelves& shelves, int resolution, std::vector<glm::ivec2>& places) {
   double low = 0.0;
   double high = resolution / shelves.largest();
@@ -156,7 +156,7 @@ LeafUvs layout_leaf_uvs(const Foliage& foliage, int resolution, const base::Exec
   for (int larger = kMinResolution; result.scale < 0.0; larger *= 2) {
     if (larger > kMaxResolution) {
       throw std::invalid_argument(
-          "the foliage's " + std::to_string(charts.size()) + " charts fit on no snow map up to " +
+          "the foliage's " + std::to_string(charts.size()) + " charts do not fit a snow map of " +
           std::to_string(kMaxResolution) + ": leave out the foliage or thin it");
     }
     if (larger > resolution) {

@@ -10,7 +10,7 @@
 namespace snowbough::tree {
 namespace {
 
-/// Square corners at sqrt(area / 2) stand for a round limb of radius sqrt(area / pi).
+/// Square corners at sqrt(area / 2) represent a round limb of radius sqrt(area / pi).
 float limb_radius(double corner) {
   return static_cast<float>(corner * std::sqrt(2.0 / M_PI));
 }
@@ -29,7 +29,7 @@ Armature make_bones(const Skeleton& skeleton, const std::vector<LimbPath>& paths
   Armature armature;
   Bones& bones = armature.bones;
   std::set<std::string> names;
-  // Per limb that others hang on.
+  // Per limb with children.
   std::vector<std::optional<PathSearch>> searches(paths.size());
   for (size_t b = 0; b < paths.size(); ++b) {
     const Branch& branch = skeleton.branches[b];
@@ -40,7 +40,7 @@ Armature make_bones(const Skeleton& skeleton, const std::vector<LimbPath>& paths
     int32_t parent = -1;
     if (branch.parent >= 0) {
       const LimbPath& holder = paths[branch.parent];
-      // A little towards the root, so that rounding does not pick the bone that starts at a joint.
+      // Slightly towards the root, so that rounding does not pick the bone that starts at a joint.
       std::optional<PathSearch>& search = searches[branch.parent];
       if (!search) search.emplace(holder);
       const double s = search->nearest_length(glm::dvec3(branch.attach_point)) - scale.coincident;
@@ -83,8 +83,8 @@ std::vector<int32_t> leaf_bones(const Skeleton& skeleton, const Bones& bones) {
   std::vector<int32_t> result;
   result.reserve(foliage.leaf_branch.size());
   for (size_t leaf = 0; leaf < foliage.leaf_branch.size(); ++leaf) {
-    // A branch that lost its bones to the budget hands its leaves to the nearest ancestor that kept
-    // some.
+    // If a branch has lost its bones to the budget, its leaves follow the nearest ancestor with
+    // bones.
     int32_t branch = foliage.leaf_branch[leaf];
     while (branch >= 0 && begin[branch] == begin[branch + 1]) {
       branch = skeleton.branches[branch].parent;

@@ -9,21 +9,21 @@
 
 namespace snowbough::tree {
 
-/// The armature, and where each branch's bones begin in it.
+/// The armature, and the first bone of each branch.
 struct Armature {
   Bones bones;
   /// Per branch: index of the bone of its first segment; its other bones follow.
   std::vector<int32_t> first_bone;
 };
 
-/// One bone for each segment of each branch's path, branch by branch, so that parents come before
-/// children. A branch's first bone hangs on the parent's bone that holds its attach point; at a
-/// joint that is the bone that ends there.
+/// One bone per segment of each branch's path, branch by branch, so that parents come before
+/// children. A branch's first bone is a child of the parent's bone at its attach point; at a joint,
+/// of the bone that ends there.
 Armature make_bones(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
                     const SurfaceScale& scale);
 
-/// Per leaf: the bone of its branch nearest to where it hangs.
-/// @throws std::invalid_argument when the mesh was not built from this skeleton.
+/// Per leaf: the bone of its branch nearest to its attach point.
+/// @throws std::invalid_argument if the mesh was not built from this skeleton.
 std::vector<int32_t> leaf_bones(const Skeleton& skeleton, const Bones& bones);
 
 }  // namespace snowbough::tree

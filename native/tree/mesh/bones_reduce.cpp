@@ -7,11 +7,10 @@
 namespace snowbough::tree {
 namespace {
 
-/// Bones in the order in which they deserve to be kept: by level, then thick before thin; a bone
-/// never comes before its parent.
+/// Bones by decreasing importance: by level, then by thickness; no bone comes before its parent.
 std::vector<int32_t> by_importance(const Bones& bones) {
   const size_t count = bones.heads.size();
-  // No thicker, and no shallower, than the parent: sorting then keeps ancestors first.
+  // Clamped to the parent's thickness and level: sorting then keeps ancestors first.
   std::vector<float> rank(bones.head_radii);
   std::vector<int32_t> level(bones.levels);
   for (size_t i = 0; i < count; ++i) {

@@ -14,7 +14,7 @@ struct Edges {
   struct Edge {
     /// Vertices, a < b.
     int32_t a, b;
-    /// Faces on both sides, in the faces' order; right is -1 at a border.
+    /// Faces on both sides, in face order; right is -1 at a border.
     int32_t left = -1, right = -1;
   };
   std::vector<Edge> all;

@@ -15,13 +15,13 @@
 namespace snowbough::tree {
 namespace {
 
-/// How far a vertex on the rim of a child's hole moves towards its neighbours, in distances to the
-/// nearest.
+/// Displacement of a vertex on the rim of a child's hole towards its neighbours, relative to the
+/// nearest one's distance.
 constexpr double kRimSmoothing = 0.4;
-/// Edges or faces that a thread takes at a time.
+/// Edges or faces per thread at a time.
 constexpr size_t kBlock = 4096;
 
-/// All sections, limb by limb, and where each branch's begin.
+/// All sections, limb by limb, and each branch's first.
 struct Sections {
   std::vector<LimbSection> all;
   std::vector<int32_t> first;
@@ -34,14 +34,14 @@ struct Sections {
     }
   }
 
-  /// -1 for caps: they stay flat.
+  /// -1 for caps, which stay flat.
   int32_t of(const FaceOrigin& origin) const {
     const bool cap = origin.part == FacePart::kTipCap || origin.part == FacePart::kRootCap;
     return cap ? -1 : first[origin.branch] + origin.row;
   }
 };
 
-/// The few different sections around a vertex.
+/// The distinct sections around a vertex.
 struct SectionSet {
   std::array<int32_t, 8> members{};
   int count = 0;
@@ -82,7 +82,7 @@ class Subdivider {
         points_(surface.vertices),
         rim_(surface.vertices.size(), 0) {}
 
-  /// The base's corners stand outside the limbs' round radius: put them on it.
+  /// Projects the base's corners, which are outside the limbs' round radius, onto it.
   void round_base() {
     std::vector<SectionSet> around(points_.size());
     std::vector<int32_t> inset(points_.size(), -1);
@@ -111,7 +111,7 @@ class Subdivider {
     rim_.resize(points_.size(), 0);
     mesh_.bone_indices.resize(points_.size());
     mesh_.bone_weights.resize(points_.size());
-    // Every new vertex depends on older ones alone, a face's on its edges' too.
+    // Every new vertex depends only on older ones, a face's also on its edges'.
     base::parallel_for(edges.all.size(), kBlock, execution.part(0.0f, 0.4f),
                        [&](size_t begin, size_t end) {
                          for (size_t e = begin; e < end; ++e) {
@@ -131,7 +131,7 @@ class Subdivider {
   void finish() { mesh_.vertices.assign(points_.begin(), points_.end()); }
 
  private:
-  /// Puts vertex v into the middle of an edge.
+  /// Places vertex v in the middle of an edge.
   void split_edge(const Edges::Edge& edge, int32_t v) {
     const glm::dvec3 middle = 0.5 * (points_[edge.a] + points_[edge.b]);
     const FaceOrigin& left = mesh_.origins[edge.left];
@@ -151,12 +151,12 @@ class Subdivider {
     mean_weights(v, ends);
   }
 
-  /// Puts vertex v into the middle of face f, whose edges have theirs from `first_edge` on.
+  /// Places vertex v in the middle of face f, whose edges' vertices start at `first_edge`.
   void place_centre(size_t f, const Edges& edges, int32_t first_edge, int32_t v) {
     SectionSet around;
     around.add(sections_.of(mesh_.origins[f]));
-    // The middle of the edge points, already on the limb's radius, is nearer to it than the
-    // corners'.
+    // The mean of the edge points, which are on the limb's radius already, is closer to it than the
+    // corners' mean.
     glm::dvec3 middle(0.0);
     for (int k = 0; k < 4; ++k) {
       middle += 0.25 * points_[first_edge + edges.of_face[f][k]];
@@ -230,15 +230,16 @@ class Subdivider {
     mesh_.uv_snow = std::move(uv_snow);
   }
 
-  /// Moves every rim vertex along the mean direction to its neighbours, by a share of the distance
-  /// to the nearest one: the first row of a long branch must not pull its rim out of the parent.
+  /// Moves every rim vertex along the mean direction to its neighbours, by a fraction of the
+  /// distance to the nearest one: the first row of a long branch must not pull its rim out of the
+  /// parent.
   void smooth_rims() {
     struct Around {
       glm::dvec3 sum{0.0};
       double nearest = std::numeric_limits<double>::max();
       int32_t count = 0;
     };
-    // Few vertices are on a rim: only these get a place of their own.
+    // Rim vertices are few: only they get a list.
     std::vector<int32_t> rim_vertices;
     std::vector<int32_t> place(points_.size(), -1);
     for (size_t v = 0; v < points_.size(); ++v) {
@@ -250,7 +251,7 @@ class Subdivider {
     std::vector<Around> rim(rim_vertices.size());
     for (const Quad& quad : mesh_.quads) {
       for (int k = 0; k < 4; ++k) {
-        // Every edge is met from both its faces, once in either direction.
+        // Every edge appears in both its faces, once in either direction.
         const int32_t v = quad[k];
         if (place[v] >= 0) {
           Around& around = rim[place[v]];

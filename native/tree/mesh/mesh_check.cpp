@@ -15,17 +15,16 @@ namespace {
 
 using PolyMesh = OpenMesh::PolyMesh_ArrayKernelT<>;
 
-/// The edges of the quads, each found from both sides. Half-edge 4 f + k runs along edge k of quad
-/// f.
+/// The edges of the quads, from both sides. Half-edge 4 f + k runs along edge k of quad f.
 struct HalfEdges {
-  /// The half-edge on the other side; -1 where there is none, or more than one.
+  /// The half-edge on the other side; -1 if there is none, or several.
   std::vector<int32_t> mate;
   /// One half-edge of each edge.
   std::vector<int32_t> edges;
 
   HalfEdges(const std::vector<Quad>& quads, size_t vertex_count, MeshCheck& check)
       : mate(quads.size() * 4, -1) {
-    // Sorted by the lower vertex in one pass, and by the higher one within the few that share it.
+    // Sorted by the lower vertex in one pass, then by the higher one among the few that share it.
     std::vector<int32_t> begin(vertex_count + 1, 0);
     for (const Quad& quad : quads) {
       for (int k = 0; k < 4; ++k) {
@@ -69,8 +68,8 @@ struct HalfEdges {
     }
   }
 
-  /// Whether the faces around every vertex follow one another around it, in a whole turn or up to
-  /// the border on both sides. Only for edges that one face or two, in opposite directions, use.
+  /// Whether the faces around every vertex form a single fan, closed or up to the border on both
+  /// sides. Only if every edge has one face, or two in opposite directions.
   bool single_fans(const std::vector<Quad>& quads, size_t vertex_count) const {
     std::vector<int32_t> faces(vertex_count, 0), first(vertex_count, -1);
     for (size_t f = 0; f < quads.size(); ++f) {
@@ -79,7 +78,7 @@ struct HalfEdges {
         first[quads[f][k]] = static_cast<int32_t>(4 * f + k);
       }
     }
-    // Half-edges that leave a vertex: the one before in the same face arrives at it.
+    // The half-edge before one that leaves a vertex, in the same face, arrives at it.
     const auto before = [](int32_t half) { return (half & ~3) | ((half + 3) & 3); };
     const auto after = [](int32_t half) { return (half & ~3) | ((half + 1) & 3); };
     for (size_t v = 0; v < vertex_count; ++v) {
@@ -104,7 +103,7 @@ struct HalfEdges {
   }
 };
 
-/// Twice the area of each quad as a vector; the diagonals' cross product.
+/// Twice the area of each quad as a vector: the cross product of its diagonals.
 glm::dvec3 area_vector(const std::vector<glm::vec3>& vertices, const Quad& quad) {
   return glm::cross(glm::dvec3(vertices[quad[2]]) - glm::dvec3(vertices[quad[0]]),
                     glm::dvec3(vertices[quad[3]]) - glm::dvec3(vertices[quad[1]]));
@@ -119,7 +118,7 @@ double quad_volume(const std::vector<glm::vec3>& vertices, const Quad& quad,
   return (glm::dot(p[0], glm::cross(p[1], p[2])) + glm::dot(p[0], glm::cross(p[2], p[3]))) / 6.0;
 }
 
-/// The smallest vertex of each vertex's piece.
+/// The smallest vertex of each vertex's component.
 std::vector<int32_t> pieces(size_t vertex_count, const std::vector<Quad>& quads) {
   base::UnionFind sets(vertex_count);
   for (const Quad& quad : quads) {
@@ -136,8 +135,8 @@ bool has_repeated_corner(const Quad& quad) {
          quad[0] == quad[2] || quad[1] == quad[3];
 }
 
-/// Joins face by face what is no clean surface and counts what could be joined.
-/// @param open receives 1 for pieces with a border.
+/// Adds non-manifold surfaces face by face to OpenMesh and counts the faces added.
+/// @param open receives 1 for components with a border.
 void join_faces(const std::vector<glm::vec3>& vertices, const std::vector<Quad>& quads,
                 const std::vector<int32_t>& piece_of, MeshCheck& check,
                 std::vector<uint8_t>& open) {
@@ -154,7 +153,7 @@ void join_faces(const std::vector<glm::vec3>& vertices, const std::vector<Quad>&
     const std::vector<PolyMesh::VertexHandle> corners = {
         mesh.vertex_handle(quad[0]), mesh.vertex_handle(quad[1]), mesh.vertex_handle(quad[2]),
         mesh.vertex_handle(quad[3])};
-    // OpenMesh refuses a face that would make an edge or a vertex non-manifold (it says so on
+    // OpenMesh refuses a face that would make an edge or a vertex non-manifold (and reports it on
     // stderr).
     bool joins = true;
     for (int k = 0; k < 4; ++k) {
@@ -203,7 +202,7 @@ MeshCheck check_mesh(const std::vector<glm::vec3>& vertices, const std::vector<Q
   const glm::dvec3 extent = vertices.empty() ? glm::dvec3(0.0) : high - low;
   const double smallest_area = 1e-14 * glm::dot(extent, extent);
 
-  // Pieces in the order of their lowest vertex.
+  // Components in the order of their lowest vertex.
   const std::vector<int32_t> root = pieces(vertices.size(), quads);
   std::vector<int32_t> piece_of(vertices.size(), -1);
   std::vector<uint8_t> used(vertices.size(), 0);

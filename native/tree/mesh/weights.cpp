@@ -6,13 +6,13 @@
 namespace snowbough::tree {
 namespace {
 
-/// A place on a branch and the one or two bones that hold it.
-struct Hold {
+/// A place on a branch and the one or two bones that influence it.
+struct BoneInfluence {
   int32_t first = -1;
   int32_t second = -1;
 };
 
-Hold bones_at(const LimbPath& path, int32_t first_bone, double s) {
+BoneInfluence bones_at(const LimbPath& path, int32_t first_bone, double s) {
   const int32_t segment = segment_at(path.lengths, s);
   const int32_t last = static_cast<int32_t>(path.points.size()) - 2;
   const double near = 1e-9 * path.length();
@@ -22,24 +22,24 @@ Hold bones_at(const LimbPath& path, int32_t first_bone, double s) {
   return {first_bone + segment, -1};
 }
 
-void add_hold(const Hold& hold, InfluenceSum& sum) {
-  if (hold.second < 0) {
-    sum.add(hold.first, 1.0);
+void add_influence(const BoneInfluence& influence, InfluenceSum& sum) {
+  if (influence.second < 0) {
+    sum.add(influence.first, 1.0);
   } else {
-    sum.add(hold.first, 0.5);
-    sum.add(hold.second, 0.5);
+    sum.add(influence.first, 0.5);
+    sum.add(influence.second, 0.5);
   }
 }
 
-/// Calls visit(vertex, hold) for every place by which a vertex is held.
+/// Calls visit(vertex, influence) for every place that influences a vertex.
 template <typename Visit>
-void for_each_hold(const Surface& surface, const std::vector<LimbPath>& paths,
-                   const Armature& armature, const Visit& visit) {
+void for_each_influence(const Surface& surface, const std::vector<LimbPath>& paths,
+                        const Armature& armature, const Visit& visit) {
   for (size_t b = 0; b < surface.limbs.size(); ++b) {
     for (const Ring& ring : surface.limbs[b].rings) {
-      const Hold hold = bones_at(paths[b], armature.first_bone[b], ring.bone_length);
+      const BoneInfluence influence = bones_at(paths[b], armature.first_bone[b], ring.bone_length);
       for (const int32_t vertex : ring.vertices) {
-        visit(vertex, hold);
+        visit(vertex, influence);
       }
     }
   }
@@ -47,10 +47,10 @@ void for_each_hold(const Surface& surface, const std::vector<LimbPath>& paths,
     if (!junction.inset) {
       continue;
     }
-    const Hold hold = bones_at(paths[junction.parent], armature.first_bone[junction.parent],
-                               junction.parent_bone_length);
+    const BoneInfluence influence = bones_at(
+        paths[junction.parent], armature.first_bone[junction.parent], junction.parent_bone_length);
     for (const int32_t vertex : surface.limbs[junction.child].rings.front().vertices) {
-      visit(vertex, hold);
+      visit(vertex, influence);
     }
   }
 }
@@ -90,22 +90,23 @@ void InfluenceSum::finish(int most, std::array<int32_t, 4>& indices,
 
 VertexWeights make_weights(const Surface& surface, const std::vector<LimbPath>& paths,
                            const Armature& armature, int max_influences) {
-  // Every place by which a vertex is held, vertex by vertex: most have one.
-  std::vector<int32_t> first_hold(surface.vertices.size() + 1, 0);
-  for_each_hold(surface, paths, armature,
-                [&](int32_t vertex, const Hold&) { ++first_hold[vertex + 1]; });
-  std::partial_sum(first_hold.begin(), first_hold.end(), first_hold.begin());
-  std::vector<Hold> holds(first_hold.back());
-  std::vector<int32_t> next(first_hold.begin(), first_hold.end() - 1);
-  for_each_hold(surface, paths, armature,
-                [&](int32_t vertex, const Hold& hold) { holds[next[vertex]++] = hold; });
+  // All influences, vertex by vertex: most have one.
+  std::vector<int32_t> first_influence(surface.vertices.size() + 1, 0);
+  for_each_influence(surface, paths, armature,
+                     [&](int32_t vertex, const BoneInfluence&) { ++first_influence[vertex + 1]; });
+  std::partial_sum(first_influence.begin(), first_influence.end(), first_influence.begin());
+  std::vector<BoneInfluence> influences(first_influence.back());
+  std::vector<int32_t> next(first_influence.begin(), first_influence.end() - 1);
+  for_each_influence(surface, paths, armature, [&](int32_t vertex, const BoneInfluence& influence) {
+    influences[next[vertex]++] = influence;
+  });
   VertexWeights result;
   result.indices.resize(surface.vertices.size());
   result.weights.resize(surface.vertices.size());
   for (size_t vertex = 0; vertex < surface.vertices.size(); ++vertex) {
     InfluenceSum sum;
-    for (int32_t i = first_hold[vertex]; i < first_hold[vertex + 1]; ++i) {
-      add_hold(holds[i], sum);
+    for (int32_t i = first_influence[vertex]; i < first_influence[vertex + 1]; ++i) {
+      add_influence(influences[i], sum);
     }
     sum.finish(max_influences, result.indices[vertex], result.weights[vertex]);
   }

@@ -14,12 +14,12 @@ struct VertexWeights {
   std::vector<std::array<float, 4>> weights;
 };
 
-/// Adds up influences on one vertex and keeps the strongest few of them.
+/// Sums the bone influences on one vertex and keeps the strongest.
 class InfluenceSum {
  public:
   void add(int32_t bone, double weight);
-  /// The strongest `most` influences (1 to 4), strongest first, scaled to sum 1; of equals the
-  /// lower bone.
+  /// Returns the strongest `most` influences (1 to 4), strongest first, normalised to sum 1; on a
+  /// tie the lower bone comes first.
   void finish(int most, std::array<int32_t, 4>& indices, std::array<float, 4>& weights);
 
  private:
@@ -31,10 +31,9 @@ class InfluenceSum {
   int count_ = 0;
 };
 
-/// Weights as they follow from how the surface was built, never guessed from distance: a ring at a
-/// joint takes half of each of its two bones, a tip all of its one, a knuckle's ring in the middle
-/// of a bone that bone; where branches share vertices the influences add up and are scaled to
-/// sum 1.
+/// Weights from the construction of the surface, not from distances: a ring at a joint takes half
+/// of each of its two bones, a tip its only one, a knuckle's ring in the middle of a bone that
+/// bone. Where branches share vertices the influences are summed and normalised.
 ///
 /// Source: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, section 3.3.
 VertexWeights make_weights(const Surface& surface, const std::vector<LimbPath>& paths,

@@ -44,7 +44,7 @@ std::optional<float> as_number(std::string_view token) {
   return value;
 }
 
-/// A texture statement: the file's name behind its options (-s 1 1 1, -clamp on ...).
+/// A texture statement: the file name after its options (-s 1 1 1, -clamp on ...).
 struct TextureStatement {
   std::string name;
   glm::vec2 scale{1.0f}, offset{0.0f};
@@ -57,7 +57,7 @@ TextureStatement read_texture_statement(std::string_view rest) {
   while (rest.starts_with('-')) {
     const std::string option = lower_case(next_token(rest));
     if (option == "-o" || option == "-s" || option == "-t") {
-      // One to three numbers, of which the textures of surfaces have the first two.
+      // One to three numbers; surface textures use the first two.
       for (int i = 0; i < 3; ++i) {
         std::string_view after = rest;
         const std::optional<float> value = as_number(next_token(after));
@@ -73,7 +73,7 @@ TextureStatement read_texture_statement(std::string_view rest) {
     }
     rest = trim(rest);
   }
-  // Some exporters write quotes around names with blanks.
+  // Some exporters quote names with blanks.
   if (rest.size() > 1 && rest.front() == '"' && rest.back() == '"') {
     rest = rest.substr(1, rest.size() - 2);
   }
@@ -82,17 +82,16 @@ TextureStatement read_texture_statement(std::string_view rest) {
   return statement;
 }
 
-/// What is added to "is missing" where a name leads elsewhere.
+/// Text after "is missing" for a name outside the allowed folders.
 std::string where_it_may_be(const fs::path& root, const std::string& name) {
   const fs::path path(name);
   const bool leads_out =
       path.is_absolute() || std::find(path.begin(), path.end(), fs::path("..")) != path.end();
   if (root.empty() || !leads_out) return "";
-  return " below " + root.string() + " (files elsewhere are read only where that is allowed)";
+  return " below " + root.string() + " (files elsewhere are only read with outside_files)";
 }
 
-/// Whether one of the words of a file's name says that it is a map of normals, or its last one is a
-/// mere n.
+/// Whether one of a file name's words marks a normal map, or its last one is n.
 bool is_normal_map(const std::string& path) {
   const std::string stem = lower_case(fs::path(path).stem().string()) + ".";
   if (stem.size() > 2 && (stem.ends_with("_n.") || stem.ends_with("-n."))) return true;
@@ -114,7 +113,7 @@ bool is_normal_map(const std::string& path) {
 class MaterialReader {
  public:
   /// @param obj_folder where the OBJ file is.
-  /// @param root what lies elsewhere is not read; empty: all may be.
+  /// @param root files outside of it are not read; empty: no restriction.
   MaterialReader(fs::path obj_folder, fs::path root, const std::set<std::string>& used,
                  std::map<std::string, ObjMaterial>& materials, std::vector<std::string>& warnings)
       : obj_folder_(std::move(obj_folder)),
@@ -157,7 +156,7 @@ class MaterialReader {
     if (keyword == "kd") {
       read_colour("Kd", rest, current_->diffuse);
     } else if (keyword == "tf") {
-      // `Tf spectral` and `Tf xyz` are other ways to say a colour, which nobody writes.
+      // The alternatives `Tf spectral` and `Tf xyz` are not used in practice.
       if (as_number(std::string_view(rest.substr(0, rest.find_first_of(" \t")))))
         read_colour("Tf", rest, current_->transmission);
     } else if (keyword == "d" || keyword == "tr") {
@@ -181,7 +180,7 @@ class MaterialReader {
     }
   }
 
-  /// Green and blue may be left out; they are then as red.
+  /// Missing green and blue equal red.
   void read_colour(const std::string& what, std::string_view rest, glm::vec3& colour) {
     glm::vec3 values(0.0f);
     for (int i = 0; i < 3; ++i) {
@@ -204,18 +203,18 @@ class MaterialReader {
                           statement.offset};
     if (!found.path.empty()) return found;
     found.path = find_converted_texture(folders, statement.name, root_);
-    // Under whatever path and case a file is named, it is missing but once.
+    // A missing file is reported once, independent of path and case.
     if (missing_.insert(lower_case(fs::path(statement.name).filename().string())).second) {
       const std::string instead = fs::path(found.path).filename().string();
       warnings_.push_back("texture '" + statement.name + "' of material '" + current_->name +
                           "' is missing" + where_it_may_be(root_, statement.name) +
-                          (found.path.empty() ? "" : ": '" + instead + "' is taken for it"));
+                          (found.path.empty() ? "" : ": '" + instead + "' is used instead"));
     }
     return found;
   }
 
   void malformed(const std::string& what) {
-    warnings_.push_back(place_ + "malformed " + what + " is ignored");
+    warnings_.push_back(place_ + "malformed " + what + " ignored");
   }
 
   fs::path obj_folder_;
@@ -228,7 +227,7 @@ class MaterialReader {
   std::set<std::string> missing_;
 };
 
-/// The folder above that of an OBJ file, as packs have their textures there; not the root of all.
+/// The parent of an OBJ file's folder, where packs keep textures; never the file system's root.
 fs::path folder_to_stay_in(const fs::path& folder) {
   fs::path own = fs::absolute(folder).lexically_normal();
   if (!own.has_filename()) own = own.parent_path();
@@ -236,7 +235,7 @@ fs::path folder_to_stay_in(const fs::path& folder) {
   return above == above.root_path() ? own : above;
 }
 
-/// The files that a statement `mtllib` names: one may name several, and names may hold blanks.
+/// The files of a statement `mtllib`: it may list several, and names may contain blanks.
 std::vector<fs::path> find_libraries(const fs::path& folder, const fs::path& root,
                                      const std::string& statement) {
   std::string name = statement;
@@ -280,7 +279,7 @@ std::map<std::string, ObjMaterial> read_materials(const std::string& obj_path,
     any = any || !files.empty();
     if (files.empty()) missing.push_back(library);
   }
-  // The OBJ was renamed, or its maker forgot to name the library.
+  // The OBJ was renamed, or does not name its library.
   fs::path own;
   if (!any) own = find_below(folder, fs::path(obj_path).stem().concat(".mtl"));
   if (!own.empty() && lies_below(root, own)) {

@@ -10,7 +10,7 @@
 namespace snowbough::tree {
 namespace {
 
-/// Room made for what is still to come, as a multiple of what is expected.
+/// Reserved memory relative to the expected need.
 constexpr double kRoom = 1.05;
 constexpr int64_t kMost = std::numeric_limits<int32_t>::max();
 
@@ -25,8 +25,7 @@ const char* name_of(ObjIndex kind) {
   }
 }
 
-/// Makes the array longer, with room for what the rest of the file will need by what it has needed
-/// so far.
+/// Enlarges the array, with room for the rest of the file extrapolated from its beginning.
 template <typename T>
 void grow(std::vector<T>& array, int64_t count, double share, const T& value = T()) {
   if (share > 0.0 && static_cast<size_t>(count) > array.capacity()) {
@@ -45,11 +44,11 @@ int32_t ObjAssembler::NameTable::index(std::vector<std::string>& names, const st
 
 ObjAssembler::ObjAssembler(std::string name) : name_(std::move(name)) {}
 
-/// All but the flat arrays.
+/// Everything except the flat arrays.
 void ObjAssembler::take(ObjFragment& fragment) {
   check_room(fragment);
   append_runs(fragment);
-  // These stand before the line at which the fragment was given up.
+  // They come before the line at which parsing stopped.
   resolve(fragment);
   if (!fragment.error.empty()) fail(line_count_ + fragment.error_line, fragment.error);
 
@@ -114,11 +113,10 @@ ObjScene ObjAssembler::finish() {
   }
   if (counts_.of[static_cast<int>(ObjIndex::kVertex)] == 0 && face_count_ == 0) {
     throw std::invalid_argument(
-        name_ + ": holds no vertices and no faces; it is empty or no Wavefront OBJ file");
+        name_ + ": has no vertices and no faces; it is empty or not a Wavefront OBJ file");
   }
   if (face_count_ == 0) {
-    throw std::invalid_argument(name_ +
-                                ": holds vertices but no faces; export the tree as polygons");
+    throw std::invalid_argument(name_ + ": has vertices but no faces; export the tree as polygons");
   }
   return std::move(scene_);
 }
@@ -186,8 +184,8 @@ void ObjAssembler::append_forward(const ObjFragment& fragment) {
   for (int kind = 0; kind < 3; ++kind) {
     std::vector<ForwardIndex>& all = forward_[kind];
     for (const ForwardIndex& entry : fragment.forward[kind]) {
-      // What is there by now needs no remembering. The first offence in the file, if any, is always
-      // larger than all before it, so that only running maxima need it.
+      // Indices to existing elements need no check later. The first error in the file, if any,
+      // exceeds all indices before it, so only running maxima are kept.
       if (entry.index > counts_.of[kind] && (all.empty() || entry.index > all.back().index)) {
         all.push_back({entry.index, line_count_ + entry.line});
       }

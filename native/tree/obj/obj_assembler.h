@@ -11,26 +11,26 @@
 
 namespace snowbough::tree {
 
-/// Makes an ObjScene of a file's fragments.
+/// Builds an ObjScene from a file's fragments.
 class ObjAssembler {
  public:
-  /// @param name what errors call the source.
+  /// @param name name of the source in errors.
   explicit ObjAssembler(std::string name);
 
-  /// Adds what follows in the file.
-  /// @param share  of the file that is read then, 0..1, for the room to be made; 0 = unknown.
-  /// @param threads  that share the work, the calling one included; 0 = one a core.
+  /// Appends the next fragments of the file.
+  /// @param share  fraction of the file read so far, 0..1, for reserving memory; 0 = unknown.
+  /// @param threads  that share the work, the calling one included; 0 = one per core.
   /// @throws std::invalid_argument "<name>:<line>: ..." for the first line that cannot be read.
   void append(std::vector<ObjFragment> fragments, double share, int threads);
 
-  /// @throws std::invalid_argument for indices that point past the file's end, and for a source
-  ///   without vertices or faces.
+  /// @throws std::invalid_argument for indices beyond the end of the file, and for a source without
+  /// vertices or faces.
   ObjScene finish();
 
   const ObjCounts& counts() const { return counts_; }
 
  private:
-  /// Gives every distinct name a number in the order of appearance.
+  /// Numbers distinct names in order of appearance.
   class NameTable {
    public:
     int32_t index(std::vector<std::string>& names, const std::string& name);
@@ -48,7 +48,7 @@ class ObjAssembler {
 
   std::string name_;
   ObjScene scene_;
-  /// Of what was taken, ahead of the scene's arrays while fragments are added.
+  /// Counts of all appended fragments, ahead of the scene's arrays while fragments are added.
   ObjCounts counts_;
   int64_t corner_count_ = 0;
   int32_t face_count_ = 0;

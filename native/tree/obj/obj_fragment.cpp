@@ -46,17 +46,17 @@ struct Line {
   }
 };
 
-/// Reads what nearly all numbers of an OBJ look like: up to 15 digits with or without a point, up
-/// to a blank or the end of the line. Mantissa and power of ten are then exact, and so is the
-/// rounding of their quotient (W. D. Clinger, PLDI 1990).
-/// @param at  becomes the end of the number if it is one of these, else stays.
+/// Parses the usual numbers of an OBJ: up to 15 digits with or without a point, up to a blank or
+/// the end of the line. Mantissa and power of ten are then exact, and their quotient is rounded
+/// correctly (W. D. Clinger, PLDI 1990).
+/// @param at  becomes the end of the number if it is one of these, otherwise stays.
 bool plain_decimal(const char*& at, const char* end, double& value) {
   constexpr std::array kPowers{1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
   const char* from = at;
   const bool negative = from != end && *from == '-';
   if (negative) ++from;
-  // Too many digits overflow, and are then left alone.
+  // Too many digits overflow, and are rejected.
   uint64_t mantissa = 0;
   const auto take_digits = [&] {
     const char* first = from;
@@ -81,7 +81,7 @@ bool plain_decimal(const char*& at, const char* end, double& value) {
   return true;
 }
 
-/// Reads an index of up to nine digits; 0 if it is no such.
+/// Parses an index of up to nine digits; 0 for anything else.
 int64_t plain_index(const char*& at, const char* end) {
   int64_t value = 0;
   const char* from = at;
@@ -95,7 +95,7 @@ int64_t plain_index(const char*& at, const char* end) {
   return value;
 }
 
-/// Gives every distinct name a number in the order of appearance.
+/// Numbers distinct names in order of appearance.
 class NameTable {
  public:
   explicit NameTable(std::vector<std::string>& names) : names_(names) {}
@@ -112,7 +112,7 @@ class NameTable {
   std::unordered_map<std::string, int32_t> numbers_;
 };
 
-/// Why a line cannot be read; the parser knows which.
+/// Why a line is invalid.
 struct BadLine {
   std::string why;
 };
@@ -124,14 +124,11 @@ struct BadLine {
 class FragmentParser {
  public:
   FragmentParser(const ObjCounts& known, const glm::dvec3& origin)
-      : known_(known),
-        origin_(origin),
-        groups_(scene_.names),
-        materials_(scene_.materials) {}
+      : known_(known), origin_(origin), groups_(scene_.names), materials_(scene_.materials) {}
 
   ObjFragment take() { return std::move(fragment_); }
 
-  /// @return false when the line cannot be read: the fragment says why.
+  /// @return false if the line is invalid; the fragment holds the reason.
   bool parse(const char* begin, const char* end) {
     try {
       parse_line(begin, end);
@@ -167,11 +164,11 @@ class FragmentParser {
     } else if (keyword == "f" || keyword == "fo") {
       parse_face(line);
     } else if (keyword == "g") {
-      // A bare `g` ends the group; the faces after it belong to the default one.
+      // A bare `g` ends the group; the following faces belong to the default group.
       const std::string_view group = line.rest();
       run_.group = group.empty() ? -1 : groups_.index(group);
     } else if (keyword == "o") {
-      // A new object ends the group of the one before.
+      // A new object ends the previous object's group.
       const std::string_view object = line.rest();
       run_.object = object.empty() ? -1 : groups_.index(object);
       run_.group = -1;
@@ -190,7 +187,7 @@ class FragmentParser {
     double value = 0.0;
     const auto [stop, error] = std::from_chars(begin, end, value);
     if (error == std::errc::result_out_of_range && stop == end) {
-      // Too small becomes 0 here, too large infinity.
+      // Values that are too small become 0, those that are too large infinity.
       return std::strtod(std::string(token).c_str(), nullptr);
     }
     if (error != std::errc() || stop != end) fail("malformed number '" + to_utf8(token) + "'");
@@ -225,7 +222,7 @@ class FragmentParser {
     }
   }
 
-  /// One index of a face corner at `at`, zero-based; 0 in place of a relative one, which is noted.
+  /// One zero-based index of a face corner at `at`; 0 for a relative one, which is recorded.
   int32_t index(const char*& at, const char* end, ObjIndex kind, const char* what) {
     const auto number = static_cast<int>(kind);
     const int64_t count = count_of(kind);
@@ -246,7 +243,7 @@ class FragmentParser {
       return 0;
     }
     if (value > known_.of[number] + count) {
-      // Legal if it stands before the fragment or the file brings it later.
+      // Valid if the element is before the fragment or later in the file.
       if (value > std::numeric_limits<int32_t>::max()) {
         fail(std::string(what) + " index " + std::to_string(value) + " is out of range");
       }
@@ -301,7 +298,7 @@ class FragmentParser {
     scene_.face_begin.push_back(static_cast<int32_t>(scene_.corner_vertex.size()));
   }
 
-  /// A face with too few corners; its indices are still checked.
+  /// Drops a face with too few corners after checking its indices.
   void leave_out(size_t first_corner, size_t first_relative, bool had_uvs) {
     scene_.corner_vertex.resize(first_corner);
     scene_.corner_uv.resize(had_uvs ? first_corner : 0);
@@ -321,8 +318,8 @@ class FragmentParser {
 };
 
 /// The end of the logical line that starts at `begin`: continuation lines are joined in place by
-/// blanking the backslash and the line break. Null when the buffer ends before the line does.
-/// Comments are not joined: they end in Windows paths.
+/// blanking the backslash and the line break. Null if the buffer ends before the line does.
+/// Comments are not joined, since they may end in Windows paths.
 char* join_logical_line(char* begin, char* end, int64_t& breaks_joined) {
   char* from = begin;
   const bool comment = begin != end && *begin == '#';
@@ -348,7 +345,7 @@ ObjFragment read_obj_fragment(char* begin, char* end, const ObjCounts& known,
     int64_t joined = 0;
     char* stop = join_logical_line(begin, end, joined);
     if (stop == nullptr) {
-      // The file ends without a line break or in a continuation: what was joined is the last line.
+      // The file ends without a line break or in a continuation: the joined text is the last line.
       parser.parse(begin, end);
       break;
     }

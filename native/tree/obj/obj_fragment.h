@@ -11,57 +11,56 @@
 
 namespace snowbough::tree {
 
-/// What an index of a face corner points to.
+/// The kind of a face corner's index.
 enum class ObjIndex : int8_t { kVertex, kUv, kNormal };
 
-/// A negative index: it counts back from where it stands, a place that the fragment does not know.
+/// A negative index: it counts back from its own position, which the fragment does not know.
 struct RelativeIndex {
   ObjIndex kind = ObjIndex::kVertex;
-  /// Corner of the fragment that it belongs to; -1 = of a normal or of a face that was left out.
+  /// Corner of the fragment; -1 for normals and for faces that were left out.
   int32_t corner = -1;
   int64_t line = 0;
-  /// As the file has it, and how many of the kind the fragment had brought before.
+  /// The value in the file, and the number of elements of this kind earlier in the fragment.
   int64_t value = 0;
   int64_t count = 0;
 };
 
-/// A positive index that pointed past all that was known when it was met; judged at the end.
+/// A positive index beyond all elements known at its position; checked at the end.
 struct ForwardIndex {
   int64_t index = 0;
   int64_t line = 0;
 };
 
-/// How many vertices, texture coordinates and normals stand before a place in the file; one number
-/// an ObjIndex.
+/// Number of vertices, texture coordinates and normals before a position in the file, by ObjIndex.
 struct ObjCounts {
   std::array<int64_t, 3> of{};
 };
 
-/// What stands in some whole lines of an OBJ, read without knowing those before. Lines count from 0
-/// at its beginning.
+/// The content of some whole lines of an OBJ, parsed without the lines before. Lines count from 0.
 struct ObjFragment {
-  /// A name that is as it was before the fragment, in its runs and in `last`.
+  /// A name unchanged since before the fragment, in its runs and in `last`.
   static constexpr int32_t kInherited = -2;
 
-  /// All but the relative indices as in the whole; names and materials numbered within the
-  /// fragment. corner_uv is empty when no face of the fragment has texture coordinates.
+  /// Everything except relative indices; names and materials are numbered within the fragment.
+  /// corner_uv is empty if no face of the fragment has texture coordinates.
   ObjScene scene;
-  /// Names in force at the end.
+  /// Names in effect at the end.
   FaceRun last{0, kInherited, kInherited, kInherited};
   int64_t normal_count = 0;
   int64_t line_count = 0;
   std::vector<RelativeIndex> relative;
   /// By ObjIndex, each larger than the one before.
   std::array<std::vector<ForwardIndex>, 3> forward;
-  /// The first line that cannot be read and why; what follows it was left unread. Empty = all good.
+  /// The first unreadable line and the reason; the rest was not read. Empty: no error.
   std::string error;
   int64_t error_line = 0;
 };
 
-/// Reads the lines of [begin, end); only the last may lack its line break. The text is changed:
+/// Parses the lines of [begin, end); only the last may lack its line break. Modifies the text:
 /// continued lines are joined in place.
-/// @param known  what at least stands before the fragment, which spares remembering most indices.
-/// @param origin  taken off every vertex before it is rounded to single precision.
+/// @param known  lower bounds of the counts before the fragment, so that few indices need checking
+///   later.
+/// @param origin  subtracted from every vertex before rounding to single precision.
 ObjFragment read_obj_fragment(char* begin, char* end, const ObjCounts& known,
                               const glm::dvec3& origin = glm::dvec3(0.0));
 

@@ -18,11 +18,11 @@
 namespace snowbough::tree {
 namespace {
 
-/// Pieces that a buffer is cut into: more than threads, as lines of faces and of vertices take
-/// different times.
+/// Pieces per buffer: more than threads, since lines of faces and of vertices take different times.
 constexpr size_t kPieces = 16;
 
-/// Whether a logical line surely ends before `at`: a break after a backslash may continue the line.
+/// Whether a logical line certainly ends before `at`: after a backslash a break may continue the
+/// line.
 /// @param begin  beginning of a logical line.
 bool ends_line(const char* begin, const char* at) {
   if (at == begin || at[-1] != '\n') return false;
@@ -31,13 +31,13 @@ bool ends_line(const char* begin, const char* at) {
   return last == begin || last[-1] != '\\';
 }
 
-/// End of the last whole logical line of [begin, end); `begin` if there is none.
+/// End of the last complete logical line of [begin, end); `begin` if there is none.
 char* last_line_end(char* begin, char* end) {
   while (end != begin && !ends_line(begin, end)) --end;
   return end;
 }
 
-/// Cuts whole lines into pieces of about the same size: piece i is [result[i], result[i + 1]).
+/// Cuts complete lines into pieces of similar size: piece i is [result[i], result[i + 1]).
 std::vector<char*> cut_pieces(char* begin, char* end) {
   const size_t size = static_cast<size_t>(end - begin) / kPieces + 1;
   std::vector<char*> cuts{begin};
@@ -50,23 +50,23 @@ std::vector<char*> cut_pieces(char* begin, char* end) {
   return cuts;
 }
 
-/// Text of the file from where the lines that were read end.
+/// Text of the file after the lines that were parsed.
 struct Chunk {
   std::vector<char> buffer;
   size_t held = 0;
   bool at_end = false;
 
-  /// Reads on behind what is held.
-  /// @param bytes_read  grows by what came.
+  /// Reads more text after the current one.
+  /// @param bytes_read  incremented by the number of bytes.
   void read(std::istream& stream, const std::string& name, size_t& bytes_read) {
-    // One byte is kept free for the line break that ends the last line.
+    // Reserves one byte for the line break after the last line.
     if (held + 1 >= buffer.size()) buffer.resize(buffer.size() * 2 + 1);
     stream.read(buffer.data() + held, static_cast<std::streamsize>(buffer.size() - held - 1));
     const auto got = static_cast<size_t>(stream.gcount());
     if (stream.bad()) throw std::runtime_error(name + ": reading failed");
     bytes_read += got;
     if (std::memchr(buffer.data() + held, '\0', got) != nullptr) {
-      throw std::invalid_argument(name + ": is no text file, hence no Wavefront OBJ");
+      throw std::invalid_argument(name + ": is not a text file, hence not a Wavefront OBJ");
     }
     char* const from = buffer.data() + held - (held > 0 ? 1 : 0);
     held += got;
@@ -76,9 +76,9 @@ struct Chunk {
   }
 };
 
-/// Reads whole lines, the pieces at once, and adds them to what was read before.
-/// @param share  of the file that ends with them; 0 = unknown.
-/// @param beside  work that one thread does at the same time.
+/// Parses complete lines, all pieces in parallel, and appends them.
+/// @param share  fraction of the file at their end; 0 = unknown.
+/// @param beside  work for one thread at the same time.
 void read_lines(char* begin, char* end, double share, const ObjReadOptions& options,
                 const std::function<void()>& beside, ObjAssembler& all) {
   const int threads = options.threads;
@@ -126,7 +126,7 @@ ObjScene read_obj(std::istream& stream, const std::string& name, const ObjReadOp
       now.read(stream, name, bytes_read);
       continue;
     }
-    // What the lines have wrong comes before what is wrong behind them.
+    // Errors in the lines take precedence over errors behind them.
     std::exception_ptr error;
     next.buffer.resize(now.buffer.size());
     next.held = static_cast<size_t>(end - cut);
@@ -151,7 +151,7 @@ ObjScene read_obj_file(const std::string& path, ObjReadOptions options) {
     throw std::invalid_argument(path + ": is a directory, not an OBJ file");
   }
   std::ifstream stream;
-  // Our own buffer is the only one.
+  // Disables the stream's own buffer.
   stream.rdbuf()->pubsetbuf(nullptr, 0);
   stream.open(path, std::ios::binary);
   if (!stream) throw std::invalid_argument(path + ": cannot be opened");

@@ -8,17 +8,17 @@
 
 namespace snowbough::tree {
 
-/// Faces that follow one another in the file under the same names, up to the next run's first one.
+/// Consecutive faces with the same names, up to the next run's first face.
 struct FaceRun {
   int32_t first_face = 0;
-  /// Indices into ObjScene::names, -1 where the file names none: from its lines `o` and `g`.
+  /// Indices into ObjScene::names from the lines `o` and `g`, -1 for none.
   int32_t object = -1;
   int32_t group = -1;
   /// Index into ObjScene::materials, -1 = none.
   int32_t material = -1;
 };
 
-/// A Wavefront OBJ file as it stands: in its own units and axes, nothing welded, split or judged.
+/// A Wavefront OBJ file as parsed: in its own units and axes, without welding or interpretation.
 struct ObjScene {
   std::vector<glm::vec3> positions;
   std::vector<glm::vec2> uvs;
@@ -26,7 +26,7 @@ struct ObjScene {
   std::vector<int32_t> face_begin{0};
   /// Per corner: index into positions, always valid.
   std::vector<int32_t> corner_vertex;
-  /// Per corner: index into uvs or -1; empty when no face of the file has texture coordinates.
+  /// Per corner: index into uvs or -1; empty if no face of the file has texture coordinates.
   std::vector<int32_t> corner_uv;
   /// In the order of the file; every polygon belongs to exactly one.
   std::vector<FaceRun> runs;

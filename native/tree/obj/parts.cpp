@@ -10,7 +10,7 @@
 namespace snowbough::tree {
 namespace {
 
-/// Sorts 0..count-1 into buckets, keeping their order: `bucket(i)` is a bucket's number or -1.
+/// Stable bucket sort of 0..count-1: `bucket(i)` is a bucket's number or -1.
 template <typename Bucket>
 void bucket_sort(int32_t count, int32_t buckets, const Bucket& bucket, std::vector<int32_t>& sorted,
                  std::vector<int32_t>& begin) {
@@ -26,7 +26,7 @@ void bucket_sort(int32_t count, int32_t buckets, const Bucket& bucket, std::vect
   }
 }
 
-/// How many faces or vertices pass between two calls of the progress callback.
+/// Faces or vertices between two progress reports.
 constexpr int32_t kProgressStep = 1 << 20;
 
 void report_step(const base::Progress& progress, int32_t i, int32_t count, float from, float to) {
@@ -52,7 +52,7 @@ Parts split_parts(const ObjScene& scene, const base::Progress& progress) {
   const std::vector<int32_t> representative = std::move(sets).all();
 
   Parts parts;
-  // Number the parts by their first face; the number is kept at the representative.
+  // Numbers the parts by their first face; the representative stores the number.
   std::vector<int32_t> part_of(scene.positions.size(), -1);
   int32_t run = 0;
   for (int32_t f = 0; f < face_count; ++f) {
@@ -67,7 +67,7 @@ Parts split_parts(const ObjScene& scene, const base::Progress& progress) {
       parts.run.push_back(run);
     }
   }
-  // Every vertex of a used set learns the number: representatives are the smallest, hence come
+  // Copies the number to every vertex of a used set: representatives are the smallest, hence come
   // first.
   for (int32_t v = 0; v < vertex_count; ++v) part_of[v] = part_of[representative[v]];
   base::report_progress(progress, 0.7f);

@@ -11,8 +11,8 @@ namespace snowbough::tree {
 
 /// An OBJ scene split into its index-connected components ("parts"), numbered by their first face.
 ///
-/// Components are split by index alone, before anything is welded: in real exports different
-/// branches touch (welding Betula lenta at 1e-5 would fuse 167 of 1,348), but never share an index.
+/// Components are split by index alone, without welding: in real exports different branches touch
+/// (welding Betula lenta at 1e-5 would fuse 167 of 1,348), but never share an index.
 struct Parts {
   /// Faces of part p: faces[face_begin[p] .. face_begin[p + 1]), in the order of the file.
   std::vector<int32_t> faces;
@@ -32,7 +32,7 @@ struct Parts {
   }
 };
 
-/// Splits by vertex index; vertices that no face uses belong to no part.
+/// Splits by vertex index; unused vertices belong to no part.
 /// @param progress receives 0..1.
 Parts split_parts(const ObjScene& scene, const base::Progress& progress = {});
 

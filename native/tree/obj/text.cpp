@@ -6,7 +6,7 @@
 namespace snowbough::tree {
 namespace {
 
-/// Bytes of a character in UTF-8 by its first byte; 0 where none begins so.
+/// Length of a UTF-8 character by its first byte; 0 for an invalid one.
 size_t length_of(uint8_t first) {
   if (first < 0x80) return 1;
   if (first >= 0xc2 && first < 0xe0) return 2;
@@ -18,7 +18,7 @@ uint8_t byte(char c) {
   return static_cast<uint8_t>(c);
 }
 
-/// The Unicode Standard 15.0, table 3-7: no surrogates, nothing written longer than it needs to be.
+/// The Unicode Standard 15.0, table 3-7: no surrogates and no overlong forms.
 bool is_utf8(std::string_view text) {
   for (size_t at = 0; at < text.size();) {
     const uint8_t first = byte(text[at]);
@@ -60,7 +60,7 @@ std::string lower_case(std::string_view text) {
       lower[i] = static_cast<char>(lower[i] + ('a' - 'A'));
     } else if (i > 0 && byte(lower[i - 1]) == 0xc3 && byte(lower[i]) >= 0x80 &&
                byte(lower[i]) <= 0x9e && byte(lower[i]) != 0x97) {
-      // From capital A with a grave accent on, but for the sign of multiplication.
+      // From capital A with grave accent on, except the multiplication sign.
       lower[i] = static_cast<char>(byte(lower[i]) + 0x20);
     }
   }

@@ -11,14 +11,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What packs call their folders of textures.
+/// Usual names of texture folders.
 constexpr std::array<const char*, 5> kTextureFolders = {"textures", "texture", "maps", "tex",
                                                         "images"};
 /// Images that Blender reads.
 constexpr std::array<const char*, 12> kImages = {".png", ".jpg", ".jpeg", ".tga",  ".tif", ".tiff",
                                                  ".bmp", ".dds", ".exr",  ".webp", ".jp2", ".hdr"};
 
-/// What lies in `folder` under this relative path, whatever its case; empty if nothing does.
+/// The file or folder with this relative path in `folder`, ignoring case; empty if there is none.
 fs::path find_any_below(const fs::path& folder, const fs::path& relative) {
   std::error_code error;
   fs::path at = folder;
@@ -30,7 +30,7 @@ fs::path find_any_below(const fs::path& folder, const fs::path& relative) {
     const std::string wanted = lower_case(step.string());
     fs::path found;
     for (const fs::directory_entry& entry : fs::directory_iterator(at, error)) {
-      // The smallest of several that differ in case only: independent of the folder's order.
+      // The smallest of several that differ only in case: independent of the folder's order.
       const fs::path name = entry.path().filename();
       if (lower_case(to_utf8(name.string())) == wanted && (found.empty() || name < found))
         found = name;
@@ -46,7 +46,7 @@ bool is_inside(const fs::path& root, const fs::path& path) {
          std::mismatch(root.begin(), root.end(), path.begin(), path.end()).first == root.end();
 }
 
-/// The folders in a folder, in the order of their names.
+/// The folders in a folder, sorted by name.
 std::vector<fs::path> folders_in(const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code error;
@@ -57,7 +57,7 @@ std::vector<fs::path> folders_in(const fs::path& folder) {
   return found;
 }
 
-/// The folders in which a texture may lie, the likeliest first.
+/// The folders in which to search textures, the most likely first.
 std::vector<fs::path> texture_folders(const std::vector<fs::path>& folders, const fs::path& path,
                                       const fs::path& root) {
   std::vector<fs::path> places;
@@ -66,7 +66,7 @@ std::vector<fs::path> texture_folders(const std::vector<fs::path>& folders, cons
     const fs::path found = find_any_below(folder, relative);
     if (fs::is_directory(found, error)) places.push_back(found);
   };
-  // Elsewhere may be another computer, which then hears of it.
+  // Paths outside may access another computer on the network.
   if (path.is_absolute() && is_inside(root, path.lexically_normal())) {
     add("/", path.parent_path().relative_path());
   }
@@ -79,7 +79,7 @@ std::vector<fs::path> texture_folders(const std::vector<fs::path>& folders, cons
     const fs::path above = fs::absolute(folder).parent_path();
     for (const char* beside : kTextureFolders) add(above, beside);
   }
-  // Those that a folder of textures beside holds: Textures/Bark, say.
+  // Subfolders of a texture folder: Textures/Bark, say.
   for (const fs::path& folder : folders) {
     for (const fs::path& beside : folders_in(folder)) {
       const std::string called = lower_case(beside.filename().string());

@@ -10,10 +10,10 @@
 namespace snowbough::tree {
 namespace {
 
-/// Faces that a thread takes at a time.
+/// Faces per thread at a time.
 constexpr size_t kBlock = 1024;
 
-/// Polylines, one a branch, and the nearest place on one of them.
+/// Polylines, one per branch, and nearest-place queries on them.
 class Polylines {
  public:
   /// @param points_of  the points of branch b.
@@ -40,7 +40,7 @@ class Polylines {
   std::vector<int32_t> begin_{0};
 };
 
-/// Where the rebuilt limbs' points lie around the axes of the original ones.
+/// The positions of the rebuilt limbs' points around the original axes.
 class Axes {
  public:
   explicit Axes(const Skeleton& skeleton)
@@ -73,7 +73,7 @@ class Axes {
   base::TriangleTree near_ours_, near_original_;
 };
 
-/// Looks up the faces of a mesh, one at a time.
+/// Looks up the faces of a mesh, one by one.
 class FaceLookup {
  public:
   FaceLookup(const Skeleton& skeleton, const TreeMesh& mesh)
@@ -83,14 +83,14 @@ class FaceLookup {
         triangles_(wood_.vertices, wood_.triangles, wood_.piece_begin),
         unrolled_(wood_) {}
 
-  /// @param uv receives the coordinates, unless the piece has none.
+  /// @param uv receives the coordinates, if the piece has any.
   /// @return the face's material.
   int32_t look_up(size_t face, int32_t branch, int32_t piece, QuadUv& uv) const {
     const Quad& quad = mesh_.quads[face];
     glm::dvec3 centre(0.0);
     for (const int32_t v : quad) centre += glm::dvec3(mesh_.vertices[v]) / 4.0;
     const AxisPlace place = axes_.place(branch, centre);
-    // From the axis of the original, not ours.
+    // Relative to the original's axis, not the rebuilt one.
     const glm::dvec3 there = place.axis + place.across + place.along * place.beyond;
     const int32_t nearest = triangles_.nearest(piece, there).triangle;
     const int32_t middle = unrolled_.walk(place, nearest).triangle;

@@ -12,18 +12,17 @@
 namespace snowbough::tree {
 namespace {
 
-/// Coordinates that differ by less are the same.
+/// Tolerance for equal coordinates.
 constexpr float kSameUv = 1e-3f;
-/// A corner this much nearer to the axis than the place has no direction of its own: a tip.
+/// A corner this much closer to the axis than the place has no direction: a tip.
 constexpr double kOnAxis = 1e-3;
-/// From so many steps on a walk is stopped when it comes back to where it was; and the most steps
-/// that it may have. A scan has hundreds of triangles along one of our faces.
+/// Number of steps after which a walk is checked for cycles; and the maximum number of steps. A
+/// scan has hundreds of triangles along one rebuilt face.
 constexpr int kSureSteps = 64;
 constexpr int kMostSteps = 16384;
-/// A limb's surface is nowhere this many times as far from its axis as nearby; another limb's may
-/// be.
+/// A larger ratio between two nearby distances from the axis means another limb.
 constexpr double kOtherLimb = 2.5;
-/// How far beyond an open edge coordinates run on, in heights of the triangle there.
+/// Extrapolation beyond an open edge, in heights of the triangle there.
 constexpr double kRunOn = 2.0;
 
 using Flat = std::array<glm::dvec2, 3>;
@@ -32,8 +31,8 @@ double cross(const glm::dvec2& a, const glm::dvec2& b) {
   return a.x * b.y - a.y * b.x;
 }
 
-/// A triangle's corners around the place: x along the limb's girth, y along the axis, metres. The
-/// place itself is (0, 0).
+/// A triangle's corners around the place: x along the limb's circumference, y along the axis,
+/// metres. The place is (0, 0).
 Flat unroll(const AxisPlace& place, const std::array<glm::dvec3, 3>& corners) {
   const double radius = glm::length(place.across);
   const glm::dvec3 out = radius > 0.0 ? place.across / radius : glm::dvec3(0.0);
@@ -58,14 +57,14 @@ Flat unroll(const AxisPlace& place, const std::array<glm::dvec3, 3>& corners) {
   return flat;
 }
 
-/// Shares of the corners at (0, 0); of a triangle without area NaN.
+/// Barycentric weights at (0, 0); NaN for a triangle without area.
 std::array<double, 3> shares_at_origin(const Flat& flat) {
   const double area = cross(flat[1] - flat[0], flat[2] - flat[0]);
   return {cross(flat[1], flat[2]) / area, cross(flat[2], flat[0]) / area,
           cross(flat[0], flat[1]) / area};
 }
 
-/// The same at the triangle's point that is nearest to (0, 0).
+/// Weights at the triangle's point nearest to (0, 0).
 std::array<double, 3> nearest_shares(const Flat& flat) {
   const auto flat3 = [](const glm::dvec2& p) { return glm::dvec3(p, 0.0); };
   const glm::dvec3 near =
@@ -75,7 +74,7 @@ std::array<double, 3> nearest_shares(const Flat& flat) {
   return shares_at_origin(moved);
 }
 
-/// How far from the axis the point with these shares of a triangle's corners is.
+/// Distance from the axis of the point with these weights.
 double radius_at(const AxisPlace& place, const std::array<glm::dvec3, 3>& corners,
                  const std::array<double, 3>& shares) {
   glm::dvec3 off = -place.axis;
@@ -114,7 +113,7 @@ void Unrolled::join_edges(int32_t begin, int32_t end) {
     size_t next = i + 1;
     while (next < edges.size() && edges[next].a == edges[i].a && edges[next].b == edges[i].b)
       ++next;
-    // Where more than two triangles meet, none goes on in another.
+    // Where more than two triangles meet, they do not continue one another.
     if (next - i == 2) {
       const Edge &e = edges[i], &f = edges[i + 1];
       across_[e.triangle][e.k] = across(e.triangle, e.k, f.triangle, f.k);
@@ -151,8 +150,7 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
     return std::array<glm::dvec3, 3>{wood_.vertices[v[0]], wood_.vertices[v[1]],
                                      wood_.vertices[v[2]]};
   };
-  // Brent's way to tell that a walk runs in a circle: one place is kept in mind, each twice as
-  // long.
+  // Brent's cycle detection: one place is remembered, each time twice as long.
   int32_t kept = -1;
   int keep_at = kSureSteps;
   for (int step = 0;; ++step) {
@@ -167,7 +165,7 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
       shares = nearest_shares(flat);
       break;
     }
-    // Over the edge behind which the place lies farthest. Corner k is opposite to edge k + 1.
+    // Across the edge that the place is farthest behind. Corner k is opposite to edge k + 1.
     int out = -1;
     double farthest = -1e-9;
     bool open = false;
@@ -176,7 +174,7 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
       if (shares[k] >= farthest) continue;
       open = open || (next.triangle < 0 && !next.seam);
       if (next.triangle < 0 || next.seam || next.triangle == before) continue;
-      // A neighbour that folds back over this triangle leads nowhere.
+      // Ignores a neighbour that folds back over this triangle.
       const Flat beyond = unroll(place, corners(next.triangle));
       const glm::dvec2 edge = flat[(k + 2) % 3] - flat[(k + 1) % 3];
       const glm::dvec2 start = flat[(k + 1) % 3];
@@ -201,7 +199,7 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
     at = next.triangle;
   }
   if (at != from) {
-    // In a crotch of a surface that forks the walk may have gone up the other limb.
+    // In a crotch of a forking surface the walk may have gone up the other limb.
     const std::array<double, 3> first = nearest_shares(unroll(place, corners(from)));
     if (radius_at(place, corners(at), shares) >
         kOtherLimb * radius_at(place, corners(from), first)) {

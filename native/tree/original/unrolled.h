@@ -10,44 +10,45 @@
 
 namespace snowbough::tree {
 
-/// A place near a limb's axis: where the axis is nearest, which way it runs, and how far off it is.
+/// A place near a limb's axis: the nearest point of the axis, the axis direction, and the offset.
 struct AxisPlace {
   glm::dvec3 axis{0.0};
   /// Unit length.
   glm::dvec3 along{0.0, 0.0, 1.0};
-  /// From the axis to the place, across it, and what of the way runs along it (beyond its ends).
+  /// Offset from the axis to the place, perpendicular to it, and the part along it (beyond its
+  /// ends).
   glm::dvec3 across{0.0};
   double beyond = 0.0;
 };
 
-/// Where a place falls on the original's triangles.
+/// The position of a place on the original's triangles.
 struct UnrolledPlace {
   int32_t triangle = -1;
   glm::vec2 uv{0.0f};
 };
 
-/// The triangles of the original wood, unrolled around their limbs' axes: a place falls on the
-/// triangle that is in the same direction from the axis, at the same height along it, and shares
-/// its corners' texture coordinates by angle and height. A prism of three sides is so the round
-/// limb that it stands for, whose texture runs evenly around it, as on the limb that we have built.
+/// The triangles of the original wood, unrolled around their limbs' axes: a place maps to the
+/// triangle in the same direction from the axis and at the same height along it, and interpolates
+/// its corners' texture coordinates by angle and height. A three-sided prism then acts as the round
+/// limb that it represents, whose texture runs evenly around it, as on the rebuilt limb.
 ///
-/// A walk goes from triangle to triangle over their common edges to the one on which a place falls.
-/// Over seams where the coordinates differ by whole numbers, where a tiling texture shows no seam,
-/// it goes on and carries the difference with it; at other seams it stops, and takes what is
-/// nearest on this side.
+/// A walk goes from triangle to triangle over common edges to the one that contains the place. It
+/// crosses seams where the coordinates differ by integers (a tiling texture shows no seam there)
+/// and carries the difference along; at other seams it stops and uses the nearest triangle on this
+/// side.
 class Unrolled {
  public:
   explicit Unrolled(const OriginalWood& wood);
 
-  /// @param from the triangle that the walk begins at: coordinates go on from those there.
+  /// @param from start triangle; the coordinates continue from there.
   UnrolledPlace walk(const AxisPlace& place, int32_t from) const;
 
  private:
-  /// What lies beyond an edge, from corner k to k + 1.
+  /// The neighbour across an edge, from corner k to k + 1.
   struct Across {
     /// -1 at an open edge.
     int32_t triangle = -1;
-    /// Added to the coordinates there they go on from those here; only if there is no seam.
+    /// Added to the neighbour's coordinates to continue this triangle's; only valid without a seam.
     glm::vec2 shift{0.0f};
     bool seam = false;
   };

@@ -15,40 +15,39 @@
 namespace snowbough::tree {
 namespace {
 
-/// Share of consecutive planes of a group that must stand across the line between their centres.
+/// Fraction of a group's consecutive planes that must be perpendicular to the line between their
+/// centres.
 constexpr double kRowShare = 0.7;
-/// Share of groups with exactly one tube from which on a group counts as a branch.
+/// Fraction of groups with exactly one tube at which a group counts as a branch.
 constexpr double kOneTubeShare = 0.8;
-/// A group with at least this many turns tells by itself whether its planes are shuffled; smaller
+/// A group with at least this many turns decides by itself whether its planes are shuffled; smaller
 /// ones are counted together.
 constexpr size_t kManyTurns = 200;
-/// With so many small groups each holds one limb, along which no turn goes back: fewer tell.
+/// With this many small groups each holds one limb, along which no turn goes back: fewer turns
+/// suffice.
 constexpr int kManyGroups = 5;
 constexpr double kShuffledLimbs = 0.4;
-/// Share of shuffled planes that must stand squarely across the limbs that they were put together
-/// to.
+/// Fraction of shuffled planes that must be perpendicular to the limbs joined from them.
 constexpr double kSquareShare = 0.55;
-/// Groups of fewer planes hold one limb, or too little to tell.
+/// Groups with fewer planes hold one limb, or too little to decide.
 constexpr size_t kManyPlanes = 20;
-/// Share of the links along limbs that join neighbours in the file, from which on its order does
-/// mean something.
+/// Fraction of the links along limbs between file neighbours at which the file's order is
+/// meaningful.
 constexpr double kNeighbourShare = 0.3;
-/// A closed tube shorter than this many of its radii, unnamed, is a fruit.
+/// An unnamed closed tube shorter than this many of its radii is a fruit.
 constexpr float kRoundest = 3.0f;
 
-/// A tree's limbs are thinner on average than this share of its size; a cow's have 0.26, a rabbit's
-/// 0.31.
+/// Maximum mean thickness of a tree's limbs relative to its size; a cow has 0.26, a rabbit 0.31.
 constexpr double kThickestTree = 0.08;
-/// A surface with fewer faces or limbs is no whole tree.
+/// A surface with fewer faces or limbs is not a whole tree.
 constexpr size_t kFewestFaces = 24;
 constexpr size_t kFewestLimbs = 3;
 
-/// Parts that a thread traces at least before it takes the next ones, and the most times that it is
-/// asked whether to go on.
+/// Minimum number of parts per thread at a time, and maximum number of progress reports.
 constexpr size_t kTraceBlock = 32;
 constexpr size_t kMostBlocks = 1024;
 
-/// Share of the time until every part's shape is known; surfaces that fork take the rest.
+/// Progress at which every part's shape is known; forking surfaces take the rest.
 constexpr float kShapesFound = 0.5f;
 
 enum class Shape : uint8_t { kUnknown, kTube, kPlane, kTriangle, kOther };
@@ -56,11 +55,11 @@ enum class Shape : uint8_t { kUnknown, kTube, kPlane, kTriangle, kOther };
 struct Shapes {
   std::vector<Shape> shape;
   std::vector<NotATube> why;
-  /// By part: why a surface that forks is no tree.
+  /// By part: why a forking surface is not a tree.
   std::map<int32_t, std::string> refused;
 };
 
-/// Traces everything that no name calls foliage.
+/// Traces all parts that are not foliage by name.
 Shapes find_shapes(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
                    ClassifiedParts& result, const base::Execution& execution) {
   const auto count = static_cast<size_t>(parts.count());
@@ -68,7 +67,7 @@ Shapes find_shapes(const ObjScene& scene, const Parts& parts, const PartLabels& 
   shapes.shape.assign(count, Shape::kUnknown);
   shapes.why.assign(count, NotATube::kNone);
   const size_t block = std::max(kTraceBlock, count / kMostBlocks);
-  // The limbs of each block, by their parts.
+  // The limbs of each block, by part.
   std::vector<std::vector<std::pair<int32_t, Limb>>> traced(count / block + 1);
   const auto trace = [&](size_t begin, size_t end) {
     for (auto p = static_cast<int32_t>(begin); p < static_cast<int32_t>(end); ++p) {
@@ -101,7 +100,7 @@ Shapes find_shapes(const ObjScene& scene, const Parts& parts, const PartLabels& 
   return shapes;
 }
 
-/// The parts of each label in the order of the file; parts without label come first.
+/// The parts of each label in file order; parts without label come first.
 std::vector<std::vector<int32_t>> parts_by_label(const PartLabels& labels,
                                                  const std::vector<int32_t>& chosen) {
   std::vector<std::vector<int32_t>> groups(labels.names.size() + 1);
@@ -117,7 +116,7 @@ std::string rounded(double value) {
   return text.str();
 }
 
-/// The tube that the flat part closes, if its outline is that tube's end ring.
+/// Whether the flat part closes the limb: its outline is the limb's end ring.
 bool is_cap_of(const ObjScene& scene, const Parts& parts, int32_t part, const Limb& limb) {
   Limb outline;
   std::vector<glm::vec3> corners;
@@ -202,9 +201,8 @@ std::vector<CrossSection> in_order(const std::vector<CrossSection>& sections) {
   return ordered;
 }
 
-/// How many limbs the group's planes make, in their order or put in order; 0 where they are none.
-/// Takes the mark "shuffled" back from a group whose neighbours in the file are neighbours along
-/// the limbs too.
+/// Number of limbs from the group's planes, in their order or sorted; 0 if they are none. Clears
+/// the mark "shuffled" of a group whose file neighbours are also neighbours along the limbs.
 size_t count_rows(PlaneGroup& group, bool named) {
   if (group.shuffled) {
     const std::vector<std::vector<size_t>> rows = chain_loose_sections(group.sections);
@@ -222,7 +220,7 @@ size_t count_rows(PlaneGroup& group, bool named) {
   return chain_cross_sections(group.sections).size();
 }
 
-/// Groups with rows of planes across limbs become wood; tells the form, if there are any.
+/// Groups with rows of planes across limbs become wood; returns the form, if there are any.
 std::optional<TreeForm> find_squares(const ObjScene& scene, const Parts& parts,
                                      const PartLabels& labels, const Shapes& shapes,
                                      ClassifiedParts& result) {
@@ -247,18 +245,19 @@ std::optional<TreeForm> find_squares(const ObjScene& scene, const Parts& parts,
   return merged ? TreeForm::kMergedSquares : TreeForm::kSquaresPerGroup;
 }
 
-/// Why a surface that forks is no tree; empty where it is one.
+/// Why a forking surface is not a tree; empty if it is one.
 std::string why_no_tree(const std::optional<WeldedTree>& welded) {
   if (!welded) return "has no extent";
   if (welded->thickness > kThickestTree) {
-    return "no tree: its limbs are " + rounded(welded->thickness) +
-           " of its size thick on average, a tree's less than " + rounded(kThickestTree);
+    return "not a tree: its limbs are " + rounded(welded->thickness) +
+           " of its size thick on average, those of a tree less than " + rounded(kThickestTree);
   }
-  if (welded->limbs.size() < kFewestLimbs) return "no tree: its surface does not fork into limbs";
+  if (welded->limbs.size() < kFewestLimbs)
+    return "not a tree: its surface does not fork into limbs";
   return "";
 }
 
-/// Surfaces that fork become wood where they are most of it.
+/// Forking surfaces become wood if they are most of it.
 void find_welded(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
                  const base::Progress& progress, Shapes& shapes, ClassifiedParts& result) {
   std::vector<int32_t> candidates;
@@ -339,7 +338,7 @@ ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const 
       result.role[p] = PartRole::kSkipped;
       result.skipped.push_back({p, std::move(why), wood});
     };
-    // The tubes just before and after it in the file are those it may close.
+    // It may close the tubes just before and after it in the file.
     const auto after = std::lower_bound(tubes.begin(), tubes.end(), p);
     const bool cap =
         (after != tubes.end() && is_cap_of(scene, parts, p, result.limbs[result.limb[*after]])) ||
@@ -352,11 +351,11 @@ ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const 
       skip(refused->second);
     } else if (labels.meaning[p] == NameMeaning::kWood) {
       skip(shapes.shape[p] == Shape::kOther ? reason_text(shapes.why[p])
-                                            : "a single plane, no limb");
+                                            : "a single plane, not a limb");
     } else if (shapes.shape[p] == Shape::kOther && shapes.why[p] == NotATube::kForks) {
       skip(reason_text(shapes.why[p]));
     } else if (labels.foliage_named) {
-      skip("no limb, and not named as foliage", false);
+      skip("not a limb, and not named as foliage", false);
     }
   }
   result.foliage_count =

@@ -14,17 +14,18 @@
 
 namespace snowbough::tree {
 
-/// The forms in which trees come.
+/// The forms of trees in OBJ files.
 enum class TreeForm {
-  /// 1: one group a branch, each a row of planes across the limb.
+  /// 1: one group per branch, each a row of planes across the limb.
   kSquaresPerGroup,
-  /// 2: one group or object a branch, a tube each.
+  /// 2: one group or object per branch, a tube each.
   kTubesPerGroup,
-  /// 3: one group a level, holding that level's tubes.
+  /// 3: one group per level, containing that level's tubes.
   kTubesPerLevel,
   /// 4: tubes without useful names.
   kMergedTubes,
-  /// 5: as 4, with several materials: wood and foliage are told apart by material name and shape.
+  /// 5: as 4, with several materials: wood and foliage are distinguished by material name and
+  /// shape.
   kMaterials,
   /// 6: planes without useful names, chained by their order and distance.
   kMergedSquares,
@@ -32,7 +33,7 @@ enum class TreeForm {
   kWelded,
 };
 
-/// SQUARES_PER_GROUP and so on, as in the import report.
+/// SQUARES_PER_GROUP and so on, for the import report.
 std::string form_name(TreeForm form);
 
 enum class PartRole : uint8_t { kTube, kCrossSection, kWelded, kFoliage, kSkipped };
@@ -40,31 +41,31 @@ enum class PartRole : uint8_t { kTube, kCrossSection, kWelded, kFoliage, kSkippe
 struct SkippedPart {
   int32_t part = -1;
   std::string why;
-  /// It is not foliage that the user's names leave out.
+  /// False for foliage that the user's names exclude.
   bool wood = true;
 };
 
-/// What every part of the file is.
+/// The role of every part of the file.
 struct ClassifiedParts {
   TreeForm form = TreeForm::kMergedTubes;
   std::vector<PartRole> role;
   /// The traced tubes, and per part the index of its tube or -1.
   std::vector<Limb> limbs;
   std::vector<int32_t> limb;
-  /// The surfaces that fork, with the parts that they are; ascending.
+  /// The forking surfaces, with their parts; ascending.
   std::vector<std::pair<int32_t, WeldedTree>> welded;
-  /// Labels (index into PartLabels::names, -1 for none) whose planes stand in an order that means
-  /// nothing, ascending.
+  /// Labels (index into PartLabels::names, -1 for none) whose planes are in random order,
+  /// ascending.
   std::vector<int32_t> shuffled_labels;
   /// Parts left out.
   std::vector<SkippedPart> skipped;
   int32_t foliage_count = 0;
 };
 
-/// Decides what each part is - by what its names say, then by its shape - and which form the file
-/// has. Surfaces that fork are taken for trees where they have more area than all tubes, if they
-/// fall into limbs that are thin for their length. Planes count as cross-sections where they stand
-/// in rows across limbs, otherwise as leaves.
+/// Decides the role of each part, by its names, then by its shape, and the form of the file.
+/// Forking surfaces count as trees if their area exceeds that of all tubes and they divide into
+/// limbs that are thin for their length. Planes count as cross-sections if they form rows across
+/// limbs, otherwise as leaves.
 ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
                                const base::Execution& execution = {});
 

@@ -12,27 +12,27 @@
 namespace snowbough::tree {
 namespace {
 
-/// Shapes with fewer leaves than this have no say about where their base is.
+/// Shapes with fewer leaves than this do not determine their base.
 constexpr size_t kFewLeaves = 16;
-/// Leaves of a shape that are looked at to find its base.
+/// Sampled leaves per shape to find its base.
 constexpr size_t kSampleSize = 256;
-/// Share of the sample in which one vertex must be the nearest to wood to be the base, and share of
-/// the best vertex's from which on another one belongs to the base as well (leaf cards stand on an
+/// Fraction of the sample in which one vertex must be nearest to wood to be the base; and fraction
+/// of the best vertex's count at which another one belongs to the base (leaf cards stand on an
 /// edge).
 constexpr double kBaseShare = 0.35;
 constexpr double kSecondShare = 0.6;
-/// Leaves of a shape that are looked at to find its petiole, and steps in which its length is
-/// looked for: first up to this many times the base's median distance, then around the best.
+/// Sampled leaves per shape to find its petiole, and search steps for its length: first up to this
+/// many times the base's median distance, then around the best.
 constexpr size_t kPetioleSample = 96;
 constexpr size_t kPetioleSteps = 12;
 constexpr double kLongestPetiole = 2.0;
-/// The prolonged bases must come this much nearer to wood for a petiole to be believed.
+/// Required gain in distance to wood for accepting a petiole.
 constexpr double kPetioleGain = 0.5;
-/// Leaves that a thread takes at a time, of the sample and of all.
+/// Leaves per thread at a time, of the sample and of all.
 constexpr size_t kSampleBlock = 32;
 constexpr size_t kLeafBlock = 1024;
 
-/// Faces and vertices of one leaf, as ranges of the foliage's.
+/// Faces and vertices of one leaf, as ranges of the foliage.
 struct Leaf {
   int32_t first_face = 0, last_face = 0;
   int32_t first_vertex = 0, last_vertex = 0;
@@ -57,7 +57,7 @@ std::vector<Leaf> leaves_of(const Foliage& foliage) {
   return leaves;
 }
 
-/// Equal for leaves whose polygons run over their vertices in the same way.
+/// Equal for leaves with the same polygons over their vertices.
 void shape_key(const Foliage& foliage, const Leaf& leaf, std::vector<int32_t>& key) {
   key.assign(1, leaf.vertex_count());
   for (int32_t f = leaf.first_face; f < leaf.last_face; ++f) {
@@ -68,7 +68,7 @@ void shape_key(const Foliage& foliage, const Leaf& leaf, std::vector<int32_t>& k
   }
 }
 
-/// The leaves by their shape; leaves ascending.
+/// The leaves by shape, ascending.
 std::map<std::vector<int32_t>, std::vector<int32_t>> leaves_by_shape(
     const Foliage& foliage, const std::vector<Leaf>& leaves) {
   std::map<std::vector<int32_t>, std::vector<int32_t>> shapes;
@@ -76,21 +76,21 @@ std::map<std::vector<int32_t>, std::vector<int32_t>> leaves_by_shape(
   std::vector<int32_t> key;
   for (size_t i = 0; i < leaves.size(); ++i) {
     shape_key(foliage, leaves[i], key);
-    // Mostly as the leaf before.
+    // Usually the same as for the previous leaf.
     if (shape == shapes.end() || shape->first != key) shape = shapes.try_emplace(key).first;
     shape->second.push_back(static_cast<int32_t>(i));
   }
   return shapes;
 }
 
-/// Where the leaves of one shape stand on their petioles.
+/// Base of the leaves of one shape on their petioles.
 struct LeafBase {
-  /// Vertices, counted within the leaf, whose mean is the base; empty = none in common.
+  /// Vertices, counted within the leaf, whose mean is the base; empty: no common base.
   std::vector<int32_t> vertices;
   double petiole = 0.0;
 };
 
-/// The base prolonged by `petiole` metres away from the leaf's centre.
+/// The base extended by `petiole` metres away from the leaf's centre.
 glm::vec3 foot_of(const Foliage& foliage, const Leaf& leaf, const LeafBase& base, double petiole) {
   glm::dvec3 centre(0.0);
   for (int32_t v = leaf.first_vertex; v < leaf.last_vertex; ++v) {
@@ -106,13 +106,13 @@ glm::vec3 foot_of(const Foliage& foliage, const Leaf& leaf, const LeafBase& base
   return glm::vec3(foot);
 }
 
-/// The leaf's own vertex that is nearest to wood; `vertex` receives it, counted within the leaf.
+/// The leaf's own vertex nearest to wood; `vertex` receives its index within the leaf.
 NearestSegment nearest_vertex(const SegmentTree& segments, const Foliage& foliage, const Leaf& leaf,
                               int32_t& vertex) {
   NearestSegment best;
   best.cost = std::numeric_limits<double>::infinity();
   for (int32_t v = leaf.first_vertex; v < leaf.last_vertex; ++v) {
-    // What was found so far limits the search for the next vertex.
+    // The result so far limits the search for the next vertex.
     const NearestSegment found =
         segments.nearest(foliage.vertices[v], 1, Measure::kSurface, nullptr, best.cost);
     if (found.branch >= 0) {
@@ -123,8 +123,8 @@ NearestSegment nearest_vertex(const SegmentTree& segments, const Foliage& foliag
   return best;
 }
 
-/// The limb nearest to `foot`; `last` is where the leaf before hangs, mostly close by: only what
-/// may be nearer than that place is searched first.
+/// The limb nearest to `foot`; `last` is where the previous leaf is attached, usually nearby: its
+/// distance limits the search.
 NearestSegment nearest_from(const SegmentTree& segments, const glm::vec3& foot,
                             const NearestSegment& last) {
   if (last.branch >= 0) {
@@ -177,7 +177,7 @@ LeafBase find_base(const SegmentTree& segments, const Foliage& foliage,
     }
     return median(std::move(distances));
   };
-  // Spread over the tree as the larger sample is.
+  // Spread over the tree like the larger sample.
   const size_t fewer = std::min(sample.size(), kPetioleSample);
   for (size_t i = 0; i < fewer; ++i) sample[i] = sample[i * sample.size() / fewer];
   sample.resize(fewer);

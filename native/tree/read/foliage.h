@@ -12,20 +12,20 @@
 
 namespace snowbough::tree {
 
-/// Gathers the foliage parts as one mesh, one leaf a part, in the order and the axes of the file.
-/// Materials are those the leaves use, by name only; leaf_branch and leaf_attach_point stay empty.
+/// Collects the foliage parts as one mesh, one leaf per part, in the order and axes of the file.
+/// Materials are those in use, by name only; leaf_branch and leaf_attach_point stay empty.
 Foliage gather_foliage(const ObjScene& scene, const Parts& parts,
                        const ClassifiedParts& classified);
 
-/// Hangs every leaf on a branch.
+/// Attaches every leaf to a branch.
 ///
-/// Leaves of one shape (same polygons over the same number of vertices) have the same vertex at
-/// their base: the one that is nearest to wood in most of them. Exporters leave out the petioles,
-/// so that the base hangs in the air, often nearer to a foreign twig than to its own. The petioles'
-/// length is found as that by which all leaves of the shape, prolonged from their centre over their
-/// base, come nearest to wood; each leaf then hangs where its prolonged base is nearest to a limb's
-/// surface. (On an Arbaro aspen, whose leaves stand in the file twig by twig, this finds 99.9 % of
-/// the twigs; the nearest vertex 55 %.) Of a shape that is rare, or has no such vertex, each leaf's
+/// Leaves of one shape (same polygons over the same number of vertices) have the same base vertex:
+/// the one that is nearest to wood in most of them. Exporters omit petioles, so that the base hangs
+/// in the air, often nearer to another twig than to its own. The petioles' length is estimated as
+/// the one by which all leaves of the shape, extended from their centre beyond their base, come
+/// nearest to wood; each leaf is then attached where its extended base is nearest to a limb's
+/// surface. (On an Arbaro aspen, whose leaves are sorted by twig in the file, this finds 99.9 % of
+/// the twigs; the nearest vertex 55 %.) For a rare shape, or one without such a vertex, each leaf's
 /// own vertex nearest to wood counts.
 ///
 /// @param branches at least one; before any simplification.

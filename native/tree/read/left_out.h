@@ -10,16 +10,16 @@
 
 namespace snowbough::tree {
 
-/// What was left out of the wood.
+/// The parts left out of the wood.
 struct LeftOut {
-  /// Of the wood's area, it included.
+  /// Fraction of the whole area, including them.
   double share = 0.0;
-  /// Why its largest part is no wood; empty where nothing was left out.
+  /// Why the largest of them is not wood; empty if nothing was left out.
   std::string why;
 };
 
-/// Writes into the report what was left out: one line for all parts of a name that were so for the
-/// same reason, with their share of the wood's area.
+/// Adds the left-out parts to the report: one line per name and reason, with their fraction of the
+/// wood's area.
 LeftOut report_left_out(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
                         const ClassifiedParts& classified, ImportReport& report);
 

@@ -19,9 +19,9 @@ namespace snowbough::tree {
 namespace {
 
 constexpr std::array<std::string_view, 4> kTrunkWords = {"trunk", "bole", "stamm", "tronc"};
-/// Share by which more of one cluster's branches must stand on another's than the other way round.
+/// Fraction by which more of one cluster's branches must grow on another's than the reverse.
 constexpr double kClearlyStanding = 0.25;
-/// Of more clusters than this names tell the order.
+/// With more clusters than this, names determine the order.
 constexpr size_t kMostRanked = 12;
 
 bool is_digit(char c) {
@@ -58,7 +58,7 @@ bool counts_up(const std::vector<std::string>& suffixes) {
   return true;
 }
 
-/// Names of one prefix whose numbers begin with a level's digit: prefix + digit + running number.
+/// Whether numbers of one prefix begin with a level's digit: prefix + digit + running number.
 bool levels_end_in_digits(const std::vector<std::string>& suffixes) {
   if (counts_up(suffixes)) return false;
   std::map<char, std::vector<std::string>> by_digit;
@@ -70,7 +70,7 @@ bool levels_end_in_digits(const std::vector<std::string>& suffixes) {
                      [](const auto& entry) { return counts_up(entry.second); });
 }
 
-/// Every run of digits as one sign, for names like "branch12_mesh".
+/// Replaces every run of digits by one sign, for names like "branch12_mesh".
 std::string without_numbers(std::string_view name) {
   std::string pattern;
   for (const char c : name) {
@@ -83,7 +83,7 @@ std::string without_numbers(std::string_view name) {
   return pattern;
 }
 
-/// Keys that tell nearly every label apart tell no levels.
+/// Keys that distinguish nearly every label give no levels.
 bool too_many(size_t keys, size_t labels) {
   return keys > 12 && keys * 3 > labels;
 }
@@ -103,7 +103,7 @@ bool is_trunk(const std::string& name) {
                      [&](std::string_view word) { return lower.find(word) != std::string::npos; });
 }
 
-/// Share of the branches whose root touches one of `bearers` beyond that one's own root.
+/// Fraction of the branches whose root touches one of `bearers`, except at that one's own root.
 double standing_share(const std::vector<Branch>& branches, const std::vector<Branch>& bearers) {
   const SegmentTree segments(bearers, std::vector<int32_t>(bearers.size(), 0), 0.0f);
   double standing = 0.0;
@@ -117,7 +117,7 @@ double standing_share(const std::vector<Branch>& branches, const std::vector<Bra
   return standing / static_cast<double>(std::max<size_t>(branches.size(), 1));
 }
 
-/// Neighbours in `order` change places where the first stands on the second.
+/// Swaps neighbours in `order` if the first grows on the second.
 void put_bearers_first(const std::vector<std::string>& names, const std::vector<Branch>& branches,
                        const std::vector<int32_t>& branch_cluster, std::vector<int32_t>& order) {
   if (order.size() > kMostRanked) return;
@@ -186,7 +186,7 @@ LevelClusters match_levels(const std::string& levels, const std::vector<std::str
     if (name.empty()) throw std::invalid_argument("levels: a name is empty in '" + levels + "'");
     const std::string prefix = lower_case(name);
     if (std::find(prefixes.begin(), prefixes.end(), prefix) != prefixes.end()) {
-      throw std::invalid_argument("levels: '" + name + "' is named twice");
+      throw std::invalid_argument("levels: '" + name + "' appears twice");
     }
     clusters.names.push_back(name);
     prefixes.push_back(prefix);
@@ -233,7 +233,7 @@ std::vector<int32_t> rank_levels(const std::vector<std::string>& cluster_names,
   std::stable_sort(order.begin(), order.end(),
                    [&](int32_t a, int32_t b) { return mean[a] > mean[b]; });
 
-  // Families such as stems_1, stems_2 keep their places, but in the order of their numbers.
+  // Families such as stems_1, stems_2 keep their places, sorted by number.
   std::map<std::string, std::vector<size_t>> families;
   for (size_t place = 0; place < count; ++place) {
     const std::string& name = cluster_names[order[place]];

@@ -12,7 +12,7 @@
 namespace snowbough::tree {
 namespace {
 
-/// @param part  of the file, or the first of the planes that the limb is.
+/// @param part  of the file, or the first of the limb's planes.
 void add_limb(Limb&& limb, int32_t label, int32_t part, TracedBranches& traced) {
   Branch branch;
   branch.level = -1;
@@ -39,9 +39,9 @@ void add_welded(WeldedTree&& tree, int32_t label, int32_t part, TracedBranches& 
 /// Ends of a limb whose radii differ by no more than this factor look alike.
 constexpr float kAlike = 0.9f;
 
-/// One label's planes, from its first on, become one row or several.
-/// @param shuffled their order in the file means nothing.
-/// @param left_over receives the number of planes that belong to no row.
+/// Converts one label's planes to one row or several.
+/// @param shuffled whether their order in the file is random.
+/// @param left_over receives the number of planes without row.
 void add_rows(const ObjScene& scene, const Parts& parts, std::span<const int32_t> group,
               int32_t label, bool one_row, bool shuffled, TracedBranches& traced,
               size_t& left_over) {
@@ -75,7 +75,7 @@ void add_rows(const ObjScene& scene, const Parts& parts, std::span<const int32_t
   }
 }
 
-/// The label itself where it names one branch, numbered where it names several.
+/// Uses the label itself if it has one branch, numbered if it has several.
 void name_branches(const PartLabels& labels, TracedBranches& traced) {
   std::vector<int32_t> members(labels.names.size() + 1, 0);
   for (const int32_t label : traced.label) ++members[label + 1];
@@ -121,7 +121,7 @@ TracedBranches trace_branches(const ObjScene& scene, const Parts& parts, const P
 
 void assign_levels(TracedBranches& traced, const PartLabels& labels, TreeForm form,
                    const std::string& levels, std::vector<std::string>& warnings) {
-  // Only labels that hold wood matter.
+  // Only labels with wood matter.
   std::vector<int32_t> number(labels.names.size(), -1);
   std::vector<std::string> names;
   bool unlabelled = false;

@@ -12,35 +12,34 @@
 
 namespace snowbough::tree {
 
-/// The wood of a file as branches that know no parent yet.
+/// The wood of a file as branches without parents.
 struct TracedBranches {
-  /// Name, level (-1 where no names tell it), points, radii and areas are filled; `piece` is the
-  /// part of the file (gather_wood makes it a piece).
+  /// With name, level (-1 if names do not give it), points, radii and areas; `piece` is the part of
+  /// the file (gather_wood makes it a piece).
   std::vector<Branch> branches;
   /// Per branch: either end may be its root.
   std::vector<char> reversible;
   /// Per branch: index into PartLabels::names or -1.
   std::vector<int32_t> label;
-  /// Some branches came with their parents and the places where they leave them, from a surface
-  /// that forks.
+  /// Some branches already have parents and attach points, from a forking surface.
   bool welded = false;
-  /// Names in the file, or the user, say what is wood or leaves.
+  /// Names in the file, or the user, distinguish wood from leaves.
   bool named = false;
-  /// Planes stood in the file in an order that means nothing and were put in order by their places.
+  /// Planes were in random order in the file and have been sorted by position.
   bool shuffled = false;
-  /// Of these, planes that faced no other and belong to no branch.
+  /// Number of these planes without a link, which belong to no branch.
   size_t lone_planes = 0;
 };
 
-/// Gathers tubes and rows of planes in the order of the file. Branches are named after their group
-/// where a group is a branch, and numbered within it otherwise.
+/// Collects tubes and rows of planes in file order. A branch is named after its group if the group
+/// is one branch, and numbered within it otherwise.
 TracedBranches trace_branches(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
                               ClassifiedParts& classified);
 
-/// Sets every branch's level from the names, where they tell it; otherwise, and where parents are
-/// known, all levels are -1.
+/// Sets every branch's level from the names; -1 for all if the names do not give levels or parents
+/// are already known.
 /// @param levels the user's level names or "".
-/// @param warnings receives what the user should know.
+/// @param warnings receives messages for the user.
 /// @throws std::invalid_argument as match_levels.
 void assign_levels(TracedBranches& traced, const PartLabels& labels, TreeForm form,
                    const std::string& levels, std::vector<std::string>& warnings);

@@ -13,14 +13,14 @@
 namespace snowbough::tree {
 namespace {
 
-/// A part of more faces is more than a face and its halves.
+/// A part with more faces is not a single face or its halves.
 constexpr size_t kMostFaces = 2;
 /// A tube has at least three sides.
 constexpr size_t kFewestFaces = 3;
 
 using Position = std::array<float, 3>;
 
-/// An edge between two positions, the smaller one first, and who has it.
+/// An edge between two positions, the smaller one first, and its owners.
 struct Edge {
   int32_t label;
   Position a, b;
@@ -31,7 +31,7 @@ struct Edge {
 
 Position position_of(const ObjScene& scene, int32_t vertex) {
   const glm::vec3& p = scene.positions[vertex];
-  // Adding zero makes one of both zeros.
+  // Adding zero merges both zeros.
   return {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};
 }
 
@@ -82,7 +82,7 @@ std::vector<int32_t> gather(const std::vector<int32_t>& members, const OfPart& o
   return all;
 }
 
-/// The parts anew, with every family as one part in the place of its first member.
+/// The parts with every family as one part in the place of its first member.
 Parts regroup(const Parts& parts, const std::vector<std::vector<int32_t>>& families) {
   Parts grouped;
   for (int32_t p = 0; p < parts.count(); ++p) {
@@ -98,7 +98,7 @@ Parts regroup(const Parts& parts, const std::vector<std::vector<int32_t>>& famil
   return grouped;
 }
 
-/// Whether the parts, taken together, are wood: a tube, or several grown together.
+/// Whether the combined parts are wood: a tube, or a forking surface.
 bool are_wood(const ObjScene& scene, const Parts& parts, const std::vector<int32_t>& members) {
   const auto faces = gather(members, [&](int32_t q) { return parts.part_faces(q); });
   const auto vertices = gather(members, [&](int32_t q) { return parts.part_vertices(q); });
@@ -113,7 +113,7 @@ Parts join_loose_faces(const ObjScene& scene, Parts parts, const PartLabels& lab
   const std::vector<Edge> edges = sorted_edges(scene, parts, labels);
   base::report_progress(progress, 0.5f);
   base::UnionFind sets = join_at_edges(edges, parts.count());
-  // Every part's family stands at its first member.
+  // Every family is stored at its first member.
   std::vector<std::vector<int32_t>> families(static_cast<size_t>(parts.count()));
   for (int32_t p = 0; p < parts.count(); ++p) families[sets.find(p)].push_back(p);
   bool joined = false;

@@ -14,7 +14,7 @@ namespace {
 struct Word {
   std::string_view text;
   NameMeaning meaning;
-  /// Short words count only where no letter follows: "lef1", but not "left".
+  /// Short words count only if no letter follows: "lef1", but not "left".
   bool whole = false;
 };
 
@@ -49,7 +49,7 @@ NameMeaning meaning_of_run(const std::vector<NameMeaning>& names,
   NameMeaning group = of(names, run.group);
   if (group == NameMeaning::kSilent) group = of(names, run.object);
   if (material == NameMeaning::kFoliage) return material;
-  // A group of leaves in a wooden material holds petioles as well as leaves: the shape decides.
+  // A group of leaves in a wooden material contains petioles as well: the shape decides.
   if (material == NameMeaning::kWood && group == NameMeaning::kFoliage) return NameMeaning::kSilent;
   return group != NameMeaning::kSilent ? group : material;
 }
@@ -86,7 +86,7 @@ std::vector<std::string> split_foliage_names(const std::string& list) {
   return prefixes;
 }
 
-/// What the user calls foliage is; all else falls back to wood or to its shape.
+/// Applies the user's foliage names; other foliage becomes wood or is decided by shape.
 void overrule_foliage(const ObjScene& scene, const Parts& parts, const std::string& list,
                       PartLabels& labels) {
   const std::vector<std::string> prefixes = split_foliage_names(list);
@@ -142,7 +142,7 @@ PartLabels label_parts(const ObjScene& scene, const Parts& parts,
   for (const std::string& name : scene.names) names.push_back(meaning_of_name(name));
   for (const std::string& name : scene.materials) materials.push_back(meaning_of_name(name));
 
-  // Groups are the usual place; one group for everything beside several objects tells nothing.
+  // Groups are the usual labels; one group for everything beside several objects is useless.
   std::map<int32_t, int> groups;
   std::map<int32_t, int> objects;
   for (const FaceRun& run : scene.runs) {

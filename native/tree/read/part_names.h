@@ -12,26 +12,27 @@ namespace snowbough::tree {
 
 enum class NameMeaning { kSilent, kWood, kFoliage };
 
-/// What a group's, object's or material's name says, by the words modellers use (trunk, bark, stem
+/// The meaning of a group's, object's or material's name, by modellers' words (trunk, bark, stem
 /// ...; leaf, needle, flower ..., the abbreviations of plant libraries, and some German and
-/// French). Of several words the last counts: "dogwood_leaf" is foliage, "leaf_stem" is wood.
+/// French). The last of several words counts: "dogwood_leaf" is foliage, "leaf_stem" is wood.
 NameMeaning meaning_of_name(std::string_view name);
 
-/// The names that parts go by.
+/// The labels of parts.
 struct PartLabels {
-  /// Distinct labels in the order of the file: groups, or objects where groups tell nothing apart.
+  /// Distinct labels in file order: groups, or objects if groups do not distinguish parts.
   std::vector<std::string> names;
   /// Per part: index into names; -1 = the file names neither group nor object.
   std::vector<int32_t> label;
-  /// Per part: what material, group and object together say.
+  /// Per part: the combined meaning of material, group and object.
   std::vector<NameMeaning> meaning;
-  /// The user has said which names are foliage: nothing else is.
+  /// The user has named the foliage: no other part is foliage.
   bool foliage_named = false;
 };
 
-/// @param foliage_names names separated by commas: parts whose group, object or material starts
-///   with one of them (in any case) are foliage and no others. Empty: told by meaning_of_name.
-/// @throws std::invalid_argument where a name is empty or nothing in the file starts with it.
+/// @param foliage_names name prefixes separated by commas: exactly the parts whose group, object or
+///   material starts with one of them (ignoring case) are foliage. Empty: decided by
+///   meaning_of_name.
+/// @throws std::invalid_argument for an empty name or one that matches nothing in the file.
 PartLabels label_parts(const ObjScene& scene, const Parts& parts,
                        const std::string& foliage_names = {});
 

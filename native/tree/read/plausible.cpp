@@ -11,22 +11,21 @@ namespace snowbough::tree {
 namespace {
 
 constexpr size_t kFewBranches = 4;
-/// Ends whose radii differ by less than this share are equally thick.
+/// Ends whose radii differ by less than this factor are equally thick.
 constexpr float kEqual = 0.95f;
-/// Share of the branches that do not taper from which on they are bars.
+/// Fraction of branches without taper at which they are bars.
 constexpr double kBars = 0.75;
-/// A limb is thinner than what it stands on if its radius is below this share of that one's.
+/// A limb is thinner than its parent if its radius is below this fraction of the parent's.
 constexpr float kThinner = 0.8f;
-/// Share of the branches that stand on thicker ones below which they are no limbs.
+/// Fraction of branches on thicker ones below which they are not limbs.
 constexpr double kStandOnThicker = 0.5;
-/// Limbs shorter than so many of their radii are blocks, and the share of such from which on pieces
-/// are no limbs.
+/// Limbs shorter than this many of their radii are blocks; and the fraction of blocks at which
+/// pieces are not limbs.
 constexpr float kBlock = 4.0f;
 constexpr double kBlocks = 0.5;
 
-/// The share of straight bars, along three directions at right angles, from which on they are a
-/// frame; sine of the angle by which they may be off; and the share of their way that straight ones
-/// may be longer than the line between their ends.
+/// Fraction of straight bars, along three perpendicular directions, at which they are a frame; sine
+/// of the allowed angle; and maximum length of a straight bar relative to the distance of its ends.
 constexpr double kFramed = 0.75;
 constexpr float kOffAngle = 0.05f;
 constexpr float kBend = 0.01f;
@@ -48,14 +47,14 @@ bool is_block(const Branch& branch) {
   return length_of(branch) < kBlock * *std::max_element(branch.radii.begin(), branch.radii.end());
 }
 
-/// From end to end, of a branch that is straight; else zero.
+/// Vector from end to end of a straight branch; else zero.
 glm::vec3 straight_way(const Branch& branch) {
   const glm::vec3 way = branch.points.back() - branch.points.front();
   return length_of(branch) <= (1.0f + kBend) * glm::length(way) ? way : glm::vec3(0.0f);
 }
 
-/// How many branches run straight along the longest one, along the longest that is square to it, or
-/// square to both.
+/// Number of branches that are straight along the longest one, the longest perpendicular to it, or
+/// perpendicular to both.
 size_t count_framed(const std::vector<Branch>& branches) {
   std::vector<glm::vec3> ways;
   for (const Branch& branch : branches) {

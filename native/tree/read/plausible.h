@@ -7,11 +7,11 @@
 
 namespace snowbough::tree {
 
-/// Why branches that were found by their shape alone are no tree; empty where they may be one.
-/// Furniture is made of bars: as thick at one end as at the other, and standing on others that are
-/// no thicker, or straight and all parallel or at right angles. Houses and machines are made of
-/// blocks, hardly longer than they are thick. A tree's limbs taper, or are long and stand on
-/// thicker ones. What is named as wood, or is fewer than four limbs, is not doubted.
+/// Why branches that were recognised by shape alone are not a tree; empty if they may be one.
+/// Furniture consists of bars: equally thick at both ends, and attached to bars that are no
+/// thicker, or straight and all parallel or at right angles. Houses and machines consist of blocks,
+/// hardly longer than thick. A tree's limbs taper, or are long and grow on thicker ones. Wood by
+/// name, and fewer than four limbs, is accepted.
 ///
 /// @param branches connected, with their parents.
 std::string why_no_tree(const std::vector<Branch>& branches);

@@ -7,11 +7,11 @@
 
 namespace snowbough::tree {
 
-/// Whether the tree grows along Y rather than Z: the roots' direction from foot to tip, the
-/// thickest counting most. A tree that leans equally both ways is taken as Y up, Xfrog's axis.
+/// Whether the tree grows along Y rather than Z, by the roots' directions from base to tip,
+/// weighted by thickness. A tree that leans equally both ways counts as Y up, Xfrog's axis.
 bool grows_along_y(const std::vector<Branch>& branches);
 
-/// Y up to Z up, a rotation by 90 degrees about X: (x, y, z) -> (x, -z, y).
+/// Converts Y up to Z up, a rotation by 90 degrees about X: (x, y, z) -> (x, -z, y).
 inline glm::vec3 y_up_to_z_up(const glm::vec3& p) {
   return {p.x, -p.z, p.y};
 }

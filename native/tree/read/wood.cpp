@@ -9,7 +9,7 @@
 namespace snowbough::tree {
 namespace {
 
-/// Gives the branches pieces for parts. @return the parts, ascending.
+/// Replaces the branches' parts by pieces. @return the parts, ascending.
 std::vector<int32_t> number_pieces(std::vector<Branch>& branches) {
   std::vector<int32_t> parts;
   for (const Branch& branch : branches) parts.push_back(branch.piece);
@@ -32,7 +32,7 @@ void for_each_face(const ObjScene& scene, const Parts& parts, int32_t part, cons
   }
 }
 
-/// Whether the parts' triangles tell more than one material a part.
+/// Whether the parts' triangles carry more than one material per part.
 bool triangles_matter(const ObjScene& scene, const Parts& parts, const ClassifiedParts& classified,
                       const std::vector<int32_t>& wood) {
   bool matter = false;
@@ -48,7 +48,7 @@ bool triangles_matter(const ObjScene& scene, const Parts& parts, const Classifie
   return matter;
 }
 
-/// Per vertex of a part: the number that equal positions share, counted from 0.
+/// Per vertex of a part: a number shared by equal positions, from 0.
 class PieceVertices {
  public:
   /// Appends each position once to `vertices`.
@@ -113,7 +113,7 @@ OriginalWood gather_wood(const ObjScene& scene, const Parts& parts,
   OriginalWood wood;
   const std::vector<int32_t> pieces = number_pieces(branches);
   const bool matter = triangles_matter(scene, parts, classified, pieces);
-  // Index in the file -> in the wood, in the order in which the wood uses them.
+  // Index in the file -> index in the wood, in order of use.
   std::vector<int32_t> material_number(scene.materials.size(), -1);
   for (const int32_t part : pieces) {
     for_each_face(scene, parts, part, [&](int32_t, int32_t material) {

@@ -9,18 +9,16 @@
 
 namespace snowbough::tree {
 
-/// Gathers the polygons of the parts that branches come from, as triangles, in the axes of the
-/// file, with their texture coordinates and materials (by name only). Within a piece equal
-/// positions become one vertex, so that a tube that was split along its texture seam hangs
-/// together.
+/// Collects the polygons of the branches' parts, as triangles, in the axes of the file, with their
+/// texture coordinates and materials (by name only). Equal positions within a piece become one
+/// vertex, so that a tube split along its texture seam is connected.
 ///
-/// Rows of planes have a material but no triangles: a plane across a limb is no part of its
-/// surface. Nor are triangles kept where they would tell nothing: every piece is of one material,
-/// and the file has no texture coordinates.
+/// Rows of planes have a material but no triangles, since planes across a limb are not its surface.
+/// Triangles are also omitted if they carry no information: every piece has one material, and the
+/// file has no texture coordinates.
 ///
-/// @param branches as trace_branches leaves them: `piece` is a part and becomes the index of a
-/// piece.
-///   Pieces stand in the order of their parts.
+/// @param branches as from trace_branches: `piece` is a part and becomes the index of a piece.
+///   Pieces are in the order of their parts.
 OriginalWood gather_wood(const ObjScene& scene, const Parts& parts,
                          const ClassifiedParts& classified, std::vector<Branch>& branches);
 

@@ -9,10 +9,9 @@
 namespace snowbough::tree {
 namespace {
 
-/// Cones in a ball.
+/// Cones per bounding sphere.
 constexpr size_t kRun = 16;
-/// What rounding may take from a ball's bound, as a share of the numbers in it; far above what it
-/// does.
+/// Relative rounding error of a bounding sphere, with a large margin.
 constexpr double kRounding = 1e-11;
 
 }  // namespace
@@ -30,7 +29,7 @@ void Cone::take_nearer(const glm::dvec3& p, FieldValue& nearest) const {
   const glm::dvec3 off = to - along * t;
   const double square = glm::dot(off, off);
   const double radius = begin_radius + widening * t;
-  // Most are further away than the nearest so far: told without a root.
+  // Most cones are farther than the nearest so far: decided without a square root.
   const double least = nearest.distance + radius;
   if (least <= 0.0 || square >= least * least) return;
   const double length = std::sqrt(square);
@@ -61,7 +60,7 @@ void ConeChain::finish() {
     ball.centre = 0.5 * (low + high);
     for (size_t i = begin; i < end; ++i) {
       const Cone& cone = cones_[i];
-      // A cone's parts lie furthest out at one of its ends.
+      // A cone is farthest out at one of its ends.
       const double one = glm::distance(cone.begin, ball.centre) + cone.begin_radius;
       const double other =
           glm::distance(cone.begin + cone.along, ball.centre) + cone.begin_radius + cone.widening;
@@ -100,7 +99,7 @@ size_t ConeChain::end_within(size_t from, double length) const {
 }
 
 size_t ConeChain::begin_within(size_t from, double length) const {
-  // A cone's way back from there is that to its end.
+  // Backwards, the distance to a cone is that to its end.
   const auto first =
       std::upper_bound(ways_.begin() + 1, ways_.begin() + static_cast<std::ptrdiff_t>(from) + 1,
                        ways_[from] - length);

@@ -10,26 +10,26 @@ namespace snowbough::tree {
 namespace {
 
 /// Width of a fillet, in radii of the child's base: the smooth minimum begins where the distances
-/// from both surfaces differ by so much.
+/// from both surfaces differ by this.
 constexpr double kFillet = 1.0;
-/// Share of a fork's reach from which on its fillet dwindles.
+/// Fraction of a fork's reach at which its fillet begins to fade.
 constexpr double kFullFillet = 0.45;
-/// A fork reaches so many radii of its child's base, and so many more where the child leaves
-/// straight off; at flatter angles more still, up to the second angle's sine.
+/// Reach of a fork in radii of the child's base, and its increase for a child that leaves
+/// perpendicularly; more at flatter angles, up to the second angle's sine.
 constexpr double kReach = 1.6;
 constexpr double kReachAside = 1.6;
 constexpr double kFlattest = 0.35;
-/// It reaches further along a child that stays closer to its parent than so many of its own radii,
-/// up to so many radii of the base.
+/// The reach extends along a child that stays closer to its parent than this many of its own radii,
+/// up to this many radii of the base.
 constexpr double kClear = 1.7;
 constexpr double kFarthest = 20.0;
-/// How far into its parent a child's tube goes on, straight inwards, and how thick it still is
-/// there, in corner radii of the parent.
+/// Length of a child's tube inside its parent, straight inwards, and its thickness there, in corner
+/// radii of the parent.
 constexpr double kInside = 0.5;
 constexpr double kInsideRadius = 0.4;
-/// Stretches of both limbs are looked at so many reaches along them.
+/// Length of both limbs' stretches, in reaches.
 constexpr double kConeReach = 1.25;
-/// Limbs at one place that are told apart.
+/// Maximum number of limbs blended at one place.
 constexpr size_t kMostLimbs = 16;
 
 double smooth_step(double low, double high, double x) {
@@ -46,8 +46,8 @@ FieldValue smooth_minimum(const FieldValue& a, const FieldValue& b, double width
           a.gradient * share + b.gradient * (1.0 - share)};
 }
 
-/// Distance from the fork's centre at which its child, on the way through `sections`, is further
-/// away from its parent than it is thick; at most kFarthest of its radii.
+/// Distance from the fork's centre at which its child, along `sections`, is clear of its parent; at
+/// most kFarthest of its radii.
 double clear_from(const Fork& fork, std::span<const TubeSection> sections) {
   const double farthest = kFarthest * fork.radius;
   double away = 0.0;
@@ -105,8 +105,8 @@ std::vector<Fork> collect_forks(const Surface& surface, const LimbTubes& tubes) 
     const size_t at = first[junction.parent] + tubes.first_section(junction.parent, junction.row);
     fork.parent = ConeRun::around(parent, at, kFarthest * fork.radius);
     fork.reach = std::max(fork.reach, clear_from(fork, tubes.sections(junction.child)));
-    // The child's tube begins inside its parent, before its middle line, and so thin that nothing
-    // shows on the parent's other side.
+    // The child's tube begins inside its parent, before its centreline, and so thin that it does
+    // not show on the other side.
     const double inside = kInside * low.corner / sine;
     fork.inside = inside;
     const double tapered = std::min(base.radius, kInsideRadius * low.corner);
@@ -142,7 +142,7 @@ FieldValue blended_distance(const glm::dvec3& p, std::span<const int32_t> at,
     add(fork.parent_chain, fork.from_parent(p), 0.0);
     add(fork.child_chain, fork.from_child(p), fillet_width(fork, p));
   }
-  // Parents have lower numbers than what leaves them.
+  // Parents have lower numbers than their children.
   std::sort(limbs.begin(), limbs.begin() + static_cast<std::ptrdiff_t>(count),
             [](const Limb& a, const Limb& b) { return a.chain < b.chain; });
   FieldValue sum = limbs[0].value;

@@ -9,26 +9,27 @@
 namespace snowbough::tree {
 namespace {
 
-/// A step is no longer than this share of the faces beside the rim; at most so many steps are made.
+/// Maximum length of a step relative to the faces beside the rim; maximum number of steps.
 constexpr double kStep = 0.7;
 constexpr int kMostSteps = 30;
-/// Sweeps of the relaxation in the first step and in each of those after it, and its factor.
+/// Sweeps of the relaxation in the first step and in each later one, and its factor.
 constexpr int kFirstSweeps = 25;
 constexpr int kSweeps = 8;
 constexpr double kOverRelaxation = 1.5;
-/// What moves with a rim is held back by its place, with the square of the distance as a share of
-/// the rim's reach: hardly beside the rim, where it has to make way, and at the reach as if it hung
-/// on a neighbour this share of it away. Without, the whole limb would turn with the rim, as far as
-/// the reach goes, and back in the one row after that.
+/// Vertices that move with a rim are attracted to their place, with the square of the distance
+/// relative to the rim's reach: hardly beside the rim, where they must make way, and at the reach
+/// as strongly as by a neighbour at this fraction of it. Without this, the whole limb would rotate
+/// with the rim up to the reach, and back within a single row.
 constexpr double kFade = 0.25;
-/// At first vertices near a rim go between their neighbours, in so many sweeps.
+/// Initial sweeps that move vertices near a rim between their neighbours.
 constexpr int kSpreads = 12;
-/// Steps that a rim's vertex may be ahead of the next.
+/// Maximum lead in steps of a rim's vertex over the next.
 constexpr int kMostAhead = 1;
-/// How often rims are held back within a step before what turns over stays itself.
+/// Maximum number of times that rims are stopped within a step before turned faces are stopped
+/// themselves.
 constexpr int kMostHolds = 4;
 
-/// Steps in which the rims get where they are to go.
+/// Number of steps until the rims reach their targets.
 int count_steps(std::span<const RimReach> rims) {
   double steps = 0.0;
   for (const RimReach& reach : rims) {
@@ -37,12 +38,12 @@ int count_steps(std::span<const RimReach> rims) {
   return std::clamp(static_cast<int>(std::ceil(steps)), 0, kMostSteps);
 }
 
-/// Of a difference of quarters, the short way round.
+/// A difference of quarters, the short way around.
 double short_way(double quarters) {
   return std::abs(quarters) <= 2.0 ? quarters : quarters - 4.0 * std::round(quarters / 4.0);
 }
 
-/// Some rims on one chain on their way.
+/// Some rims on one chain during their movement.
 class Membrane {
  public:
   Membrane(const Graph& graph, const std::vector<Rim>& rims, std::span<const RimReach> reaches,
@@ -56,7 +57,7 @@ class Membrane {
     for (MembraneNode& node : nodes_) node.step /= std::max(steps_, 1);
   }
 
-  /// Moves the rims as far as they go.
+  /// Moves the rims as far as possible.
   void move(std::vector<double>& shares) {
     patch_.spread(kSpreads);
     for (int step = 0; step < steps_; ++step) {
@@ -70,10 +71,9 @@ class Membrane {
   }
 
  private:
-  /// Neighbours pull the more the nearer they are: small faces are the stiffest, what moves is
-  /// taken up by large ones. But what a limb turns by shows from row to row, however long the rows
-  /// are: where vertices move around it, those beyond the reach hold them as if they were no
-  /// further away than half the hole.
+  /// Closer neighbours pull more: small faces are the stiffest, and large ones absorb the movement.
+  /// But a limb's rotation shows from row to row, for rows of any length: around the limb, vertices
+  /// beyond the reach pull as if they were no farther than half the hole.
   void weigh() {
     weights_.clear();
     held_.clear();
@@ -117,7 +117,7 @@ class Membrane {
         }
         if (weights.y > 0.0 && !node.stopped) {
           node.velocity += (sum / weights - node.velocity) * kOverRelaxation;
-          // Nothing goes further than what pushes it, however much relaxing overshoots.
+          // No vertex moves farther than its source, even if relaxing overshoots.
           node.velocity = glm::clamp(node.velocity, -farthest, farthest);
         }
       }
@@ -125,8 +125,8 @@ class Membrane {
     for (MembraneNode& node : nodes_) node.relaxed = node.velocity;
   }
 
-  /// A rim's vertices wait for those beside them and for its slowest, or where some are held back
-  /// others would run over them.
+  /// A rim's vertices wait for their neighbours and for its slowest, otherwise vertices would
+  /// overrun those that are held back.
   void wait() {
     std::vector<int> slowest(reaches_.size(), steps_);
     for (size_t i = 0; i < rim_count_; ++i) {
@@ -162,7 +162,8 @@ class Membrane {
   const size_t rim_count_;
   std::span<const RimReach> reaches_;
   int steps_;
-  /// Of neighbours, around the limb and along it, and of the places that hold what is free back.
+  /// Weights of neighbours, around the limb and along it, and of the attraction to free vertices'
+  /// places.
   std::vector<glm::dvec2> weights_;
   std::vector<double> held_;
 };

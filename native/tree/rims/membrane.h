@@ -13,7 +13,7 @@
 
 namespace snowbough::tree {
 
-/// The vertices that share an edge of the unrolled faces with every vertex.
+/// Edge neighbours of every vertex on the unrolled faces.
 struct Graph {
   std::vector<int32_t> begin, all;
   /// The faces around it, in the same ranges.
@@ -36,23 +36,23 @@ struct Graph {
     }
   }
 };
-/// From one place to another on the same limb, the short way round.
+/// Difference between two places on the same limb, the short way around.
 glm::dvec2 difference(const TubePlace& from, const TubePlace& to);
 
-/// How far around a hole vertices move, in metres on the unrolled parent.
+/// Range around a hole in which vertices move, in metres on the unrolled parent.
 struct RimReach {
   int32_t junction = -1;
   TubePlace centre;
   double radius = 0.0;
   double quarter_length = 1.0;
-  /// Of the rim's point that moves farthest.
+  /// Distance of the rim's point that moves farthest.
   double way = 0.0;
-  /// Metres that a point may be ahead of the rim's slowest: half of the hole. Further, and the hole
+  /// Maximum lead in metres of a point over the rim's slowest: half of the hole, otherwise the hole
   /// would turn inside out.
   double most_ahead = 0.0;
-  /// Length of the faces beside the rim that the fillet asks for.
+  /// Length of the faces beside the rim that the fillet needs.
   double spread = 0.0;
-  /// Vertices up to so many edges from the rim are spread out.
+  /// Vertices up to this many edges from the rim are spread out.
   int spread_depth = 0;
 
   double metres(const glm::dvec2& way) const {
@@ -61,14 +61,14 @@ struct RimReach {
   }
   double from_centre(const TubePlace& place) const { return metres(difference(centre, place)); }
 };
-/// Per vertex and per face: its number in the membrane that it is part of, or -1. Shared by all
-/// membranes, of which no two that are worked on at a time have one in common.
+/// Per vertex and per face: its index in its membrane, or -1. Shared by all membranes; membranes
+/// processed at the same time have none in common.
 struct Locals {
   std::vector<int32_t> nodes, faces;
 };
 
-/// Moves the rims of some junctions on one chain, and what lies around them within their reach, as
-/// far as they go without a face turning over.
+/// Moves the rims of some junctions on one chain, and the vertices within their range, as far as
+/// possible without turning a face over.
 void move_membrane(const Graph& graph, const std::vector<Rim>& rims,
                    std::span<const RimReach> reaches, UnrolledLimbs& unrolled, Locals& locals);
 

@@ -6,10 +6,10 @@
 namespace snowbough::tree {
 namespace {
 
-/// A face keeps at least this share of its area.
+/// Minimum area of a face relative to its first.
 constexpr double kLeastArea = 0.04;
-/// How often the corners of faces that turn over are put between their neighbours before the rims
-/// around them are held back, and by which share of the way.
+/// Number of times that corners of turned faces move to their neighbours' mean before the rims
+/// around them are stopped, and fraction of the distance per time.
 constexpr int kEvenings = 10;
 constexpr double kEvening = 0.6;
 
@@ -17,7 +17,7 @@ double cross(const glm::dvec2& a, const glm::dvec2& b) {
   return a.x * b.y - a.y * b.x;
 }
 
-/// The smaller of the two triangles' areas that a face is cut into, doubled.
+/// The smaller of a face's two triangle areas, doubled.
 double least_area(const std::array<TubePlace, 4>& corners) {
   const glm::dvec2 a = difference(corners[0], corners[1]);
   const glm::dvec2 b = difference(corners[0], corners[2]);
@@ -66,7 +66,7 @@ void MembranePatch::find_rims(const std::vector<Rim>& rims) {
     for (const RimPoint& point : rim) {
       const glm::dvec2 move = difference(point.base, point.target);
       if (local_of_[point.vertex] >= 0) {
-        // Between two holes without anything of the parent's between them: halfway.
+        // Halfway, between two holes without a part of the parent between them.
         MembraneNode& node = nodes[local_of_[point.vertex]];
         node.step = 0.5 * (node.step + move);
       } else {

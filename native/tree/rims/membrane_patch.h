@@ -10,63 +10,63 @@
 
 namespace snowbough::tree {
 
-/// A vertex that moves with a rim, or is part of one.
+/// A vertex of a rim, or one that moves with it.
 struct MembraneNode {
   int32_t vertex = -1;
-  /// The rim it belongs to or the nearest one: its number among those of the patch.
+  /// Its own or nearest rim: an index into those of the patch.
   int32_t junction = -1;
   bool rim = false;
-  /// Does not move in this step.
+  /// Fixed in this step.
   bool stopped = false;
   /// Edges from the rim.
   int depth = 0;
-  /// Way of a rim's vertex in a step, that of this step, and what relaxing left of it: where the
-  /// next step begins.
+  /// Displacement of a rim's vertex in a step; the current one; and the one after relaxing, with
+  /// which the next step begins.
   glm::dvec2 step{0.0}, velocity{0.0}, relaxed{0.0};
-  /// Steps that a rim's vertex has made, and the nodes before and after it on the rim.
+  /// Number of steps that a rim's vertex has made, and the nodes before and after it on the rim.
   int gone = 0;
   int32_t before = -1, after = -1;
-  /// When the patch last looked at it.
+  /// Number of the patch's last visit.
   int mark = 0;
 };
 
-/// Some rims on one chain, what lies around them within their reach, and the way that each vertex
-/// is about to take.
+/// Some rims on one chain, the vertices within their range, and the next displacement of each
+/// vertex.
 class MembranePatch {
  public:
-  /// Takes numbers in `locals` for its vertices and faces, and gives them back in the end.
+  /// Takes indices in `locals` for its vertices and faces, and releases them in the destructor.
   MembranePatch(const Graph& graph, const std::vector<Rim>& rims, std::span<const RimReach> reaches,
                 UnrolledLimbs& unrolled, Locals& locals);
   ~MembranePatch();
   MembranePatch(const MembranePatch&) = delete;
   MembranePatch& operator=(const MembranePatch&) = delete;
 
-  /// A node's number, or -1.
+  /// A node's index, or -1.
   int32_t local(int32_t vertex) const { return local_of_[vertex]; }
   const RimReach& reach(const MembraneNode& node) const { return reaches_[node.junction]; }
   const TubePlace& place(int32_t vertex) const { return unrolled_.places[vertex]; }
 
-  /// Gives the first faces around a rim room for the fillet, where they are narrow.
+  /// Widens narrow faces around a rim for the fillet.
   void spread(int sweeps);
 
-  /// Faces that the step would turn over.
+  /// Finds the faces that the step would turn over.
   void find_turned();
   const std::vector<int32_t>& turned() const { return turned_; }
 
-  /// Puts the corners of turned faces that are free in the middle of their neighbours.
+  /// Moves the free corners of turned faces to the middle of their neighbours.
   void even_out();
 
   /// Stops the rims' vertices at turned faces.
   void hold_rims();
 
-  /// What still turns over stays where it is in this step, and so does whatever would turn because
-  /// of that.
+  /// Stops all corners of faces that still turn over in this step, and of faces that would turn
+  /// over because of that.
   void stop_turned();
 
-  /// Moves every vertex its way.
+  /// Moves every vertex by its displacement.
   void finish_step();
 
-  /// Those of rims first.
+  /// The vertices of rims come first.
   std::vector<MembraneNode> nodes;
   size_t rim_count = 0;
 
@@ -83,12 +83,12 @@ class MembranePatch {
   const Graph& graph_;
   std::span<const RimReach> reaches_;
   UnrolledLimbs& unrolled_;
-  /// Locals.
+  /// References into Locals.
   std::vector<int32_t>& local_of_;
   std::vector<int32_t>& face_of_;
   std::vector<int32_t> faces_;
   std::vector<double> first_areas_;
-  /// What was last looked at, of nodes and faces.
+  /// Number of the last visit, of nodes and faces.
   int mark_ = 0;
   std::vector<int> face_marks_;
   std::vector<int32_t> turned_;

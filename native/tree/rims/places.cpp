@@ -14,23 +14,22 @@
 namespace snowbough::tree {
 namespace {
 
-/// Around a hole vertices lie on the limb's own edges, drawn there by this share, where there is
-/// room for it: no piece is narrower than this share of an even one. Elsewhere, the middle of a
-/// row's sides would lie inside them, and where a hole nearly fills its row they would make a step.
-/// Done where more than this share of the row's side lies beside the hole: what is nearer is the
-/// fillet's.
+/// Around a hole, vertices are drawn to the limb's own edges by kDrawn, as long as no piece becomes
+/// narrower than kNarrowest of an even one. Otherwise the middle of a row's sides would lie inside
+/// them, and where a hole nearly fills its row they would make a step. Only if more than
+/// kWideMargin of the row's side lies beside the hole: the fillet covers the closer vertices.
 constexpr double kDrawn = 0.9;
 constexpr double kNarrowest = 0.4;
 constexpr double kWideMargin = 0.375;
-/// A rim reaches at most this share of the limb's first row along it.
+/// Maximum extent of a rim along the limb's first row.
 constexpr double kSlant = 0.85;
-/// Within this share of a fork's reach a limb becomes round.
+/// Fraction of a fork's reach within which a limb becomes round.
 constexpr double kForkShare = 0.9;
 
-/// Where a child's side begins, once its rim stands.
+/// Where a child's side begins on the finished rim.
 struct SideBegin {
   double quarter = 0.0;
-  /// How much further around the child it begins, how far along it, and the way from its own
+  /// Rotation of its beginning around the child, arc length along it, and offset from its own
   /// surface there to the rim.
   double turned = 0.0;
   double length = 0.0;
@@ -77,7 +76,7 @@ class Placer {
   static constexpr size_t kForkBlock = 16;
   static constexpr size_t kBlock = 4096;
 
-  /// Length of the row in which a child leaves its hole.
+  /// Length of a child's row next to its hole.
   double first_row(size_t junction) const {
     return tubes_.length(surface_.junctions[junction].child, 0, 1.0);
   }
@@ -91,7 +90,7 @@ class Placer {
     return origin.part == FacePart::kWall && origin.row == 0 && hole_of_[origin.branch] >= 0;
   }
 
-  /// Finds the rims, and every vertex' place on its limb.
+  /// Computes the rims, and every vertex' place on its limb.
   void unroll() {
     const size_t count = fine_.vertices.size();
     unrolled_.chain.assign(count, -1);
@@ -143,7 +142,7 @@ class Placer {
     RimPoint point;
     point.vertex = vertex;
     point.base = on_side(hole.parent, hole.row, hole.side, p);
-    // The last of a rim is its first.
+    // The last point of a rim is the first.
     point.quarter = side + u >= 4.0 ? 0.0 : side + u;
     unrolled_.chain[vertex] = tubes_.chain(hole.parent);
     rims_[junction].push_back(point);
@@ -178,7 +177,7 @@ class Placer {
       const double a = corner_x(k), b = corner_x(after);
       p.x = a * (1.0 - u) + b * u;
       if (k % 2 == 0) {
-        // Above the vertices of the row's own ring, as far as it may.
+        // Above the vertices of the row's own ring, as far as allowed.
         const double least = std::abs(b - a) * kNarrowest;
         p.x = std::clamp(low.x, std::min(a, b) + least * low.x,
                          std::max(a, b) - least * (1.0 - low.x));
@@ -187,8 +186,8 @@ class Placer {
     return on_side(origin.branch, origin.row, origin.side, p);
   }
 
-  /// Sides of the limb from the end of a row's side, drawn towards whole numbers, where the limb
-  /// has its edges; `end` and what is beyond its last whole number stay.
+  /// Position around the limb, drawn towards integers, where the limb has its edges; `end`, and
+  /// positions beyond its last integer, stay.
   static double towards_edges(double at, double end) {
     return at < std::floor(end) ? at - kDrawn * std::sin(2.0 * M_PI * at) / (2.0 * M_PI) : at;
   }
@@ -217,7 +216,7 @@ class Placer {
     }
   }
 
-  /// Where a child's side begins, between two of its rim's vertices.
+  /// The beginning of a child's side, between two of its rim's vertices.
   SideBegin side_begin(size_t junction, double quarter) const {
     const std::vector<SideBegin>& begins = begins_[junction];
     const auto above =
@@ -233,7 +232,7 @@ class Placer {
   }
 
   void place_others() {
-    // A vertex' own face may be one of several: whichever it is, it has the same place on it.
+    // A vertex may belong to several faces: its place is the same for all.
     std::vector<uint8_t> is_rim(positions_.size(), 0);
     for (const Rim& rim : rims_) {
       for (const RimPoint& point : rim) is_rim[point.vertex] = 1;
@@ -268,7 +267,7 @@ class Placer {
            begin.off * left;
   }
 
-  /// The child whose hole an inset lies around: its corners 2 and 3 are on the rim.
+  /// The child of an inset's hole: its corners 2 and 3 are on the rim.
   int32_t child_of(int32_t face) const {
     const FaceOrigin& origin = surface_.origins[face];
     const std::array<int32_t, 3> at = {origin.branch, origin.row, origin.side};
@@ -280,7 +279,7 @@ class Placer {
     return (*found)->child;
   }
 
-  /// A square laid onto the disc of the limb's end, ring by ring.
+  /// Maps a square to the disc of the limb's end, ring by ring.
   glm::dvec3 on_cap(const FaceOrigin& origin, double u, double v) const {
     const bool tip = origin.part == FacePart::kTipCap;
     const double x = 2.0 * u - 1.0, y = 2.0 * v - 1.0;
@@ -303,10 +302,9 @@ class Placer {
   const std::vector<Fork>& forks_;
   const FineMesh& fine_;
   int threads_;
-  /// Per branch: the junction that it leaves from, or -1.
+  /// Per branch: its junction, or -1.
   std::vector<int32_t> hole_of_;
-  /// Per junction: its hole, the rim around it, and where the child's
-  /// sides begin.
+  /// Per junction: its hole, the rim around it, and the beginnings of the child's sides.
   std::vector<HolePlace> holes_;
   std::vector<Rim> rims_;
   std::vector<std::vector<SideBegin>> begins_;

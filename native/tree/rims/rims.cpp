@@ -8,30 +8,31 @@
 namespace snowbough::tree {
 namespace {
 
-/// The smooth minimum of two equal distances is less by this share of its width.
+/// Difference between two equal distances and their smooth minimum, relative to its width.
 constexpr double kFilletHeight = 0.25;
-/// Steps towards the line, how short they may be, and how near to it is enough; in radii of the
-/// child's base.
+/// Maximum number of steps towards the line, minimum length of a step, and tolerance; in radii of
+/// the child's base.
 constexpr int kMostSteps = 60;
 constexpr double kShortestStep = 0.03;
 constexpr double kNear = 2e-3;
-/// What is a jump between a rim's points, in the same radii.
+/// Minimum jump between a rim's points, in the same radii.
 constexpr double kJump = 0.35;
-/// Where a rim's place on the parent is looked for, in reaches of the fork.
+/// Search window for a rim's place on the parent, in reaches of the fork.
 constexpr double kWindow = 2.0;
-/// How far a side of the child that begins outside of its parent is followed, in the same radii.
+/// Maximum length along which a child's side that begins outside its parent is followed, in the
+/// same radii.
 constexpr double kOutside = 2.0;
-/// Where both limbs part at a flat angle the line between them may lie anywhere as long as it is
-/// so many radii inside of the parent at most, or outside.
+/// Where both limbs separate at a flat angle, the line between them may lie anywhere within this
+/// many radii inside or outside of the parent.
 constexpr double kDeepest = 0.1;
 constexpr double kHighest = 0.3;
-/// It begins at most so many radii further inwards than the base has it.
+/// Maximum distance of its beginning inwards from the base's, in radii.
 constexpr double kInwards = 1.2;
-/// How often each point of a rim is put between those beside it, times their number: what is held
-/// at its ends comes to rest over the whole rim.
+/// Relaxation passes per point of a rim, times the number of points: a rim that is fixed at its
+/// ends converges as a whole.
 constexpr size_t kStretches = 2;
 
-/// One of the child's straight sides, lifted off it.
+/// One of the child's straight sides, offset from it.
 class Side {
  public:
   Side(const Fork& fork, const LimbTubes& tubes, double quarter)
@@ -45,13 +46,13 @@ class Side {
     return radius > 0.0 ? p + off * (height / radius) : p;
   }
 
-  /// Above the parent's surface, lifted likewise.
+  /// Height above the parent's surface, with the same offset.
   double above(const glm::dvec3& p) const {
     return fork_.from_parent(p).distance - kFilletHeight * fillet_width(fork_, p);
   }
 
-  /// Arc length at which it comes to be `height` above the parent for good; where it never was
-  /// below that, at which it is nearest.
+  /// Arc length from which it stays `height` above the parent; if it was never below, at which it
+  /// is closest.
   double rises_to(double height, double farthest) const {
     double length = -fork_.inside, nearest = length, least = 1e300;
     bool was_below = false;
@@ -71,7 +72,7 @@ class Side {
       } else if (length > -fork_.inside + kOutside * fork_.radius) {
         return nearest;
       }
-      // The distance from a surface changes by no more than the way.
+      // The distance from a surface changes by no more than the step.
       length += std::max(std::abs(here), kShortestStep * fork_.radius);
     }
     return was_below ? farthest : nearest;
@@ -91,11 +92,11 @@ class Side {
   double quarter_;
 };
 
-/// Takes jumps out of lengths around a rim: sides that graze the parent leave it here or much
-/// further out. The median of each and its neighbours, where that is more than `jump` away.
+/// Removes jumps from lengths around a rim, where sides graze the parent: replaces a value by the
+/// median of it and its neighbours if that differs by more than `jump`.
 void take_out_jumps(double jump, std::vector<double>& lengths) {
   const size_t count = lengths.size();
-  // A rim of eight points has no more than its own shape.
+  // A rim of eight points has only its own shape.
   for (size_t pass = 8; pass < 2 * count; pass *= 2) {
     const std::vector<double> from(lengths);
     for (size_t i = 0; i < count && count > 8; ++i) {
@@ -106,14 +107,14 @@ void take_out_jumps(double jump, std::vector<double>& lengths) {
   }
 }
 
-/// Stretches a rim like a string between the least and the greatest lengths that its points may
-/// have, so that it has corners only where it must.
+/// Pulls a rim tight like a string between its points' minimum and maximum lengths, so that it has
+/// corners only where necessary.
 void stretch(const std::vector<double>& least, const std::vector<double>& greatest,
              std::vector<double>& lengths) {
   const size_t count = lengths.size();
   for (size_t pass = 0; pass < kStretches * count; ++pass) {
     for (size_t i = 0; i < count; ++i) {
-      // One that was taken out of a jump is further in or out than its own side would be.
+      // A length without its jump differs from its own side's.
       if (lengths[i] < least[i] || lengths[i] > greatest[i]) continue;
       const double middle = 0.5 * (lengths[(i + count - 1) % count] + lengths[(i + 1) % count]);
       lengths[i] = std::clamp(middle, least[i], greatest[i]);
@@ -121,8 +122,8 @@ void stretch(const std::vector<double>& least, const std::vector<double>& greate
   }
 }
 
-/// Spaces a rim's points evenly along the line that they lie on, and turns them around the child as
-/// little as that takes.
+/// Spaces a rim's points evenly along its line, with the smallest possible rotation around the
+/// child.
 void space_evenly(const Fork& fork, const LimbTubes& tubes, Rim& rim) {
   const size_t count = rim.size();
   std::vector<double> way(count + 1, 0.0);
@@ -151,7 +152,7 @@ void space_evenly(const Fork& fork, const LimbTubes& tubes, Rim& rim) {
   }
 }
 
-/// Arc length on the child beside which the base has a rim's point.
+/// Arc length on the child next to a rim's point of the base.
 double base_length(const Fork& fork, const LimbTubes& tubes, const RimPoint& point) {
   const glm::dvec3 start = tubes.centre(fork.child_chain, 0.0);
   const glm::dvec3 axis = tubes.centre(fork.child_chain, fork.radius) - start;

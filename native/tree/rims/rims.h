@@ -12,31 +12,30 @@ namespace snowbough::tree {
 /// A vertex of a hole's rim.
 struct RimPoint {
   int32_t vertex = -1;
-  /// Where the base has it on the parent.
+  /// Its place on the parent in the base mesh.
   TubePlace base;
-  /// Quarter turns around the child at which its side begins.
+  /// Start of its side around the child, in quarter turns.
   double quarter = 0.0;
-  /// Where both limbs meet: quarter turns further around the child, arc length along it, and the
-  /// place on the parent that is nearest to it.
+  /// Where both limbs meet: further quarter turns around the child, arc length along it, and the
+  /// nearest place on the parent.
   double turned = 0.0;
   double length = 0.0;
   TubePlace target;
   glm::dvec3 position{0.0};
 };
 
-/// The rim of the hole that a child leaves its parent through, once around the child, each point
-/// beside the one before it.
+/// The rim of the hole through which a child leaves its parent, once around the child, in order.
 using Rim = std::vector<RimPoint>;
 
-/// Moves a rim's points onto the line in which both limbs meet: along the child's own surface,
-/// lifted off by as much as the fillet between them is high there, up to where it leaves that of
-/// its parent, lifted likewise. The fillet's middle runs through them then, so that what lies
-/// around the hole keeps to the parent's surface and what lies beyond it to the child's. The points
-/// lie evenly along the line: where a child leans along its parent, equal turns around it would put
-/// half of the line between two of them.
+/// Moves a rim's points onto the intersection of both limbs: along the child's surface, offset by
+/// the local height of their fillet, up to where it leaves the parent's surface with the same
+/// offset. The points then lie on the middle of the fillet, so that the mesh around the hole stays
+/// on the parent's surface and the mesh beyond it on the child's. The points are evenly spaced
+/// along the line: with equal turns, half of the line of a child that leans along its parent would
+/// be between two of them.
 ///
-/// @param rim  base and quarter of its points are given.
-/// @param farthest  arc length on the child that the rim stays below.
+/// @param rim  with base and quarter of its points.
+/// @param farthest  maximum arc length of the rim on the child.
 void meet_limbs(const Fork& fork, const LimbTubes& tubes, double farthest, Rim& rim);
 
 }  // namespace snowbough::tree

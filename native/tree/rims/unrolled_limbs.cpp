@@ -12,16 +12,16 @@
 namespace snowbough::tree {
 namespace {
 
-/// What moves with a rim: within so many times the way of its farthest point, and so many radii
-/// of the hole beyond it.
+/// Range of the movement around a rim: a multiple of its farthest point's displacement, plus a
+/// number of the hole's radii.
 constexpr double kReachOfWay = 2.5;
 constexpr double kReach = 2.0;
-/// Vertices up to so many edges from a rim, or more where it has many, go between their neighbours;
-/// those further away than the rim's own edges are long, or so many radii of the hole, pull as if
-/// they were nearer.
+/// Vertices up to this many edges from a rim, more for rims with many, move between their
+/// neighbours; neighbours farther than the rim's own edge length, or this many radii of the hole,
+/// pull as if they were closer.
 constexpr int kSpreadDepth = 3;
 constexpr double kSpread = 0.5;
-/// Chains that a thread takes at a time.
+/// Chains per thread at a time.
 constexpr size_t kBlock = 4;
 
 RimReach rim_reach(int32_t junction, const Rim& rim, const Fork& fork, const LimbTubes& tubes) {
@@ -44,8 +44,8 @@ RimReach rim_reach(int32_t junction, const Rim& rim, const Fork& fork, const Lim
   return reach;
 }
 
-/// Parts a chain's rims into those whose reaches meet along it: what moves with one has nothing to
-/// do with the others, and need not take as many steps.
+/// Divides a chain's rims into groups whose reaches overlap: groups are independent and may take
+/// different numbers of steps.
 std::vector<std::span<const RimReach>> apart(std::span<RimReach> rims) {
   std::sort(rims.begin(), rims.end(), [](const RimReach& a, const RimReach& b) {
     const double low = a.centre.length - a.radius, other = b.centre.length - b.radius;

@@ -9,26 +9,26 @@
 
 namespace snowbough::tree {
 
-/// The fine mesh laid out on the limbs' unrolled surfaces: each vertex at its place on the limb
-/// that its faces belong to, those of rims on the parent's.
+/// The fine mesh on the limbs' unrolled surfaces: each vertex at its place on the limb of its
+/// faces, vertices of rims on the parent.
 struct UnrolledLimbs {
-  /// Per vertex: the chain that it lies on, -1 for those that only caps have; and where.
+  /// Per vertex: its chain (-1 for vertices that only caps use), and its place.
   std::vector<int32_t> chain;
   std::vector<TubePlace> places;
-  /// Per vertex: 1 where it stays whatever moves around it.
+  /// Per vertex: 1 if it never moves.
   std::vector<uint8_t> fixed;
-  /// Per vertex of a rim: the share of its way to its target that it has gone.
+  /// Per vertex of a rim: the fraction of the distance to its target that it has moved.
   std::vector<double> shares;
-  /// Faces that lie on one limb with all their corners.
+  /// Faces with all corners on one limb.
   std::vector<Quad> quads;
 };
 
-/// Moves every rim from where the base has it to its target, step by step, and what lies around it
-/// on the parent along with it: as a membrane that is fixed at the rims and further away. Where
-/// faces would turn over, a rim stays behind.
+/// Moves every rim from its place on the base to its target, step by step, and the parent's
+/// vertices around it as a membrane that is fixed at the rims and farther away. A rim stops where
+/// faces would turn over.
 ///
-/// @param rims, forks  one a junction, in the same order. Rims of forks that do not blend stay.
-/// @param unrolled  whose places move.
+/// @param rims, forks  one per junction, in the same order. Rims of forks that do not blend stay.
+/// @param unrolled  its places are changed.
 void move_rims(const std::vector<Rim>& rims, const std::vector<Fork>& forks, const LimbTubes& tubes,
                int threads, UnrolledLimbs& unrolled);
 

@@ -7,7 +7,7 @@
 namespace snowbough::tree {
 namespace {
 
-/// Cosine between the normals of faces that lie in one plane.
+/// Cosine between the normals of coplanar faces.
 constexpr float kFlatPatch = 0.99f;
 /// A vertex with more faces than this is the centre of a fan.
 constexpr int32_t kFanFaces = 6;
@@ -23,7 +23,7 @@ glm::vec3 face_normal(const LocalMesh& mesh, int32_t f) {
   return length > 0.0f ? normal / length : normal;
 }
 
-/// Looks for flat patches around faces.
+/// Finds flat patches around faces.
 class FlatPatches {
  public:
   FlatPatches(const LocalMesh& mesh, const Topology& topology)
@@ -34,7 +34,7 @@ class FlatPatches {
     for (int32_t f = 0; f < mesh.face_count(); ++f) normals_.push_back(face_normal(mesh, f));
   }
 
-  /// The vertices of a face and of the faces around it that lie in its plane, ascending.
+  /// The vertices of a face and of the coplanar faces around it, ascending.
   std::vector<int32_t> around(int32_t seed) {
     ++search_;
     std::vector<int32_t> patch;
@@ -65,7 +65,7 @@ class FlatPatches {
   const LocalMesh& mesh_;
   const Topology& topology_;
   std::vector<glm::vec3> normals_;
-  /// The last search, counted, that met the vertex or the face.
+  /// Number of the last search that visited the vertex or the face.
   std::vector<int32_t> seen_vertex_, seen_face_;
   int32_t search_ = 0;
 };

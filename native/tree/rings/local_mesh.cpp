@@ -107,7 +107,7 @@ Topology build_topology(const LocalMesh& mesh) {
 Layers walk_layers(const LocalMesh& mesh, const Topology& topology, std::vector<int32_t> start,
                    size_t most_uneven) {
   std::vector<char> seen(mesh.positions.size(), 0);
-  // A face has nothing new for those of its vertices that come to it later.
+  // A visited face adds nothing new for its other vertices.
   std::vector<char> seen_face(static_cast<size_t>(mesh.face_count()), 0);
   for (const int32_t v : start) seen[v] = 1;
   Layers layers;

@@ -26,10 +26,10 @@ struct LocalMesh {
 LocalMesh extract_component(const ObjScene& scene, std::span<const int32_t> faces,
                             std::span<const int32_t> vertices);
 
-/// Vertices at bit-equal positions become one; faces lose corners that fall together.
+/// Merges vertices at bit-equal positions; faces lose coincident corners.
 LocalMesh weld_equal_positions(const LocalMesh& mesh);
 
-/// Who touches whom: what a walk over the component needs.
+/// Adjacency for a walk over the component.
 struct Topology {
   std::vector<int32_t> vertex_face_begin;
   std::vector<int32_t> vertex_faces;
@@ -42,10 +42,10 @@ Topology build_topology(const LocalMesh& mesh);
 /// Sets of vertices, each ascending.
 using Layers = std::vector<std::vector<int32_t>>;
 
-/// Each layer holds the vertices that share a face with the layer before and were not met yet.
-/// @param most_uneven the walk is given up, and none are returned, as soon as one layer has more
-///   than so many times the vertices of another; the first if it is a single vertex, and the last,
-///   do not count. 0: never.
+/// Each layer contains the vertices that share a face with the layer before and are new.
+/// @param most_uneven stops the walk, and returns no layers, when one layer has more than this many
+///   times the vertices of another (ignoring the last, and the first if it is a single vertex). 0:
+///   never.
 Layers walk_layers(const LocalMesh& mesh, const Topology& topology, std::vector<int32_t> start,
                    size_t most_uneven = 0);
 

@@ -13,16 +13,16 @@
 namespace snowbough::tree {
 namespace {
 
-/// Fewer turns than this tell nothing.
+/// Fewer turns than this do not decide.
 constexpr size_t kFewestTurns = 3;
-/// Links are changed over in at most so many rounds.
+/// Maximum number of rounds of relinking.
 constexpr int kFitRounds = 4;
 /// Within 15 degrees.
 constexpr double kSquareCosine = 0.966;
-/// Rows longer than this are not straightened further.
+/// Rows longer than this are not improved further.
 constexpr size_t kLongestImproved = 2000;
 
-/// The thicker half first.
+/// Puts the thicker half first.
 void put_root_first(const std::vector<Plane>& planes, std::vector<size_t>& row) {
   double first = 0.0, last = 0.0;
   for (size_t i = 0; i < row.size() / 2; ++i) {
@@ -32,7 +32,7 @@ void put_root_first(const std::vector<Plane>& planes, std::vector<size_t>& row) 
   if (last > first) std::reverse(row.begin(), row.end());
 }
 
-/// Reverses stretches of the row as long as that shortens the way.
+/// Reverses stretches of the row while that shortens the path.
 void shorten(const std::vector<Plane>& planes, std::vector<size_t>& row) {
   const auto step = [&](size_t a, size_t b) {
     return glm::distance(planes[row[a]].centre, planes[row[b]].centre);

@@ -12,20 +12,20 @@
 namespace snowbough::tree {
 namespace {
 
-/// Ends whose radii differ by less than this share count as equally thick.
+/// Ends whose radii differ by less than this fraction count as equally thick.
 constexpr float kSameThickness = 0.02f;
-/// The centre of a cap lies this close to its ring's plane, as a share of the ring's radius.
+/// Maximum distance of a cap's centre from its ring's plane, relative to the ring's radius.
 constexpr float kFlatCap = 0.02f;
-/// A tube's rings have between these shares of their common number of vertices: two of them differ
-/// by no more than the factor between both.
+/// Bounds of a tube's ring sizes relative to their common number of vertices: two rings differ at
+/// most by the ratio of both.
 constexpr double kSmallestRing = 0.5;
 constexpr double kLargestRing = 2.0;
 constexpr size_t kMostUneven = 4;
-/// A limb shorter than this share of its radius is a disc, not a tube.
+/// A limb shorter than this fraction of its radius is a disc, not a tube.
 constexpr float kShortestLimb = 0.25f;
 
 /// Whether rows of `k` consecutive vertices, with or without a single tip vertex, are this tube's
-/// rings: between each two rows stands a full belt of faces (2k triangles' worth; k at the tip).
+/// rings: each two rows are joined by a full belt of faces (2k triangles' worth; k at the tip).
 bool rows_are_rings(const LocalMesh& mesh, int32_t k) {
   const auto count = static_cast<int32_t>(mesh.positions.size());
   if (count % k > 1 || count < k + 1) return false;
@@ -70,8 +70,8 @@ std::optional<Limb> trace_rows(const LocalMesh& mesh) {
   return std::nullopt;
 }
 
-/// An open end is one ring, however uneven the way there: the other boundary loop becomes the last
-/// layer.
+/// An open end is one ring, even if the rows before it are uneven: the other boundary loop becomes
+/// the last layer.
 void gather_far_end(const Topology& topology, Layers& layers) {
   if (topology.boundary_loops.size() != 2 || layers.size() < 2) return;
   const std::vector<int32_t>& near = layers.front();
@@ -84,8 +84,8 @@ void gather_far_end(const Topology& topology, Layers& layers) {
   layers.push_back(end);
 }
 
-/// Joins the vertices that stand beside each other in a face and lie on the same layer: a ring is
-/// one set then, a branching surface's layer several.
+/// Joins adjacent vertices of a face on the same layer: a ring then forms one set, a forking
+/// surface's layer several.
 base::UnionFind join_along_layers(const LocalMesh& mesh, const std::vector<int32_t>& layer_of) {
   base::UnionFind sets(mesh.positions.size());
   for (int32_t f = 0; f < mesh.face_count(); ++f) {
@@ -104,7 +104,7 @@ bool is_one_ring(const std::vector<int32_t>& layer, base::UnionFind& sets) {
   return std::all_of(layer.begin(), layer.end(), [&](int32_t v) { return sets.find(v) == first; });
 }
 
-/// How far the layers are from many even rings: the smaller, the better a tube; negative = no tube.
+/// Deviation of the layers from many even rings: smaller is better; negative = not a tube.
 double irregularity(const LocalMesh& mesh, const Layers& layers, NotATube& why) {
   if (layers.size() < 2) {
     why = NotATube::kFlat;
@@ -120,7 +120,7 @@ double irregularity(const LocalMesh& mesh, const Layers& layers, NotATube& why) 
     why = NotATube::kLoose;
     return -1.0;
   }
-  // The common size of the layers between the ends.
+  // The most frequent size of the layers between the ends.
   std::vector<size_t> sizes;
   for (const auto& layer : layers) {
     if (layer.size() > 1) sizes.push_back(layer.size());
@@ -137,7 +137,7 @@ double irregularity(const LocalMesh& mesh, const Layers& layers, NotATube& why) 
     const bool end = i == 0 || i + 1 == layers.size();
     const auto size = static_cast<double>(layers[i].size());
     if (end && layers[i].size() == 1) continue;
-    // The last layer of an uneven tube may be a remnant of a ring.
+    // The last layer of an uneven tube may be a partial ring.
     if (size > kLargestRing * common || (size < kSmallestRing * common && i + 1 != layers.size())) {
       why = NotATube::kUneven;
       return -1.0;
@@ -159,7 +159,7 @@ glm::vec3 centre_of(const LocalMesh& mesh, const std::vector<int32_t>& layer) {
   return sum / static_cast<float>(layer.size());
 }
 
-/// Cyclic order: by angle about the axis, which is enough for the convex rings of limbs.
+/// Cyclic order by angle about the axis, sufficient for the convex rings of limbs.
 std::vector<glm::vec3> ordered_ring(const LocalMesh& mesh, const std::vector<int32_t>& layer,
                                     const glm::vec3& axis) {
   std::vector<glm::vec3> ring;
@@ -195,9 +195,9 @@ std::optional<Limb> trace_layers(const LocalMesh& mesh, NotATube& why) {
   Layers best;
   double best_irregularity = -1.0;
   for (const std::vector<int32_t>& start : starts) {
-    // Only the first start that fails has to tell why, which takes the whole walk.
-    const bool told = why != NotATube::kNone && topology.boundary_loops.size() != 2;
-    Layers layers = walk_layers(mesh, topology, start, told ? kMostUneven : 0);
+    // Only the first failing start finds the reason, which takes the whole walk.
+    const bool has_reason = why != NotATube::kNone && topology.boundary_loops.size() != 2;
+    Layers layers = walk_layers(mesh, topology, start, has_reason ? kMostUneven : 0);
     if (layers.empty()) continue;
     gather_far_end(topology, layers);
     NotATube reason = NotATube::kNone;
@@ -223,7 +223,7 @@ std::optional<Limb> trace_layers(const LocalMesh& mesh, NotATube& why) {
   return limb;
 }
 
-/// A vertex in the middle of a flat cap is no point of the centreline.
+/// The centre vertex of a flat cap is not a point of the centreline.
 void drop_cap_centre(Limb& limb, bool at_root) {
   const size_t count = limb.points.size();
   if (count < 3) return;
@@ -269,7 +269,7 @@ std::optional<Limb> trace_local(const LocalMesh& mesh, NotATube& why) {
   limb = trace_rows(welded);
   if (!limb) limb = trace_layers(welded, welded_why);
   limb = finish_limb(std::move(limb), welded_why);
-  // Where faces have vertices of their own, only the welded surface shows that it forks.
+  // If faces do not share vertices, only the welded surface shows that it forks.
   if (!limb && welded_why == NotATube::kForks) why = welded_why;
   return limb;
 }
@@ -285,17 +285,17 @@ std::string reason_text(NotATube reason) {
     case NotATube::kDisc:
       return "a disc: shorter than a quarter of its radius";
     case NotATube::kLoose:
-      return "hangs together only at single points";
+      return "connected only at single points";
     case NotATube::kUneven:
-      return "its cross-sections are uneven: no tube";
+      return "not a tube: its cross-sections are uneven";
     case NotATube::kForks:
-      return "its surface forks: no single tube";
+      return "not a single tube: its surface forks";
   }
   return "";
 }
 
 void append_ring(std::span<const glm::vec3> ring, Limb& limb) {
-  // Summed in double: the centre must not depend on where in the world the ring lies.
+  // Summed in double: the centre must not depend on the ring's position in the world.
   double x = 0.0;
   double y = 0.0;
   double z = 0.0;
@@ -314,7 +314,7 @@ void append_ring(std::span<const glm::vec3> ring, Limb& limb) {
     radius += glm::length(d);
     area += glm::cross(d, ring[(i + 1) % ring.size()] - centre);
   }
-  // A ring in one place has no thickness, whatever rounding makes of its mean.
+  // A ring in a single point has no thickness, even if rounding moves its mean.
   const bool point =
       std::all_of(ring.begin(), ring.end(), [&](const glm::vec3& p) { return p == ring.front(); });
   limb.points.push_back(point ? ring.front() : centre);
@@ -343,12 +343,6 @@ std::optional<Limb> trace_tube(const ObjScene& scene, std::span<const int32_t> f
   NotATube ignored = NotATube::kNone;
   if (std::optional<Limb> limb = finish_limb(trace_rows(mesh), ignored)) return limb;
   return trace_local(mesh, why);
-}
-
-std::optional<Limb> trace_tube_by_layers(const ObjScene& scene, std::span<const int32_t> faces,
-                                         std::span<const int32_t> vertices, NotATube& why) {
-  why = NotATube::kNone;
-  return trace_local(extract_component(scene, faces, vertices), why);
 }
 
 }  // namespace snowbough::tree

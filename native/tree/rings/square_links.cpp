@@ -8,18 +8,18 @@
 namespace snowbough::tree {
 namespace {
 
-/// Cosine between a plane's normal and a link from which on it may be one.
+/// Minimum cosine between a plane's normal and a link.
 constexpr double kAcross = 0.5;
-/// How much dearer a link is for each of its planes that it meets aslant (per 1 - cosine), and for
-/// a jump of the radius (per e-fold, up to two of them). Chosen on AL06a with its squares shuffled,
-/// where 20 to 30 are best.
+/// Cost of a link for each of its planes that it meets obliquely (per 1 - cosine), and for a jump
+/// of the radius (per e-fold, at most two). Chosen on AL06a with its squares shuffled, where 20 to
+/// 30 are best.
 constexpr double kSlantCost = 25.0;
 constexpr double kRadiusCost = 0.7;
-/// Best links that a plane remembers on either side.
+/// Number of best links stored per plane and side.
 constexpr size_t kBest = 12;
-/// A plane stands between two others if the way over it is no longer than this, ...
+/// A plane is between two others if the path through it is no longer than this factor, ...
 constexpr double kDetour = 1.08;
-/// ... it is met this squarely, and its radius is within these factors of theirs.
+/// ... it is met at no smaller cosine than this, and its radius is within these factors of theirs.
 constexpr double kSquarely = 0.85;
 constexpr double kThinner = 0.7;
 constexpr double kThicker = 1.4;
@@ -58,7 +58,7 @@ Links::Links(const std::vector<Plane>& planes) : planes_(planes), best_(planes.s
   });
   for (size_t at = 0; at < order.size(); ++at) {
     const uint32_t i = order[at];
-    // A link costs at least its length: beyond the worst one remembered nothing better comes.
+    // A link costs at least its length, so nothing beyond the worst stored one can be better.
     const auto far = [&](uint32_t j) {
       return std::abs(planes[j].centre[axis] - planes[i].centre[axis]) > limit(i);
     };

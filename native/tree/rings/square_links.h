@@ -12,10 +12,11 @@
 
 namespace snowbough::tree {
 
-/// A cross-section of a limb as a flat thing in space.
+/// A cross-section of a limb as a plane.
 struct Plane {
   glm::dvec3 centre{0.0};
-  /// Unit; zero for a plane without area, which ends a limb and is met squarely from anywhere.
+  /// Unit; zero for a plane without area, which ends a limb and counts as perpendicular to every
+  /// direction.
   glm::dvec3 normal{0.0};
   double radius = 0.0;
 
@@ -23,13 +24,13 @@ struct Plane {
   double across(const glm::dvec3& unit) const {
     return has_normal() ? std::abs(glm::dot(normal, unit)) : 1.0;
   }
-  /// The side of the plane towards a direction; all of a plane without area is one side.
+  /// The side of the plane that faces a direction; a plane without area has only one side.
   int side(const glm::dvec3& towards) const { return glm::dot(normal, towards) < 0.0 ? 1 : 0; }
 };
 
 std::vector<Plane> planes_of(std::span<const CrossSection> sections);
 
-/// Two planes that may follow one another on a limb.
+/// Two planes that may be consecutive on a limb.
 struct Link {
   double cost = 0.0;
   uint32_t from = 0, to = 0;
@@ -37,18 +38,18 @@ struct Link {
   double length = 0.0;
 };
 
-/// The best links of every plane, per side. The planes must outlive them.
+/// The best links of every plane, per side. The planes must outlive it.
 class Links {
  public:
   explicit Links(const std::vector<Plane>& planes);
 
-  /// All of them, cheapest first.
+  /// All links, cheapest first.
   std::vector<Link> sorted() const;
 
   /// The links of a plane's side, cheapest first.
   const std::vector<Link>& of(size_t plane, int side) const { return best_[plane][side]; }
 
-  /// Whether a plane that the limb would have to pass through stands between the two.
+  /// Whether another plane in between blocks the link.
   bool passes_through_another(const Link& link) const;
 
  private:

@@ -8,17 +8,17 @@
 namespace snowbough::tree {
 namespace {
 
-/// A link is no longer than this many times its neighbour in the row, ...
+/// Maximum length of a link relative to its neighbour in the row, ...
 constexpr double kJump = 6.0;
-/// ... and not this much longer than both. In three trees with their order kept, the longest was
-/// 2.05 times as long.
+/// ... and relative to both. In three trees with their order kept, the longest was 2.05 times as
+/// long.
 constexpr double kJumpInside = 2.5;
-/// A link gives way to another one whose step, turn and taper fit their neighbours this much
-/// better.
+/// A link is replaced by another one whose step, turn and taper match their neighbours better by
+/// this factor.
 constexpr double kBetterFit = 0.6;
 constexpr double kTurnMisfit = 4.0;
 
-/// How badly three planes in a row fit: change of the step, turn, change of the taper.
+/// Mismatch of three planes in a row: change of the step, turn, change of the taper.
 double misfit_of(const Plane& a, const Plane& b, const Plane& c) {
   const glm::dvec3 in = b.centre - a.centre, out = c.centre - b.centre;
   const double before = glm::length(in), after = glm::length(out);

@@ -10,19 +10,19 @@
 
 namespace snowbough::tree {
 
-/// Rows that grow together link by link.
+/// Rows built link by link.
 class Rows {
  public:
   explicit Rows(size_t count) : next_(count, {-1, -1}), length_(count), row_(count) {}
 
   void link(const Link& link);
 
-  /// A row that goes over from its own limb to the root of a child finds that root in its way; the
-  /// rest of its limb then waits behind it, and fits better. Changes such links over.
-  /// @return whether there was any.
+  /// Repairs rows that continue from their own limb into the root of a child, so that the rest of
+  /// their limb, which fits better, is left unlinked. Relinks such rows.
+  /// @return whether any was changed.
   bool change_over(const Links& links, const std::vector<Plane>& planes);
 
-  /// Takes back links that are far longer than those on both their sides.
+  /// Removes links that are far longer than those on both their sides.
   void cut_jumps();
 
   std::vector<std::vector<size_t>> rows() const;
@@ -30,10 +30,11 @@ class Rows {
  private:
   int side_to(size_t plane, size_t other) const;
 
-  /// Whether `plane` is reached from `i` without its side `side`: linking them there makes a loop.
+  /// Whether `plane` is reachable from `i` without its side `side`: linking them there makes a
+  /// loop.
   bool in_row_of(size_t i, int side, size_t plane) const;
 
-  /// How badly a link fits its neighbours in the row, as a mean over both its ends.
+  /// Mean mismatch of a link with its neighbours in the row, over both its ends.
   double misfit(const std::vector<Plane>& planes, size_t i, int side, size_t j, int j_side) const;
 
   void find_rows();

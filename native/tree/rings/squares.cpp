@@ -8,15 +8,14 @@
 namespace snowbough::tree {
 namespace {
 
-/// Cosine between a plane's normal and the limb from which on the plane counts as across it.
+/// Minimum cosine between a plane's normal and the limb for a plane across it.
 constexpr float kAcross = 0.5f;
-/// A step this many times longer than its neighbours is a sign of another limb.
+/// A step this many times longer than its neighbours indicates another limb.
 constexpr float kJump = 4.0f;
-/// Cosine of a turn that limbs do not take.
+/// Cosine of a turn that does not occur within limbs.
 constexpr float kSharpTurn = 0.3f;
-/// Signs (turning sharply, leaving sideways, thickening, jumping) that together begin a new limb.
-/// Measured on two real trees with their groups taken away: of 1,547 limbs, 30 are cut in the wrong
-/// place.
+/// Number of indications (sharp turn, sideways step, thickening, jump) that together begin a new
+/// limb. Measured on two real trees without their groups: of 1,547 limbs, 30 are cut in the wrong
 constexpr int kSignsOfANewLimb = 3;
 
 std::vector<glm::vec3> face_corners(const ObjScene& scene, int32_t face) {
@@ -27,7 +26,7 @@ std::vector<glm::vec3> face_corners(const ObjScene& scene, int32_t face) {
   return corners;
 }
 
-/// Two triangles with two corners in common make a quad: the second's own corner goes between the
+/// Joins two triangles with two common corners to a quad: the second's own corner goes between the
 /// shared ones. `same(i, j)`: corner i of the first is corner j of the second.
 template <typename Same>
 std::optional<CrossSection> join_triangles(const std::vector<glm::vec3>& first,
@@ -44,7 +43,7 @@ std::optional<CrossSection> join_triangles(const std::vector<glm::vec3>& first,
     }
   }
   if (count == 3) {
-    // Both in one place, as where the limb has no thickness.
+    // Both coincide, as where the limb has no thickness.
     return CrossSection{first};
   }
   if (count != 2) return std::nullopt;
@@ -55,7 +54,7 @@ std::optional<CrossSection> join_triangles(const std::vector<glm::vec3>& first,
   return CrossSection{{first[i], first[(i + 1) % 3], second[j], first[(i + 2) % 3]}};
 }
 
-/// The plane's normal, or nothing for one without area.
+/// The plane's normal, or no value for one without area.
 std::optional<glm::vec3> plane_normal(const CrossSection& section) {
   glm::vec3 normal(0.0f);
   for (size_t c = 1; c + 1 < section.corners.size(); ++c) {
@@ -67,8 +66,8 @@ std::optional<glm::vec3> plane_normal(const CrossSection& section) {
   return normal / length;
 }
 
-/// The larger cosine between the line from one plane to the next and the planes' normals: 1 where
-/// the line crosses one of them squarely, and where nothing has a direction.
+/// The larger cosine between the line from one plane to the next and the planes' normals: 1 if the
+/// line is perpendicular to one of them, or nothing has a direction.
 float across_cosine(const CrossSection& first, const CrossSection& second, const glm::vec3& line) {
   const float length = glm::length(line);
   float best = -1.0f;
@@ -80,7 +79,7 @@ float across_cosine(const CrossSection& first, const CrossSection& second, const
   return best < 0.0f ? 1.0f : best;
 }
 
-/// Cosine of the angle between two steps; 1 where one has no length.
+/// Cosine of the angle between two steps; 1 if one has no length.
 float cosine(const glm::vec3& a, const glm::vec3& b) {
   const float lengths = glm::length(a) * glm::length(b);
   return lengths > 0.0f ? glm::dot(a, b) / lengths : 1.0f;
@@ -163,7 +162,7 @@ std::vector<size_t> chain_cross_sections(std::span<const CrossSection> sections)
   }
   std::vector<size_t> rows{0};
   for (size_t i = 1; i < steps.size(); ++i) {
-    // A limb has two planes at least.
+    // A limb has at least two planes.
     if (i == rows.back()) continue;
     const bool last = i + 1 == steps.size();
     int signs = turn_signs(steps[i - 1], steps[i]);

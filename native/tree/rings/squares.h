@@ -19,28 +19,28 @@ struct CrossSection {
 };
 
 /// Reads a component as a plane: one polygon of four or more corners, or two triangles that share
-/// an edge. Nothing for any other component.
+/// an edge. No value for other components.
 std::optional<CrossSection> read_cross_section(const ObjScene& scene, const Parts& parts,
                                                int32_t part);
 
-/// The planes of one branch, in the order of the file. Single triangles are joined in pairs to
-/// planes when they share two positions.
-/// @param unread receives the parts that are no planes.
+/// The planes of one branch, in file order. Single triangles that share two positions are paired to
+/// planes.
+/// @param unread receives the parts that are not planes.
 std::vector<CrossSection> read_cross_sections(const ObjScene& scene, const Parts& parts,
                                               std::span<const int32_t> branch_parts,
                                               std::vector<int32_t>& unread);
 
-/// Share of the consecutive pairs of planes that stand across the line between their centres;
-/// planes and distances of no size count as such.
+/// Fraction of the consecutive pairs of planes that are perpendicular to the line between their
+/// centres; planes without area and zero distances count as perpendicular.
 double row_share(std::span<const CrossSection> sections);
 
-/// Cuts planes that follow one another into rows, one a limb: a new row begins where the distance
-/// jumps beyond those before and after it, where the line leaves sideways, or where the limb
-/// suddenly thickens.
+/// Splits consecutive planes into rows, one per limb: a new row begins where the distance is much
+/// larger than those before and after, where the line turns sideways, or where the limb suddenly
+/// thickens.
 /// @return the first plane of each row.
 std::vector<size_t> chain_cross_sections(std::span<const CrossSection> sections);
 
-/// A limb through planes in their order: the first is the root's.
+/// A limb through planes in their order; the first is at the root.
 Limb limb_from_cross_sections(std::span<const CrossSection> sections);
 
 }  // namespace snowbough::tree

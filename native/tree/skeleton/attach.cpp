@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kReachInRadii = 3.0f;
 constexpr float kReachInSizes = 0.01f;
-/// Floor of the radii in relative searches, as a share of the tree's size.
+/// Minimum radius in relative searches, as a fraction of the tree's size.
 constexpr float kRadiusFloor = 1e-3f;
 
 float largest_radius(const Branch& branch) {
@@ -30,7 +30,7 @@ float branch_length(const Branch& branch) {
   return length;
 }
 
-/// Position in the row from the thickest to the thinnest branch.
+/// Rank of each branch from the thickest to the thinnest.
 std::vector<int32_t> thickness_order(const std::vector<Branch>& branches) {
   std::vector<std::tuple<float, float, int32_t>> keys;
   for (size_t b = 0; b < branches.size(); ++b) {
@@ -52,7 +52,7 @@ bool touches(float radius, const NearestSegment& found) {
   return found.branch >= 0 && found.distance <= found.radius + radius;
 }
 
-/// Feet of two stems side by side: the nearest point is the other's root and lies outside both
+/// Whether two stems stand side by side: the nearest point is the other's root and outside both
 /// limbs.
 bool stands_beside(const Branch& child, const Branch& parent, const NearestSegment& found) {
   return parent.parent < 0 && found.point == parent.points.front() &&
@@ -74,7 +74,7 @@ int32_t depth_of(const std::vector<Branch>& branches, int32_t branch) {
   return depth;
 }
 
-/// Reorders by level, then depth, keeping the input's order within, and renumbers the parents.
+/// Sorts by level, then depth, stable, and renumbers the parents.
 void sort_branches(std::vector<Branch>& branches, std::vector<char>& reversible) {
   std::vector<int32_t> depth(branches.size());
   for (size_t b = 0; b < branches.size(); ++b)
@@ -103,9 +103,9 @@ void take_parent(Branch& branch, const NearestSegment& found) {
   branch.attach_point = found.point;
 }
 
-/// Branches that start at one place are siblings: one found at the other's root takes that one's
-/// parent.
-/// @param branches those thicker than the child have their parents already.
+/// Branches that start at one place are siblings: if a branch was attached at another's root, it
+/// gets that one's parent.
+/// @param branches those thicker than the child already have their parents.
 void prefer_common_parent(const std::vector<Branch>& branches, const Branch& child,
                           NearestSegment& found) {
   while (found.branch >= 0) {
@@ -114,7 +114,7 @@ void prefer_common_parent(const std::vector<Branch>& branches, const Branch& chi
     const float away = glm::distance(child.points.front(), sibling.attach_point);
     const CentrelinePlace place = nearest_place(branches[sibling.parent], sibling.attach_point);
     const float radius = radius_at(branches[sibling.parent], place);
-    // No farther from the common parent than from the sibling, but for the way through the limb
+    // No farther from the common parent than from the sibling, apart from the path through the limb
     // itself.
     if (away > found.distance + radius) return;
     found.branch = sibling.parent;
@@ -124,8 +124,8 @@ void prefer_common_parent(const std::vector<Branch>& branches, const Branch& chi
   }
 }
 
-/// Roots that touch a branch which is no candidate by thickness or level, but does not hang on
-/// them.
+/// Attaches roots to a touching branch that is no candidate by thickness or level and does not
+/// descend from them.
 void attach_left_over(std::vector<Branch>& branches, const std::vector<int32_t>& order,
                       int32_t first, bool by_level, const SegmentTree& segments, float size) {
   std::vector<std::vector<int32_t>> children(branches.size());
@@ -165,14 +165,14 @@ void attach_branches(std::vector<Branch>& branches, std::vector<char>& reversibl
   } else {
     order = thickness_order(branches);
   }
-  // A branch that came with its parent is no candidate for what that one hangs on.
+  // A branch that came with its parent cannot become a child of its descendants.
   for (size_t b = 0; b < branches.size(); ++b) {
     if (branches[b].parent >= 0) order[b] = std::max(order[b], order[branches[b].parent]);
   }
   const Measure measure = by_level ? Measure::kDistance : Measure::kRadii;
   const SegmentTree segments(branches, order, kRadiusFloor * size);
 
-  // Thick before thin, so that a candidate's own parent is known when it is judged.
+  // In order of decreasing thickness, so that a candidate's own parent is known.
   std::vector<int32_t> sequence(branches.size());
   std::iota(sequence.begin(), sequence.end(), 0);
   std::stable_sort(sequence.begin(), sequence.end(),

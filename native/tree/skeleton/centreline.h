@@ -16,14 +16,14 @@ struct CentrelinePlace {
   glm::vec3 point{0.0f};
 };
 
-/// The place nearest to `point`; of equals the one nearest to the root.
+/// The place nearest to `point`; on a tie the one closest to the root.
 CentrelinePlace nearest_place(const Branch& branch, const glm::vec3& point);
 
 /// Distance along the centreline from the root to every point; the first is 0, the last the length.
 std::vector<float> arc_lengths(const Branch& branch);
 
-/// Radius and area at a place. The radius is interpolated along the segment; so is the area's root,
-/// as in a cone.
+/// Radius and area at a place. The radius is interpolated linearly along the segment, and so is the
+/// square root of the area, as in a cone.
 float radius_at(const Branch& branch, const CentrelinePlace& place);
 float area_at(const Branch& branch, const CentrelinePlace& place);
 

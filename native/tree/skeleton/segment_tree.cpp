@@ -20,13 +20,13 @@ using base::smaller;
 using base::square_root;
 
 constexpr int32_t kLeafSize = 8;
-/// Weight of the distance to the centreline beside that to the surface.
+/// Weight of the distance to the centreline relative to the distance to the surface.
 constexpr double kInsideShare = 0.05;
-/// What is told in floats is told with this share to spare: more than their rounding takes.
+/// Relative margin for decisions in floats: more than their rounding.
 constexpr float kSpare = 1e-5f;
-/// Distances beyond this count as this, so that their squares may overflow.
+/// Distances are clamped to this, so that their squares do not overflow.
 constexpr float kFar = 1e18f;
-/// Squared lengths below this are none: their inverse would overflow.
+/// Smaller squared lengths count as zero: their inverse would overflow.
 constexpr float kNoLength = 1e-30f;
 constexpr int32_t kLastOrder = std::numeric_limits<int32_t>::max();
 
@@ -56,7 +56,7 @@ SegmentTree::SegmentTree(const std::vector<Branch>& branches, std::vector<int32_
 }
 
 /// Sorts the segments [begin, end) into two halves along their longer extent.
-/// @return where the second begins; `end` if they are few enough to stay together.
+/// @return where the second begins; `end` if they are few enough for one leaf.
 int32_t SegmentTree::split(int32_t begin, int32_t end) {
   if (end - begin <= kLeafSize) {
     return end;
@@ -156,12 +156,12 @@ class SegmentTree::Search {
   }
 
   NearestSegment run() {
-    // The stack never holds more than three siblings a level, and the tree is balanced.
-    std::array<Waiting, 96> stack;
+    // The stack never holds more than three siblings per level, and the tree is balanced.
+    std::array<PendingNode, 96> stack;
     size_t depth = 0;
     if (!tree_.nodes_.empty()) stack[depth++] = {0.0f, 0, 0};
     while (depth > 0) {
-      const Waiting next = stack[--depth];
+      const PendingNode next = stack[--depth];
       if (next.bound > best_.cost) continue;
       if (next.count > 0) {
         for (int32_t i = next.number; i < next.number + next.count; ++i) look_at(tree_.fours_[i]);
@@ -183,13 +183,13 @@ class SegmentTree::Search {
   }
 
  private:
-  /// A node (count 0) or some of fours_, and what they cost at least.
-  struct Waiting {
+  /// A node (count 0) or some of fours_, and their minimum cost.
+  struct PendingNode {
     float bound;
     int32_t number, count;
   };
 
-  /// Not more than what limbs cost that are `distance` away and have `radius`.
+  /// Lower bound of the cost of limbs at `distance` with `radius`.
   Float4 least_cost(const Float4& distance, const Float4& radius) const {
     switch (measure_) {
       case Measure::kRadii:

@@ -11,43 +11,46 @@
 
 namespace snowbough::tree {
 
-/// Where on a centreline a point is nearest.
+/// The nearest place on any centreline.
 struct NearestSegment {
-  /// -1 when no branch qualifies.
+  /// -1 if no branch qualifies.
   int32_t branch = -1;
   int32_t segment = 0;
   /// 0..1 along the segment.
   float t = 0.0f;
   glm::vec3 point{0.0f};
   float distance = 0.0f;
-  /// Limb radius there, interpolated.
+  /// Interpolated limb radius there.
   float radius = 0.0f;
-  /// The distance in the measure asked for.
+  /// The distance in the requested measure.
   double cost = 0.0;
 };
 
-/// What "nearest" means.
+/// Definition of "nearest".
 enum class Measure {
   /// Metres to the centreline.
   kDistance,
   /// Distance in radii of the limb found.
   kRadii,
-  /// Metres to the limb's surface; inside and on it, a twentieth of those to the centreline.
+  /// Metres to the limb's surface; inside and on it, a twentieth of the distance to the centreline.
   kSurface,
 };
 
-/// The centreline segments of all branches in a bounding volume hierarchy of four children a node.
+/// The centreline segments of all branches in a bounding volume hierarchy with four children per
+/// node.
 class SegmentTree {
  public:
-  /// @param order per branch, any numbers: a search sees branches with a smaller order than it asks
-  ///   for. Branches of one point count as a segment of no length; those of none are left out.
-  /// @param radius_floor added to radii in kRadii, so that a limb of no thickness can win too.
+  /// @param order per branch, any numbers: a search considers branches with a smaller order than it
+  ///   requests. A branch of one point counts as a segment of zero length; branches without points
+  ///   are skipped.
+  /// @param radius_floor added to radii in kRadii, so that limbs without thickness can be found
+  ///   too.
   SegmentTree(const std::vector<Branch>& branches, std::vector<int32_t> order, float radius_floor);
 
-  /// The nearest segment among branches whose order is below `below_order`. Of equals the one whose
-  /// branch, then segment, has the smallest index.
-  /// @param excluded per branch: not to be found; null = none.
-  /// @param limit only what is nearer than this, in the measure, is found.
+  /// The nearest segment among branches whose order is below `below_order`. On a tie the one with
+  /// the smallest branch index, then segment index.
+  /// @param excluded per branch: skip it; null = none.
+  /// @param limit maximum distance, in the measure.
   NearestSegment nearest(const glm::vec3& point, int32_t below_order, Measure measure,
                          const std::vector<char>* excluded = nullptr,
                          double limit = std::numeric_limits<double>::infinity()) const;
@@ -58,24 +61,24 @@ class SegmentTree {
     float radius_a, radius_b;
     int32_t branch, segment;
   };
-  /// Four boxes around segments, with the largest radius and the smallest order in each. A lane
-  /// that is not used has the largest order there is.
+  /// Four bounding boxes of segments, with the largest radius and the smallest order in each. An
+  /// unused lane has the largest possible order.
   struct Node {
     std::array<base::Float4, 3> low, high;
     base::Float4 radius;
     base::Int4 order;
-    /// The node, or the first of `count` entries of fours_, that a box is around.
+    /// Per box: its child node, or the first of `count` entries of fours_.
     std::array<int32_t, 4> child;
     std::array<int32_t, 4> count;
   };
-  /// Up to four segments_ from `first` on, as floats, to tell most of those that are too far.
+  /// Up to four segments_ from `first` on, in floats, to reject most of those that are too far.
   struct Four {
     std::array<base::Float4, 3> from, along;
-    /// One over the squared length, 0 for a segment of none.
+    /// 1 / squared length, 0 for zero length.
     base::Float4 inverse;
     /// The larger of both ends' radii.
     base::Float4 radius;
-    /// By how much rounding may enlarge a distance.
+    /// Maximum error of a distance from rounding.
     base::Float4 slack;
     base::Int4 order;
     int32_t first;

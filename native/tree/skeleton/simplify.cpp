@@ -14,17 +14,17 @@
 namespace snowbough::tree {
 namespace {
 
-/// The branch with its children's attach points among its points.
+/// The branch with its children's attach points as points.
 struct Refined {
   Branch branch;
-  /// Per point: a child sits here.
+  /// Per point: whether a child sits there.
   std::vector<bool> has_child;
-  /// Per child, in the order given: the point it sits at.
+  /// Per child, in input order: its point.
   std::vector<size_t> child_point;
 };
 
 Refined insert_attach_points(const Branch& branch, const std::vector<CentrelinePlace>& places) {
-  // Sorted from root to tip; places of one spot share a point.
+  // Sorted from root to tip; coincident places share a point.
   std::vector<size_t> order(places.size());
   for (size_t i = 0; i < order.size(); ++i) order[i] = i;
   const auto key = [&](size_t i) { return std::pair(places[i].segment, places[i].t); };
@@ -63,8 +63,8 @@ Refined insert_attach_points(const Branch& branch, const std::vector<CentrelineP
 }
 
 /// A limb's thickness at a place, as two radii that are interpolated along a segment: the mean
-/// distance of the ring's vertices, and that of a circle of the ring's area, which is what the
-/// surface is built on.
+/// distance of the ring's vertices, and the radius of a circle with the ring's area, on which the
+/// surface is built.
 struct Thickness {
   double radius;
   double area_radius;
@@ -97,8 +97,8 @@ struct Chord {
     return squared > 0.0 ? glm::dot(point - from, along) / squared : 0.0;
   }
 
-  /// How far the limb's surface around `point` lies from the cone's at most: the two circles'
-  /// offset and the difference of their radii.
+  /// Maximum distance of the limb's surface around `point` from the cone's: the two circles' offset
+  /// plus the difference of their radii.
   double miss(const glm::dvec3& point, const Thickness& thickness) const {
     const double t = std::clamp(foot(point), 0.0, 1.0);
     const Thickness cone = mix(begin, end, t);
@@ -108,8 +108,8 @@ struct Chord {
   }
 };
 
-/// Largest miss of a chord between the points `first` and `last`, in what is allowed there: more
-/// than 1 if it misses one by more.
+/// The largest deviation of a chord between the points `first` and `last`, relative to the allowed
+/// one.
 struct Worst {
   double share = 0.0;
   size_t point = 0;
@@ -127,8 +127,8 @@ Worst worst_miss(const Branch& branch, float tolerance, float smallest_radius, s
   for (size_t i = first + 1; i < last; ++i) {
     look(i, branch.points[i], thickness_of(branch, i));
   }
-  // Along a segment of the original the miss is convex, so that its ends bound it - but where the
-  // foot leaves an end of the chord.
+  // Along a segment of the original the deviation is convex, so that its ends bound it, except
+  // where the foot leaves an end of the chord.
   for (size_t i = first; i < last; ++i) {
     const glm::dvec3 a(branch.points[i]), b(branch.points[i + 1]);
     const double foot_a = chord.foot(a), foot_b = chord.foot(b);
@@ -142,7 +142,7 @@ Worst worst_miss(const Branch& branch, float tolerance, float smallest_radius, s
   return worst;
 }
 
-/// Marks the points between two kept ones that the chord would miss by more than is allowed.
+/// Marks the points between two kept ones from which the chord would deviate too much.
 void keep_needed_points(const Branch& branch, float tolerance, float smallest_radius, size_t first,
                         size_t last, std::vector<bool>& keep) {
   std::vector<std::pair<size_t, size_t>> open{{first, last}};

@@ -50,7 +50,7 @@ void make_names_unique(std::vector<Branch>& branches) {
   std::unordered_set<std::string> taken;
   for (Branch& branch : branches) taken.insert(branch.name);
   std::unordered_set<std::string> used;
-  // Per name the number to try next: none below it comes free again.
+  // Per name the next number to try: lower ones are in use.
   std::unordered_map<std::string, int64_t> next_number;
   for (Branch& branch : branches) {
     if (branch.name.empty()) branch.name = "branch";
@@ -89,11 +89,11 @@ void complete_skeleton(Skeleton& skeleton) {
 
 void scale_skeleton(Skeleton& skeleton, double factor) {
   const double height = factor * static_cast<double>(skeleton.height);
-  // A tree that lies has no height; the factor alone is looked at then.
+  // A tree that lies flat has no height; only the factor is checked then.
   const double size = skeleton.height > 0.0f ? height : factor;
   if (!(factor > 0.0) || !(size > 1e-9) || !(size < 1e9)) {
     throw std::invalid_argument("the scale " + std::to_string(factor) +
-                                " must be above zero and make no tree beyond 1e-9 to 1e9 metres");
+                                " must be above zero and give a tree of 1e-9 to 1e9 metres");
   }
   if (factor == 1.0) return;
   const auto grow = [factor](glm::vec3& p) { p = glm::vec3(glm::dvec3(p) * factor); };

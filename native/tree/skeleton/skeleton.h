@@ -18,19 +18,19 @@ struct Branch {
   int32_t level = 0;
   /// Index of the branch it grows from, -1 for a root. Always smaller than the branch's own index.
   int32_t parent = -1;
-  /// Where on the parent's centreline segment it sits; points[0] for a root.
+  /// Attach point on the parent's centreline; points[0] for a root.
   glm::vec3 attach_point{0.0f};
   /// Centres of the rings or squares, root to tip; at least one.
   std::vector<glm::vec3> points;
   /// Mean distance of each ring's vertices from its centre; 0 is common at tips.
   std::vector<float> radii;
-  /// Area of each ring's polygon in m2: carries the limb's volume.
+  /// Area of each ring's polygon in m2: preserves the limb's volume.
   std::vector<float> areas;
-  /// Index into OriginalWood's pieces, -1 for a branch that comes from no file.
+  /// Index into OriginalWood's pieces, -1 for a branch that was not imported.
   int32_t piece = -1;
 };
 
-/// What the import found, for the operator's report, --json and the collection's custom property.
+/// Result of the import, for the operator's report, --json and the collection's custom property.
 struct ImportReport {
   /// One of SQUARES_PER_GROUP, TUBES_PER_GROUP, TUBES_PER_LEVEL, MERGED_TUBES, MATERIALS,
   /// MERGED_SQUARES, WELDED (forms 1 to 7), or FROM_BRANCHES.
@@ -39,20 +39,20 @@ struct ImportReport {
   std::string up_axis;
   /// Number of branches on each level, from the trunk on.
   std::vector<int32_t> branches_per_level;
-  /// Parts that were left out: name -> why.
+  /// Skipped parts: name -> reason.
   std::vector<std::pair<std::string, std::string>> skipped_parts;
-  /// Names of branches that reach no parent and were kept as roots of their own.
+  /// Names of branches without a parent in reach, kept as roots.
   std::vector<std::string> extra_roots;
   /// Number of foliage parts (leaves, needles, flowers) kept beside the skeleton.
   int32_t foliage_parts = 0;
   std::vector<std::string> warnings;
 };
 
-/// A texture that a material names, and how it lies on the UVs.
+/// A texture of a material, and its mapping.
 struct MaterialTexture {
   /// Absolute path of an existing file, or empty.
   std::string path;
-  /// It is looked up at uv * scale + offset: the statement's -s and -o.
+  /// Sampled at uv * scale + offset: the statement's -s and -o.
   glm::vec2 scale{1.0f};
   glm::vec2 offset{0.0f};
 };
@@ -60,9 +60,9 @@ struct MaterialTexture {
 /// A material of the export's MTL file.
 struct ObjMaterial {
   std::string name;
-  /// A library describes it; otherwise the OBJ has but its name.
+  /// False if no library defines it: only its name is known then.
   bool defined = false;
-  /// Kd, d and Tf: the colour of the light that passes through, white where nothing is said.
+  /// Kd, d and Tf: the colour of transmitted light, white by default.
   glm::vec3 diffuse{0.8f};
   float opacity = 1.0f;
   glm::vec3 transmission{1.0f};
@@ -76,40 +76,40 @@ struct ObjMaterial {
   MaterialTexture normal_texture;
 };
 
-/// Leaves, needles and flowers as they stand in the file (Z up, metres).
+/// Leaves, needles and flowers as in the file (Z up, metres).
 struct Foliage {
   std::vector<glm::vec3> vertices;
   /// Polygons as a flat list of corners; polygon f owns corners [face_begin[f], face_begin[f + 1]).
   std::vector<int32_t> face_begin;
   std::vector<int32_t> corner_vertex;
-  /// The export's own texture coordinates, per corner; (0, 0) where it has none.
+  /// The export's texture coordinates, per corner; (0, 0) if it has none.
   std::vector<glm::vec2> corner_uv;
   /// Per polygon: index into materials (-1 = none) and number of the leaf it belongs to.
   std::vector<int32_t> face_material;
   std::vector<int32_t> face_leaf;
-  /// Per leaf: the branch it hangs on (index into Skeleton::branches) and the point where it does.
+  /// Per leaf: its branch (index into Skeleton::branches) and attach point.
   std::vector<int32_t> leaf_branch;
   std::vector<glm::vec3> leaf_attach_point;
   std::vector<ObjMaterial> materials;
 };
 
 /// The wood's own polygons, for their texture coordinates and materials (Z up, metres). A piece is
-/// an index-connected component: a limb's tube, or a surface that forks, which several limbs share.
+/// an index-connected component: a limb's tube, or a forking surface shared by several limbs.
 struct OriginalWood {
-  /// Each place once a piece.
+  /// Each position once per piece.
   std::vector<glm::vec3> vertices;
-  /// Piece p owns triangles [piece_begin[p], piece_begin[p + 1]). It has none where every piece is
-  /// of one material and the file has no texture coordinates, and where it is a row of planes.
+  /// Piece p owns triangles [piece_begin[p], piece_begin[p + 1]). There are none if every piece has
+  /// one material and the file has no texture coordinates, or if the piece is a row of planes.
   std::vector<std::array<int32_t, 3>> triangles;
   std::vector<int32_t> piece_begin{0};
   /// Per triangle: texture coordinates of its corners, and index into materials (-1 = none).
   std::vector<std::array<glm::vec2, 3>> uvs;
   std::vector<int32_t> triangle_material;
-  /// Per piece: 1 where all its corners have texture coordinates, and its first face's material.
+  /// Per piece: 1 if all its corners have texture coordinates; and the first face's material.
   std::vector<uint8_t> piece_textured;
   std::vector<int32_t> piece_material;
   std::vector<ObjMaterial> materials;
-  /// Per branch: its points before any were left out; empty where there are no triangles.
+  /// Per branch: its points before simplification; empty without triangles.
   std::vector<std::vector<glm::vec3>> centrelines;
 };
 
@@ -118,24 +118,23 @@ struct Skeleton {
   std::vector<Branch> branches;
   Foliage foliage;
   OriginalWood wood;
-  /// Extent of the wood along Z in metres: every tolerance is relative to it.
+  /// Extent of the wood along Z in metres: all tolerances are relative to it.
   float height = 0.0f;
-  /// Where the origin of all points lies in the file's space, in metres, Z up: a tree far from the
-  /// file's origin has an origin of its own, as single precision has no room for both.
+  /// Origin of all points in the file's space, in metres, Z up: a tree far from the file's origin
+  /// has its own origin, since single precision cannot hold both.
   glm::dvec3 origin{0.0};
   ImportReport report;
 };
 
-/// Checks a skeleton that was put together elsewhere, makes names unique and fills `height` and the
-/// report's `branches_per_level`.
-/// @throws std::invalid_argument naming the branch and what is wrong with it: no points, arrays of
-///   different length, non-finite values, negative radii or areas, a parent that does not come
-///   before it.
+/// Checks a skeleton built by the caller, makes names unique and fills `height` and the report's
+/// `branches_per_level`.
+/// @throws std::invalid_argument naming the branch and the fault: no points, arrays of different
+/// length, non-finite values, negative radii or areas, or a parent that does not come before it.
 void complete_skeleton(Skeleton& skeleton);
 
-/// Makes everything `factor` times as large, leaves and the wood's own polygons included.
-/// @throws std::invalid_argument for a factor that is not finite and above zero, or too large or
-///   small for this tree.
+/// Scales everything by `factor`, including leaves and the wood's own polygons.
+/// @throws std::invalid_argument for a factor that is not finite and above zero, or out of range
+/// for this tree.
 void scale_skeleton(Skeleton& skeleton, double factor);
 
 }  // namespace snowbough::tree

@@ -9,18 +9,18 @@
 
 namespace snowbough::tree {
 
-/// Which part of a limb's strip a quad is: what the UV layout and the LODs need to know.
+/// The part of a limb's strip to which a quad belongs, for UV layout and LODs.
 enum class FacePart : uint8_t {
   /// Side wall of a limb between two consecutive rings.
   kWall,
-  /// One of the four quads around the smaller hole at a knuckle's side; the parent limb's.
+  /// One of the four quads around a smaller hole in a knuckle's side; belongs to the parent limb.
   kInset,
-  /// The quad that closes a tip or a root.
+  /// The quad that closes a tip, or a root.
   kTipCap,
   kRootCap,
 };
 
-/// Where a quad comes from. A limb is one branch (index into Skeleton::branches).
+/// The origin of a quad. A limb is one branch (index into Skeleton::branches).
 ///
 /// Corners of a wall quad: 0 = ring `row`, corner `side`; 1 = ring `row`, corner `side + 1`; 2 =
 /// ring `row + 1`, corner `side + 1`; 3 = ring `row + 1`, corner `side` (corner numbers modulo 4).
@@ -29,22 +29,22 @@ enum class FacePart : uint8_t {
 /// number of rows of the limb for kTipCap and 0 for kRootCap; corner 0 is the ring's corner 0.
 ///
 /// A limb's ring 0 is the root's own ring, the parent's end ring (continues_parent), or the hole in
-/// the parent's side: the knuckle side's own corners 0..3 in the order of the wall quad that is
-/// missing there, or the inner corners of its inset.
+/// the parent's side: the corners 0..3 of the knuckle side in the order of the missing wall quad,
+/// or the inner corners of its inset.
 struct FaceOrigin {
-  /// The branch whose strip the quad lies in.
+  /// The branch of the quad's strip.
   int32_t branch = -1;
   /// Row along the limb: the quad spans ring `row` to ring `row + 1`, counted from the limb's root.
   int32_t row = 0;
-  /// Side 0..3 around the limb, anticlockwise seen from the tip; for kInset the knuckle's side that
-  /// it fills, for caps 0.
+  /// Side 0..3 around the limb, anticlockwise seen from the tip; for kInset the knuckle's side, for
+  /// caps 0.
   int32_t side = 0;
-  /// For kInset 0..3: which edge of the knuckle's side it lies along; otherwise 0.
+  /// For kInset 0..3: the edge of the knuckle's side along which it lies; otherwise 0.
   int32_t inset = 0;
   FacePart part = FacePart::kWall;
 };
 
-/// The stretch of a limb between two of its rings, as a round cone on an infinite line. Metres.
+/// The section of a limb between two rings, as a round cone on an infinite line. Metres.
 struct LimbSection {
   glm::dvec3 begin{0.0};
   /// Unit vector.
@@ -52,14 +52,14 @@ struct LimbSection {
   double length = 0.0;
   double begin_radius = 0.0;
   double end_radius = 0.0;
-  /// Begins at a hole in a parent's side: becomes round over its first width only, or the heel of a
-  /// branch that leaves at a flat angle would swell out of its parent.
+  /// Begins at a hole in a parent's side: it becomes round only over its first width, otherwise a
+  /// branch that leaves at a flat angle would bulge out of its parent at its heel.
   bool from_hole = false;
-  /// Branches that continue one another are one limb.
+  /// Branches that continue one another share a limb.
   int32_t limb = -1;
 };
 
-/// The bones of the armature: one a skeleton segment, parents before children.
+/// The bones of the armature: one per skeleton segment, parents before children.
 struct Bones {
   std::vector<glm::vec3> heads;
   std::vector<glm::vec3> tails;
@@ -67,7 +67,7 @@ struct Bones {
   std::vector<int32_t> parents;
   /// "<branch>.<segment>", unique.
   std::vector<std::string> names;
-  /// Index of the branch the bone belongs to, and that branch's level.
+  /// The bone's branch, and that branch's level.
   std::vector<int32_t> branches;
   std::vector<int32_t> levels;
   /// Limb radius at head and tail in metres.
@@ -87,20 +87,21 @@ struct TreeMesh {
   std::vector<QuadUv> uv_bark;
   std::vector<QuadUv> uv_snow;
   std::vector<int32_t> branch_level;
-  /// Per quad; with lod > 0 each base quad's 4^lod parts follow one another and share its origin.
+  /// Per quad; with lod > 0 the 4^lod parts of a base quad are consecutive and share its origin.
   std::vector<FaceOrigin> origins;
-  /// Per branch: 1 where its strip goes on from its parent's end ring, 0 where it grows out of a
-  /// hole in the parent's side or is a root.
+  /// Per branch: 1 if its strip continues its parent's end ring, 0 if it starts at a hole in the
+  /// parent's side or is a root.
   std::vector<uint8_t> continues_parent;
-  /// Per branch: rows of its strip at level 0; its rings are 0..branch_rows.
+  /// Per branch: number of rows of its strip at level 0; its rings are 0..branch_rows.
   std::vector<int32_t> branch_rows;
-  /// Of the four-sided base alone, else empty: the limbs' round shape, branch_rows a branch.
+  /// Only of the four-sided base, else empty: the limbs' round shape, branch_rows entries per
+  /// branch.
   std::vector<LimbSection> sections;
   /// Per vertex: up to four bones, weight 0 where unused; weights sum to 1.
   std::vector<std::array<int32_t, 4>> bone_indices;
   std::vector<std::array<float, 4>> bone_weights;
   Bones bones;
-  /// Things the user should know (children clamped to their parent, room that was short).
+  /// Messages for the user (children clamped to their parent, missing room).
   std::vector<std::string> warnings;
 };
 

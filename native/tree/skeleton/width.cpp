@@ -11,7 +11,7 @@
 namespace snowbough::tree {
 namespace {
 
-/// What the inverse width of one branch depends on.
+/// Parameters of the inverse width of one branch.
 struct Flare {
   float root = 0.0f;
   float bound = 4.0f;

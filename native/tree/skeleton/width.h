@@ -6,14 +6,14 @@
 
 namespace snowbough::tree {
 
-/// The surface's radius is nowhere smaller than this share of the tree's height: in real exports
-/// nearly every tip and some whole branches have no thickness at all.
+/// Minimum radius of the surface as a fraction of the tree's height: in real exports nearly every
+/// tip and some whole branches have no thickness.
 inline constexpr float kSmallestRadius = 2e-5f;
 
 enum class WidthMode {
   /// The export's own radii and areas.
   kOriginal,
-  /// A flare that falls off like 1 / distance, from the parent's width at the attach point to 0.
+  /// A flare that decreases as 1 / distance, from the parent's width at the attach point to 0.
   kInverse,
 };
 
@@ -26,7 +26,7 @@ enum class Species {
 struct WidthOptions {
   WidthMode mode = WidthMode::kOriginal;
   Species species = Species::kBroadleaf;
-  /// Bound X of the inverse width, more than 1: the larger, the shorter the flare.
+  /// Bound X of the inverse width, more than 1: larger values give shorter flares.
   float bound = 4.0f;
   /// The same for the first level of branches of an evergreen.
   float evergreen_bound = 16.0f;
@@ -47,9 +47,9 @@ struct Widths {
 /// subtracted inside the bracket, so that the width does reach both ends).
 float inverse_width(float root, float t, float bound);
 
-/// The thickness of every limb. With kInverse a branch's root takes its parent's width at the
-/// attach point, a root branch its own radius there (its largest one where that is 0).
-/// @throws std::invalid_argument for a bound that is not more than 1.
+/// The thickness of every limb. With kInverse a branch's root has its parent's width at the attach
+/// point; a root branch has its own radius there, or its largest radius if that is 0.
+/// @throws std::invalid_argument for a bound of 1 or less.
 Widths limb_widths(const Skeleton& skeleton, const WidthOptions& options);
 
 }  // namespace snowbough::tree

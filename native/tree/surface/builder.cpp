@@ -10,11 +10,11 @@
 namespace snowbough::tree {
 namespace {
 
-/// Limbs that a thread builds, or puts in their place, before it takes the next ones.
+/// Limbs per thread at a time, for building and joining.
 constexpr size_t kBuildBlock = 16;
 constexpr size_t kPlaceBlock = 64;
 
-/// Whether limbs that leave from one stand as they do from the other.
+/// Whether children of both limbs start in the same way.
 bool same_rings(const LimbSurface& a, const LimbSurface& b) {
   return std::equal(
       a.rings.begin(), a.rings.end(), b.rings.begin(), b.rings.end(),
@@ -25,10 +25,10 @@ void append(const std::vector<int32_t>& more, std::vector<int32_t>& all) {
   all.insert(all.end(), more.begin(), more.end());
 }
 
-/// Where a limb's share begins in the surface.
+/// Offsets of a limb's part in the surface.
 struct Place {
   size_t vertex = 0, quad = 0, junction = 0;
-  /// Vertices that the limb starts from.
+  /// Vertices of the limb's start.
   std::array<int32_t, 4> start{};
 
   int32_t number(int32_t local) const {
@@ -68,36 +68,36 @@ const LimbStart& SurfaceBuilder::start_of(int32_t branch) const {
   return parent < 0 ? root : parts_[parent].starts[plan_.sibling[branch]];
 }
 
-void SurfaceBuilder::build(const std::vector<uint8_t>& relief) {
-  const bool first = relief_.empty();
-  std::vector<uint8_t> due(parts_.size(), first ? 1 : 0);
-  for (size_t b = 0; b < due.size() && !first; ++b) {
+void SurfaceBuilder::build(const std::vector<uint8_t>& narrowing_steps) {
+  const bool first = narrowing_steps_.empty();
+  std::vector<uint8_t> dirty(parts_.size(), first ? 1 : 0);
+  for (size_t b = 0; b < dirty.size() && !first; ++b) {
     const int32_t parent = plan_.skeleton.branches[b].parent;
-    if (relief[b] != relief_[b]) {
-      due[b] = 1;
+    if (narrowing_steps[b] != narrowing_steps_[b]) {
+      dirty[b] = 1;
       if (parent >= 0) {
-        due[parent] = 1;
+        dirty[parent] = 1;
       }
     }
   }
   for (const std::vector<int32_t>& generation : generations_) {
     std::vector<int32_t> limbs;
     std::copy_if(generation.begin(), generation.end(), std::back_inserter(limbs),
-                 [&](int32_t b) { return due[b] != 0; });
+                 [&](int32_t b) { return dirty[b] != 0; });
     base::parallel_for(limbs.size(), kBuildBlock, {threads_, {}}, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
-        build_anew(limbs[i], relief, due);
+        rebuild_limb(limbs[i], narrowing_steps, dirty);
       }
     });
   }
-  relief_ = relief;
+  narrowing_steps_ = narrowing_steps;
 }
 
-/// Builds a limb whose parent stands, and marks the children that this moves.
-void SurfaceBuilder::build_anew(int32_t branch, const std::vector<uint8_t>& relief,
-                                std::vector<uint8_t>& due) {
+/// Builds a limb whose parent is finished, and marks the children that change.
+void SurfaceBuilder::rebuild_limb(int32_t branch, const std::vector<uint8_t>& narrowing_steps,
+                                  std::vector<uint8_t>& dirty) {
   const int32_t parent = plan_.skeleton.branches[branch].parent;
-  LimbPart part = build_limb(plan_, branch, relief, start_of(branch),
+  LimbPart part = build_limb(plan_, branch, narrowing_steps, start_of(branch),
                              parent >= 0 ? &parts_[parent].hull : nullptr);
   LimbPart& old = parts_[branch];
   const std::vector<int32_t>& children = plan_.children[branch];
@@ -106,7 +106,7 @@ void SurfaceBuilder::build_anew(int32_t branch, const std::vector<uint8_t>& reli
     for (size_t i = 0; i < children.size(); ++i) {
       const LimbStart& start = part.starts[i];
       if (!start.grows_like(old.starts[i]) || (!rings_stay && !start.continues)) {
-        due[children[i]] = 1;
+        dirty[children[i]] = 1;
       }
     }
   }

@@ -28,7 +28,7 @@ Frame transport(const Frame& frame, const glm::dvec3& normal) {
   if (cosine < -0.999999) {
     return from_u(frame.u, normal);
   }
-  // Rodrigues' rotation that takes one unit vector onto another, without square roots.
+  // Rodrigues' rotation of one unit vector to another, without square roots.
   const glm::dvec3 axis = glm::cross(frame.normal, normal);
   const glm::dvec3 u = frame.u * cosine + glm::cross(axis, frame.u) +
                        axis * (glm::dot(axis, frame.u) / (1.0 + cosine));
@@ -38,7 +38,7 @@ Frame transport(const Frame& frame, const glm::dvec3& normal) {
 Frame fit_frame(const std::array<glm::dvec3, 4>& corners, const glm::dvec3& normal) {
   const glm::dvec3 centre = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
   const Frame base = first_frame(normal);
-  // Sum of the corners as complex numbers, each turned back by its own quarter turns: its phase is
+  // Sum of the corners as complex numbers, each rotated back by its own quarter turns: its phase is
   // the rotation that maximises the correlation of the two rings.
   double x = 0.0, y = 0.0;
   for (int k = 0; k < 4; ++k) {

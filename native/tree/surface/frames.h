@@ -15,15 +15,15 @@ struct Frame {
 /// A frame whose ring has one side facing +X as far as `normal` (unit) allows.
 Frame first_frame(const glm::dvec3& normal);
 
-/// The frame turned onto another normal by the smallest rotation (parallel transport): the discrete
-/// rotation-minimising frame of a polyline. At an exact reversal it turns about u.
+/// The frame rotated to another normal by the smallest rotation (parallel transport): the discrete
+/// rotation-minimising frame of a polyline. At an exact reversal it rotates about u.
 ///
 /// Source: J. Bloomenthal, "Calculation of Reference Frames along a Space Curve", Graphics Gems,
 /// 1990.
 Frame transport(const Frame& frame, const glm::dvec3& normal);
 
-/// The frame around `normal` whose four corners pair with the given four (in order, anticlockwise
-/// around it) by the smallest total rotation.
+/// The frame around `normal` whose corners match the given four (in order, anticlockwise around it)
+/// with the smallest total rotation.
 Frame fit_frame(const std::array<glm::dvec3, 4>& corners, const glm::dvec3& normal);
 
 /// The four corners of a ring, anticlockwise seen against the normal.

@@ -7,12 +7,13 @@
 namespace snowbough::tree {
 namespace {
 
-/// Two children on one knuckle need directions this far apart (cosine), or one would leave through
-/// a side that faces away from it.
+/// Maximum cosine between the directions of two children on one knuckle; otherwise one would leave
+/// through a side that faces away from it.
 constexpr double kSharingCosine = 0.35;
-/// Share of the shorter one's length that must overlap before two children are "at one place".
+/// Fraction of the shorter one's length that must overlap for two children to be at one place.
 constexpr double kSharingOverlap = 0.4;
-/// A knuckle gives up to this much of its length before it pushes its neighbours along the limb.
+/// Fraction of its length to which a knuckle shrinks before it pushes its neighbours along the
+/// limb.
 constexpr double kShrinkBeforeShift = 0.6;
 
 struct Group {
@@ -66,8 +67,8 @@ std::vector<Group> group_children(std::vector<ChildRequest> requests) {
   }
   std::stable_sort(groups.begin(), groups.end(),
                    [](const Group& a, const Group& b) { return a.middle() < b.middle(); });
-  // Of two that want the same stretch the one that leans forward more goes ahead, or they would
-  // cross.
+  // Of two children for the same stretch the one that leans forward more comes first, otherwise
+  // they would cross.
   for (size_t pass = 1; pass < groups.size(); ++pass) {
     bool swapped = false;
     for (size_t i = 0; i + 1 < groups.size(); ++i) {
@@ -110,7 +111,8 @@ std::vector<double> isotonic(const std::vector<double>& values) {
   return result;
 }
 
-/// Shares `free` metres between two neighbours that want `left` and `right` of it, keeping a gap.
+/// Divides `free` metres between two neighbours that request `left` and `right` of it, keeping a
+/// gap.
 void share(double free, double gap, double smallest_gap, double& left, double& right) {
   const double kept = std::max(smallest_gap, std::min(gap, 0.3 * free));
   const double given = std::max(0.0, free - kept);
@@ -158,7 +160,8 @@ KnuckleRow place_knuckles(std::vector<ChildRequest> requests, double begin, doub
     }
   }
 
-  // With the lengths before it taken off, keeping knuckles apart means keeping a sequence in order.
+  // After subtracting the lengths before it, keeping knuckles apart means keeping a sequence in
+  // order.
   std::vector<double> offsets(count), places(count);
   double used = scale.smallest_gap;
   for (size_t i = 0; i < count; ++i) {
@@ -175,7 +178,7 @@ KnuckleRow place_knuckles(std::vector<ChildRequest> requests, double begin, doub
     high[i] = middle + 0.5 * lengths[i];
   }
 
-  // Where there is room left, they grow back to what they asked for.
+  // If there is room left, they grow back to the requested length.
   std::vector<double> grow_low(count), grow_high(count);
   for (size_t i = 0; i < count; ++i) {
     grow_low[i] = grow_high[i] = 0.5 * std::max(0.0, groups[i].length() - lengths[i]);
@@ -199,7 +202,7 @@ KnuckleRow place_knuckles_between(std::vector<ChildRequest> requests, double beg
     return bend.first - bend.second <= begin || bend.first + bend.second >= end;
   });
   while (!bends.empty()) {
-    // Stretches between the bends, and who leaves where.
+    // Stretches between the bends, and the children of each.
     std::vector<std::vector<ChildRequest>> leaving(bends.size() + 1);
     for (const ChildRequest& request : requests) {
       size_t piece = 0;

@@ -9,23 +9,24 @@
 
 namespace snowbough::tree {
 
-/// A child that wants to leave its parent.
+/// A child that leaves its parent.
 struct ChildRequest {
   int32_t child = -1;
-  /// Arc length on the parent's path where the child's middle passes through the parent's surface.
+  /// Arc length on the parent's path where the child's centreline passes through the parent's
+  /// surface.
   double position = 0.0;
-  /// Arc length on the parent that the child, further out, is beside: who leans forward more stays
-  /// in front.
+  /// Arc length on the parent beside the child's further course: children that lean forward more
+  /// are placed in front.
   double heading = 0.0;
-  /// Side of the child's square base, already clamped to the parent's.
+  /// Side length of the child's square base, already clamped to the parent's.
   double width = 0.0;
-  /// Length of the knuckle that it asks for.
+  /// Length of the knuckle that it needs.
   double length = 0.0;
-  /// Unit vector off the parent's centreline towards the child.
+  /// Unit vector from the parent's centreline towards the child.
   glm::dvec3 direction{1.0, 0.0, 0.0};
 };
 
-/// A stretch of limb between two parallel rings where up to four children leave, one a side.
+/// A stretch of limb between two parallel rings where up to four children leave, one per side.
 struct Knuckle {
   double begin = 0.0;
   double end = 0.0;
@@ -33,23 +34,22 @@ struct Knuckle {
 };
 
 struct KnuckleRow {
-  /// In order along the limb, apart from each other and from the limb's ends.
+  /// In order along the limb, separated from each other and from the limb's ends.
   std::vector<Knuckle> knuckles;
-  /// End of the limb: further out than asked for when the smallest knuckles did not fit otherwise.
+  /// End of the limb: moved outwards if the smallest knuckles do not fit otherwise.
   double end = 0.0;
 };
 
-/// Shares out the limb from `begin` to `end` among the children that leave it. Children at one
-/// place that leave in different directions share a knuckle; the others follow one another, shrunk
-/// (to 0.6 first, further only where the whole limb is short of room) and shifted as little as
-/// possible.
+/// Distributes the limb from `begin` to `end` among the children that leave it. Children at one
+/// place in different directions share a knuckle; the others follow one another, shrunk (to 0.6
+/// first, further only if the whole limb lacks room) and shifted as little as possible.
 ///
-/// @param gap free length wanted between two knuckles and towards the ends.
+/// @param gap desired free length between two knuckles and at the ends.
 KnuckleRow place_knuckles(std::vector<ChildRequest> requests, double begin, double end, double gap,
                           const SurfaceScale& scale);
 
-/// The same for a limb with sharp bends: no knuckle lies across one, unless the children between
-/// two bends need more room than there is.
+/// The same for a limb with sharp bends: no knuckle spans a bend, unless the children between two
+/// bends need more room than there is.
 /// @param bends per sharp bend, in order: its arc length, and the length to keep free beside it.
 KnuckleRow place_knuckles_between(std::vector<ChildRequest> requests, double begin, double end,
                                   double gap, std::vector<std::pair<double, double>> bends,

@@ -12,28 +12,28 @@
 namespace snowbough::tree {
 namespace {
 
-/// A child thinner than this share of a knuckle's side gets an inset.
+/// A child thinner than this fraction of a knuckle's side gets an inset.
 constexpr double kInsetBelow = 0.9;
-/// Share of the side that stays around an inset hole, at least, on each edge.
+/// Minimum fraction of the side that stays around an inset hole, on each edge.
 constexpr double kInsetMargin = 0.08;
-/// The same along the limb, as a share of what the hole leaves free: it moves towards its child,
-/// not up to the knuckle's end, or slivers would remain there that show as dark lines.
+/// The same along the limb, as a fraction of the free length: the hole moves towards its child, but
+/// not up to the knuckle's end, otherwise slivers would remain there that show as dark lines.
 constexpr double kFreeMargin = 0.35;
-/// A hole shorter along its limb than this share of the child's width squeezes the child.
+/// A hole shorter along its limb than this fraction of the child's width squeezes the child.
 constexpr double kSqueezedBelow = 0.8;
-/// Gap wanted between knuckles, in corner radii of the limb.
+/// Desired gap between knuckles, in corner radii of the limb.
 constexpr double kKnuckleGap = 0.3;
-/// A child that turns back further than this (cosine) does not continue from its parent's end ring.
+/// Minimum cosine of the turn of a child that continues its parent's end ring.
 constexpr double kContinuesCosine = -0.3;
 
 class LimbBuilder {
  public:
-  LimbBuilder(const LimbPlan& plan, int32_t branch, const std::vector<uint8_t>& relief,
+  LimbBuilder(const LimbPlan& plan, int32_t branch, const std::vector<uint8_t>& narrowing_steps,
               const LimbStart& start, const LimbHull* parent)
       : plan_(plan),
         branch_(branch),
         children_(plan.children[branch]),
-        relief_(relief),
+        narrowing_steps_(narrowing_steps),
         start_(start),
         parent_(parent) {
     part_.starts.resize(children_.size());
@@ -53,7 +53,7 @@ class LimbBuilder {
     }
     const int32_t next = continuing_child(path, attach);
     if (next >= 0) {
-      // The limb goes on at the child's width where its own has run out.
+      // The limb continues at the child's width where its own reaches zero.
       const double before = path.corners[path.corners.size() - 2];
       path.corners.back() =
           std::max(path.corners.back(), std::min(before, plan_.paths[next].corners.front()));
@@ -66,8 +66,8 @@ class LimbBuilder {
       if (child == next) {
         continue;
       }
-      const Exit exit =
-          find_exit(search, own, attach[i], plan_.paths[child], child, plan_.scale, relief_[child]);
+      const Exit exit = find_exit(search, own, attach[i], plan_.paths[child], child, plan_.scale,
+                                  narrowing_steps_[child]);
       requests.push_back(exit.request);
       if (exit.clamped) {
         part_.clamped.push_back(child);
@@ -87,7 +87,7 @@ class LimbBuilder {
     station_options.first_normal = is_root            ? direction_at(path, 0.0)
                                    : start_.continues ? start_.frame.normal
                                                       : start_.hole.normal;
-    station_options.drop_all_cutting = relief_[branch_] > 0;
+    station_options.drop_all_cutting = narrowing_steps_[branch_] > 0;
     station_options.end_direction =
         next >= 0 ? direction_at(plan_.paths[next], 0.0) : direction_at(path, path.length());
     const std::vector<Station> stations =
@@ -138,7 +138,7 @@ class LimbBuilder {
       return own;
     }
     if (!start_.continues) {
-      return leave_parent(own, start_.hole, *parent_, plan_.scale, relief_[branch_]);
+      return leave_parent(own, start_.hole, *parent_, plan_.scale, narrowing_steps_[branch_]);
     }
     LimbPath path = own;
     path.points[0] = start_.hole.centre;
@@ -156,8 +156,7 @@ class LimbBuilder {
     return path;
   }
 
-  /// The child that goes on from the parent's end ring: of those that sit at the end, the
-  /// straightest.
+  /// The child that continues the parent's end ring: the straightest of those at the end.
   int32_t continuing_child(const LimbPath& path, const std::vector<double>& attach) const {
     const double end = path.length() * (1.0 - 1e-4) - plan_.scale.coincident;
     const glm::dvec3 direction = direction_at(path, path.length());
@@ -214,8 +213,7 @@ class LimbBuilder {
     return frames;
   }
 
-  /// Gives each child of a knuckle the side that faces it, so that the sum of the cosines is
-  /// largest.
+  /// Assigns each child of a knuckle the side that faces it, maximising the sum of the cosines.
   static std::array<int, 4> assign_sides(const Knuckle& knuckle, const Frame& frame) {
     std::array<std::array<double, 4>, 4> cosine{};
     for (int side = 0; side < 4; ++side) {
@@ -266,8 +264,7 @@ class LimbBuilder {
     }
   }
 
-  /// Leaves a knuckle's side open for a child, with an inset around the hole where the child is
-  /// thinner.
+  /// Opens a knuckle's side for a child, with an inset around the hole for thinner children.
   void open_side(int32_t row, int side, const Quad& quad, const ChildRequest& request,
                  const Knuckle& knuckle) {
     std::array<glm::dvec3, 4> outer;
@@ -336,7 +333,7 @@ class LimbBuilder {
   const LimbPlan& plan_;
   int32_t branch_;
   const std::vector<int32_t>& children_;
-  const std::vector<uint8_t>& relief_;
+  const std::vector<uint8_t>& narrowing_steps_;
   const LimbStart& start_;
   const LimbHull* parent_;
   LimbPart part_;
@@ -352,9 +349,10 @@ bool LimbStart::grows_like(const LimbStart& other) const {
          frame.normal == other.frame.normal && corner == other.corner;
 }
 
-LimbPart build_limb(const LimbPlan& plan, int32_t branch, const std::vector<uint8_t>& relief,
-                    const LimbStart& start, const LimbHull* parent) {
-  return LimbBuilder(plan, branch, relief, start, parent).build();
+LimbPart build_limb(const LimbPlan& plan, int32_t branch,
+                    const std::vector<uint8_t>& narrowing_steps, const LimbStart& start,
+                    const LimbHull* parent) {
+  return LimbBuilder(plan, branch, narrowing_steps, start, parent).build();
 }
 
 }  // namespace snowbough::tree

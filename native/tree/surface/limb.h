@@ -12,36 +12,36 @@
 
 namespace snowbough::tree {
 
-/// What a parent prepared for a child: its hole, or its own end ring.
+/// A child's start from its parent: its hole, or the parent's end ring.
 struct LimbStart {
   Hole hole;
-  /// The child goes on from the parent's end ring: of the hole only vertices and centre count.
+  /// The child continues the parent's end ring: only vertices and centre of the hole are valid.
   bool continues = false;
   Frame frame;
   /// Corner radius of the end ring.
   double corner = 0.0;
 
-  /// Whether a child grows the same way out of both; by which vertices does not matter.
+  /// Whether a child grows in the same way from both; vertex indices do not matter.
   bool grows_like(const LimbStart& other) const;
 };
 
-/// One limb's share of the surface. It numbers its own vertices from 0; those that it starts from
-/// are -1 to -4.
+/// One limb's part of the surface. Its own vertices are numbered from 0; those of its start are -1
+/// to -4.
 struct LimbPart {
   std::vector<glm::dvec3> vertices;
   std::vector<Quad> quads;
   std::vector<FaceOrigin> origins;
   LimbSurface limb;
-  /// Of its rings; none for a limb without children.
+  /// Hull of its rings; empty for a limb without children.
   LimbHull hull;
   std::vector<Junction> junctions;
-  /// Children that were thicker than the limb where they leave it, and those that lacked room.
+  /// Children thicker than the limb at their exit, and children without enough room.
   std::vector<int32_t> clamped, squeezed;
-  /// One a child, in the plan's order.
+  /// One per child, in the plan's order.
   std::vector<LimbStart> starts;
 };
 
-/// What all limbs of a surface are built from.
+/// Input for building all limbs of a surface.
 struct LimbPlan {
   const Skeleton& skeleton;
   const std::vector<LimbPath>& paths;
@@ -49,14 +49,15 @@ struct LimbPlan {
   SurfaceOptions options;
   /// Per branch: its children, ascending.
   std::vector<std::vector<int32_t>> children;
-  /// Per branch: which of its parent's children it is.
+  /// Per branch: its index among its parent's children.
   std::vector<int32_t> sibling;
 };
 
 /// Builds one limb.
-/// @param relief  see build_surface; that of the branch and of its children counts.
-/// @param start, parent  what the parent prepared for the branch, and its hull; null for a root.
-LimbPart build_limb(const LimbPlan& plan, int32_t branch, const std::vector<uint8_t>& relief,
-                    const LimbStart& start, const LimbHull* parent);
+/// @param narrowing_steps  see build_surface; those of the branch and of its children matter.
+/// @param start, parent  the branch's start, and its parent's hull; null for a root.
+LimbPart build_limb(const LimbPlan& plan, int32_t branch,
+                    const std::vector<uint8_t>& narrowing_steps, const LimbStart& start,
+                    const LimbHull* parent);
 
 }  // namespace snowbough::tree

@@ -10,36 +10,36 @@
 namespace snowbough::tree {
 namespace {
 
-/// The middle of a square ring's side is this much of a corner radius from the centre.
+/// Distance of the middle of a square ring's side from the centre, in corner radii.
 const double kSideDistance = std::sqrt(0.5);
-/// A child's hole moves along the parent by at most this many corner radii, however flat it leaves.
+/// Maximum shift of a child's hole along the parent, in corner radii, for any angle.
 constexpr double kLargestShift = 2.0;
-/// A narrower hole than this share of the parent's side gets an inset.
+/// A hole narrower than this fraction of the parent's side gets an inset.
 constexpr double kInsetBelow = 0.9;
-/// Share of the knuckle's length that a hole with an inset takes. The faces before and behind it
-/// then are not so short that they show as dark lines across the limb.
+/// Fraction of the knuckle's length for a hole with an inset. The faces before and behind it are
+/// then long enough not to show as dark lines across the limb.
 constexpr double kHoleLength = 0.55;
-/// A child widens from its hole by at most this much a metre.
+/// Maximum widening of a child from its hole, per metre.
 constexpr double kWidening = 1.2;
-/// The points of a child's first ring rise from its hole at least this share as steeply as its
-/// centre does, or it would hang over the parent's side with a slit under it.
+/// The points of a child's first ring rise from its hole at least at this fraction of its centre's
+/// slope, otherwise it would hang over the parent's side with a gap under it.
 constexpr double kLeastRise = 0.5;
-/// To rise enough, a child passes by its own joints as long as it strays less than this share of
-/// their corner radius from them.
+/// To rise enough, a child skips its own joints as long as it deviates from them by less than this
+/// fraction of their corner radius.
 constexpr double kLargestShortcut = 1.0;
-/// Points that stand for a whole ring.
+/// Sample points of a ring.
 constexpr int kRingSamples = 8;
-/// Each step of relief narrows the base by this factor, and moves its first ring out by this share
+/// Per narrowing step: factor of the base's width, and displacement of its first ring as a fraction
 /// of the parent's corner radius.
-constexpr double kReliefFactor = 0.7;
-constexpr double kReliefMargin = 0.25;
+constexpr double kNarrowingFactor = 0.7;
+constexpr double kNarrowingMargin = 0.25;
 
 glm::dvec3 across(const glm::dvec3& v, const glm::dvec3& axis) {
   return v - axis * glm::dot(v, axis);
 }
 
-/// First place on the child's path that lies outside the parent's round hull, and the parent's arc
-/// length nearest to it.
+/// First place on the child's path outside the parent's round hull, and the nearest arc length on
+/// the parent.
 struct Crossing {
   glm::dvec3 point;
   double parent_length;
@@ -82,7 +82,7 @@ std::array<glm::dvec3, kRingSamples> ring_samples(const glm::dvec3& centre,
   return samples;
 }
 
-/// Whether a ring stands clear: outside the parent's round hull, and the whole hole behind it.
+/// Whether a ring is clear of the parent's round hull and in front of the whole hole.
 bool ring_clears(const LimbHull& parent, const Hole& hole, const glm::dvec3& centre,
                  const glm::dvec3& normal, double corner, double margin) {
   if (glm::dot(centre - hole.centre, hole.normal) <= margin) {
@@ -102,8 +102,8 @@ bool ring_clears(const LimbHull& parent, const Hole& hole, const glm::dvec3& cen
   });
 }
 
-/// Whether a ring rises from the hole as its centre does. One close to a hole that its limb leaves
-/// aslant reaches beyond the hole's edge, hardly above the parent's side.
+/// Whether a ring rises from the hole as steeply as its centre. Close to a hole that its limb
+/// leaves obliquely, a ring extends beyond the hole's edge, hardly above the parent's side.
 bool ring_rises(const Hole& hole, const glm::dvec3& centre, const glm::dvec3& normal,
                 double corner) {
   const glm::dvec3 step = centre - hole.centre;
@@ -121,8 +121,8 @@ bool ring_rises(const Hole& hole, const glm::dvec3& centre, const glm::dvec3& no
   });
 }
 
-/// Whether the way straight from the hole to a joint passes by those before it, from `first` on, as
-/// if they were not there: near them, and about as wide.
+/// Whether the straight path from the hole to a joint passes close to the joints in between, from
+/// `first` on, with about the same width.
 bool is_shortcut(const LimbPath& child, const Hole& hole, size_t first, size_t joint) {
   const glm::dvec3 way = child.points[joint] - hole.centre;
   for (size_t i = first; i < joint; ++i) {
@@ -137,14 +137,14 @@ bool is_shortcut(const LimbPath& child, const Hole& hole, size_t first, size_t j
   return true;
 }
 
-/// The joint where a child has its first ring, and that ring's corner radius.
+/// The joint of a child's first ring, and that ring's corner radius.
 struct FirstRing {
   size_t joint = 0;
   double corner = 0.0;
 };
 
-/// The first joint whose ring, narrowed if need be, clears the parent, or one soon after it whose
-/// ring rises from the hole as well. None: joint 0.
+/// The first joint whose ring, narrowed if necessary, clears the parent, or one soon after it whose
+/// ring also rises from the hole. None: joint 0.
 FirstRing first_ring(const LimbPath& child, const Hole& hole, const LimbHull& parent,
                      const SurfaceScale& scale, double margin, double narrowing) {
   const size_t last = child.points.size() - 1;
@@ -177,13 +177,14 @@ FirstRing first_ring(const LimbPath& child, const Hole& hole, const LimbHull& pa
 }  // namespace
 
 Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
-               const LimbPath& child, int32_t child_index, const SurfaceScale& scale, int relief) {
+               const LimbPath& child, int32_t child_index, const SurfaceScale& scale,
+               int narrowing_steps) {
   const LimbPath& parent = search.path();
   const Crossing crossing = first_outside(search, child);
   Exit exit;
   exit.request.child = child_index;
 
-  // The parent's sides are nearer to its centreline than its round hull: go back along the ray.
+  // The parent's sides are nearer to its centreline than its round hull: move back along the ray.
   double shift = crossing.parent_length - attach;
   if (!crossing.starts_outside) {
     shift *= kSideDistance;
@@ -208,7 +209,7 @@ Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
   const double wanted = 2.0 * kSideDistance * corner_at(child, crossing.child_length);
   exit.clamped = wanted > 1.0001 * side;
   exit.request.width = std::min(wanted, side);
-  exit.request.width *= std::pow(kReliefFactor, relief);
+  exit.request.width *= std::pow(kNarrowingFactor, narrowing_steps);
   exit.request.width = std::max(exit.request.width, 2.0 * kSideDistance * scale.smallest_corner);
   exit.request.length = exit.request.width < kInsetBelow * side
                             ? std::min(exit.request.width / kHoleLength, side)
@@ -217,14 +218,15 @@ Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
 }
 
 LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbHull& parent,
-                      const SurfaceScale& scale, int relief) {
-  const double margin = scale.smallest_gap + kReliefMargin * relief * hole.parent_corner;
-  const double narrowing = std::pow(kReliefFactor, relief);
+                      const SurfaceScale& scale, int narrowing_steps) {
+  const double margin =
+      scale.smallest_gap + kNarrowingMargin * narrowing_steps * hole.parent_corner;
+  const double narrowing = std::pow(kNarrowingFactor, narrowing_steps);
   const size_t last = child.points.size() - 1;
   auto [first, first_corner] = first_ring(child, hole, parent, scale, margin, narrowing);
   glm::dvec3 first_point = child.points[first];
   if (first == 0) {
-    // The whole branch lies inside its parent, or behind it: what remains is a stub.
+    // The whole branch is inside its parent, or behind it: a stub remains.
     first = last;
     first_corner =
         std::max(scale.smallest_corner, std::min(child.corners[last], 0.5 * hole.corner));

@@ -10,7 +10,7 @@
 
 namespace snowbough::tree {
 
-/// The opening in the parent's side that a child grows out of.
+/// The opening in the parent's side from which a child grows.
 struct Hole {
   std::array<int32_t, 4> vertices{};
   std::array<glm::dvec3, 4> corners{};
@@ -25,26 +25,26 @@ struct Hole {
 
 struct Exit {
   ChildRequest request;
-  /// The child is thicker than its parent where it leaves it.
+  /// The child is thicker than its parent at its exit.
   bool clamped = false;
 };
 
-/// Where a child passes through its parent's surface, and the knuckle it asks for there.
+/// Where a child passes through its parent's surface, and the knuckle that it needs there.
 /// @param search of the parent's path.
-/// @param own of the parent's own centreline: beside its first row, the path runs straight from its
-///   hole to its first ring instead, and a child that leaves the one may lie on the wrong side of
-///   the other.
-/// @param attach arc length on the parent's path where the child sits.
-/// @param relief see build_surface.
-Exit find_exit(const PathSearch& search, const PathSearch& own, double attach, const LimbPath& child, int32_t child_index,
-               const SurfaceScale& scale, int relief);
+/// @param own of the parent's own centreline: beside its first row the path is straight from its
+///   hole to its first ring, so a child on one of them may be on the wrong side of the other.
+/// @param attach arc length of the child's attach point on the parent's path.
+/// @param narrowing_steps see build_surface.
+Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
+               const LimbPath& child, int32_t child_index, const SurfaceScale& scale,
+               int narrowing_steps);
 
-/// The child's path from its hole on. Its own joints inside the parent's surface, or whose ring
-/// would cut into it, are dropped, and so are those close to the hole whose ring would hang over
-/// the parent's side with a slit under it, if the way past them is about straight; rings that
-/// hardly clear the parent are narrowed. At least the tip remains.
+/// The child's path from its hole on. Drops its own joints inside the parent's surface or whose
+/// ring would cut it, and joints close to the hole whose ring would hang over the parent's side
+/// with a gap under it, if the path without them is nearly straight. Narrows rings that hardly
+/// clear the parent. At least the tip remains.
 /// @param parent the hull of the parent's rings.
 LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbHull& parent,
-                      const SurfaceScale& scale, int relief);
+                      const SurfaceScale& scale, int narrowing_steps);
 
 }  // namespace snowbough::tree

@@ -48,11 +48,11 @@ bool LimbHull::clears(const glm::dvec3& point, double margin) const {
   if (nodes.empty() || outside(0) > enough) {
     return true;
   }
-  // Runs are halved: one waits for each of at most 31 halvings.
-  std::array<int32_t, 40> waiting{};
+  // Runs are halved at most 31 times, each leaving one entry.
+  std::array<int32_t, 40> stack{};
   size_t count = 1;
   while (count > 0) {
-    const int32_t number = waiting[--count];
+    const int32_t number = stack[--count];
     const StripTree::Node& node = nodes[number];
     if (node.second == 0) {
       for (int32_t i = node.begin; i < node.end; ++i) {
@@ -62,7 +62,7 @@ bool LimbHull::clears(const glm::dvec3& point, double margin) const {
       }
       continue;
     }
-    // The nearer half first: where a cone does not clear, it is likely there.
+    // The nearer half first: it more likely contains a cone that is not clear.
     std::pair<double, int32_t> near(outside(number + 1), number + 1);
     std::pair<double, int32_t> far(outside(node.second), node.second);
     if (far < near) {
@@ -70,7 +70,7 @@ bool LimbHull::clears(const glm::dvec3& point, double margin) const {
     }
     for (const auto& [distance, half] : {far, near}) {
       if (distance <= enough) {
-        waiting[count++] = half;
+        stack[count++] = half;
       }
     }
   }

@@ -8,16 +8,15 @@
 
 namespace snowbough::tree {
 
-/// The round hull of a limb's rings: a cone between each ring and the next, as thick as the rings'
-/// corner radii. Tells whether points stand clear of it in about logarithmic time, however many
-/// rings there are.
+/// The round hull of a limb's rings: a cone between consecutive rings, with the rings' corner
+/// radii. Tests whether points are clear of it in about logarithmic time.
 class LimbHull {
  public:
-  /// A hull without rings, of which every point stands clear.
+  /// A hull without rings: every point is clear of it.
   LimbHull() = default;
   explicit LimbHull(const std::vector<Ring>& rings);
 
-  /// Whether `point` lies more than `margin` metres outside of every cone.
+  /// Whether `point` is more than `margin` metres outside every cone.
   bool clears(const glm::dvec3& point, double margin) const;
 
  private:
@@ -25,7 +24,7 @@ class LimbHull {
 
   StripTree centres_;
   std::vector<double> corners_;
-  /// Per node of the tree: the largest of its corners.
+  /// Per node of the tree: its largest corner radius.
   std::vector<double> thickest_;
 };
 

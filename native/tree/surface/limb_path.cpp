@@ -10,15 +10,15 @@
 namespace snowbough::tree {
 namespace {
 
-/// Points are moved by at most this share of their corner radius, each time by this share of the
-/// way onto the line between their neighbours, at least so far from these as a share of that line;
-/// in at most so many sweeps. Bends of 60 degrees and more are meant.
+/// Maximum displacement of points relative to their corner radius, fraction of the distance to the
+/// line between their neighbours per sweep, minimum distance from these as a fraction of that line;
+/// and maximum number of sweeps. For bends of 60 degrees and more.
 constexpr double kFairStray = 0.1;
 constexpr double kFairStep = 0.7;
 constexpr double kFairMargin = 0.1;
 constexpr int kFairSweeps = 40;
 constexpr double kFairedCosine = 0.5;
-/// Joints of the thinnest limbs are at least so many corner radii apart.
+/// Minimum distance between joints of the thinnest limbs, in corner radii.
 constexpr double kThinnestJoints = 2.0;
 
 bool finite(const glm::vec3& p) {
@@ -31,7 +31,7 @@ double lerp_at(const std::vector<double>& lengths, const std::vector<double>& va
   return values[i] + (values[i + 1] - values[i]) * t;
 }
 
-/// The nearest place met so far; of equally near ones that on the first segment.
+/// The nearest place so far; of equally near ones, the one on the first segment.
 struct Nearest {
   double length = 0.0;
   double square = 1e300;
@@ -74,8 +74,9 @@ bool folds_at(const LimbPath& path, size_t i) {
   return path.corners[i] * half_angle > 0.5 * std::min(before, after);
 }
 
-/// Moves points where the limb bends more sharply than it is thick, a little: there its surface
-/// would fold. Exports hold such where rings lie close together and their middles scatter.
+/// Moves points slightly where the limb bends more sharply than its thickness allows, since its
+/// surface would fold there. Exports have such points where rings are close together and their
+/// centres scatter.
 void fair(LimbPath& path) {
   std::vector<glm::dvec3> first;
   for (int sweep = 0; sweep < kFairSweeps; ++sweep) {
@@ -99,8 +100,8 @@ void fair(LimbPath& path) {
   }
 }
 
-/// How near to each other two joints are one. Where the export's limb is thinner than any surface,
-/// its surface has no room for joints closer than it is thick.
+/// Distance below which two joints are merged. Where the export's limb is thinner than the surface
+/// can be, the surface has no room for joints closer than its thickness.
 double closest_joint(double corner, double next, const SurfaceScale& scale) {
   const bool thinnest = std::max(corner, next) <= scale.smallest_corner;
   return thinnest ? kThinnestJoints * scale.smallest_corner : scale.coincident;
@@ -110,8 +111,7 @@ double closest_joint(double corner, double next, const SurfaceScale& scale) {
 
 SurfaceScale surface_scale(const Skeleton& skeleton) {
   if (skeleton.branches.empty()) {
-    throw std::invalid_argument(
-        "the skeleton has no branches; there is nothing to build a surface around");
+    throw std::invalid_argument("the skeleton has no branches");
   }
   glm::dvec3 low(1e300), high(-1e300);
   for (size_t b = 0; b < skeleton.branches.size(); ++b) {
@@ -120,7 +120,7 @@ SurfaceScale surface_scale(const Skeleton& skeleton) {
     if (count == 0 || branch.radii.size() != count || branch.areas.size() != count) {
       throw std::invalid_argument(
           "branch '" + branch.name +
-          "' needs at least one point, and one radius and one area a point");
+          "' needs at least one point, and one radius and one area per point");
     }
     if (branch.parent >= static_cast<int32_t>(b) || branch.parent < -1) {
       throw std::invalid_argument("branch '" + branch.name + "' must come after its parent");
@@ -137,8 +137,7 @@ SurfaceScale surface_scale(const Skeleton& skeleton) {
   }
   SurfaceScale scale;
   scale.height = skeleton.height > 0.0f ? skeleton.height : high.z - low.z;
-  // A tree that lies flat, or a hand-made skeleton far from upright, is measured by its extent
-  // instead.
+  // A tree that lies flat, or a skeleton far from upright, is measured by its extent instead.
   scale.height = std::max(scale.height, 0.1 * glm::length(high - low));
   if (scale.height <= 0.0) {
     scale.height = 1.0;
@@ -193,11 +192,11 @@ double nearest_length(const LimbPath& path, const glm::dvec3& point) {
 double PathSearch::nearest_length(const glm::dvec3& point) const {
   const std::vector<StripTree::Node>& nodes = tree_.nodes();
   Nearest nearest;
-  // Runs are halved: one waits for each of at most 31 halvings.
-  std::array<std::pair<double, int32_t>, 40> waiting{};
+  // Runs are halved at most 31 times, each leaving one entry.
+  std::array<std::pair<double, int32_t>, 40> stack{};
   size_t count = 1;
   while (count > 0) {
-    const auto [least, number] = waiting[--count];
+    const auto [least, number] = stack[--count];
     const StripTree::Node& node = nodes[number];
     if (least > std::sqrt(nearest.square) + tree_.rounding()) {
       continue;
@@ -213,8 +212,8 @@ double PathSearch::nearest_length(const glm::dvec3& point) const {
     if (far < near) {
       std::swap(near, far);
     }
-    waiting[count++] = far;
-    waiting[count++] = near;
+    stack[count++] = far;
+    stack[count++] = near;
   }
   return nearest.length;
 }
@@ -233,7 +232,7 @@ std::vector<LimbPath> limb_paths(const Skeleton& skeleton, const Widths& widths,
           std::max(std::sqrt(0.5 * static_cast<double>(widths.areas[b][i])), scale.smallest_corner);
       if (!path.points.empty() && glm::distance(path.points.back(), point) <=
                                       closest_joint(path.corners.back(), corner, scale)) {
-        // Of two rings at one place the wider one carries the wood.
+        // Of two coincident rings the wider one is kept.
         path.corners.back() = std::max(path.corners.back(), corner);
         continue;
       }

@@ -10,18 +10,17 @@ namespace {
 
 using Kind = Station::Kind;
 
-/// A joint this near to a knuckle (in corner radii) loses its ring: a row of faces any shorter
-/// shows as a dark line round the limb.
+/// A joint closer to a knuckle than this (in corner radii) loses its ring: a shorter row of faces
+/// would show as a dark line around the limb.
 constexpr double kJointClearance = 0.3;
-/// A joint's ring, tilted as it is, stays so far from a knuckle's on all its sides (in corner
-/// radii).
+/// Minimum distance of a tilted joint's ring from a knuckle's on all its sides (in corner radii).
 constexpr double kTiltClearance = 0.15;
 /// Length kept free beside a sharp bend, in corner radii.
 constexpr double kBendClearance = 0.1;
-/// Planes are tilted in at most this many sweeps.
+/// Maximum number of tilting sweeps.
 constexpr int kTiltSweeps = 4;
 
-/// Cosine of the angle from which on a bend is sharp.
+/// Cosine of the angle at which a bend is sharp.
 constexpr double kSharp = 0.5;
 
 /// Cosine between the segments that meet at an inner point.
@@ -34,8 +33,8 @@ bool is_knuckle(const Station& station) {
   return station.kind == Kind::kKnuckleBegin || station.kind == Kind::kKnuckleEnd;
 }
 
-/// Whether ring `b` reaches behind the plane of ring `a` or `a` before the plane of `b`, whatever
-/// their roll.
+/// Whether ring `b` reaches behind the plane of ring `a`, or `a` in front of the plane of `b`, for
+/// any roll.
 bool cut_each_other(const Station& a, const Station& b, double margin) {
   const double cosine = glm::dot(a.normal, b.normal);
   const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
@@ -62,14 +61,14 @@ std::array<Station, 2> knuckle_stations(const LimbPath& path, const Knuckle& knu
   if (distance >= 0.5 * length && distance >= 0.5 * scale.smallest_knuckle) {
     begin.normal = end.normal = chord / distance;
   } else {
-    // The limb turns back inside the knuckle: go straight on instead.
+    // The limb turns back inside the knuckle: continue straight instead.
     begin.normal = end.normal = direction_at(path, knuckle.begin);
     end.centre = begin.centre + begin.normal * std::max(0.5 * length, scale.smallest_knuckle);
   }
   return {begin, end};
 }
 
-/// Joint rings that cut a knuckle's ring are left out; the limb then runs straight past the joint.
+/// Drops joint rings that cut a knuckle's ring; the limb is then straight past the joint.
 void drop_cutting_joints(std::vector<Station>& stations, bool drop_all) {
   std::vector<Station> kept;
   kept.reserve(stations.size());
@@ -92,7 +91,7 @@ void drop_cutting_joints(std::vector<Station>& stations, bool drop_all) {
   stations.swap(kept);
 }
 
-/// Both rings of a knuckle stay parallel: its other ring takes the new normal too.
+/// Both rings of a knuckle stay parallel: its other ring gets the new normal, too.
 void set_normal(std::vector<Station>& stations, size_t i, const glm::dvec3& normal) {
   stations[i].normal = normal;
   if (stations[i].kind == Kind::kKnuckleBegin) {

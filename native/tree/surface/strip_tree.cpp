@@ -7,9 +7,9 @@
 namespace snowbough::tree {
 namespace {
 
-/// Segments that a search looks at one by one.
+/// Segments per leaf.
 constexpr int32_t kLeafSize = 4;
-/// Of the largest coordinate.
+/// Relative to the largest coordinate.
 constexpr double kRounding = 1e-11;
 
 double distance_to_chord(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& point) {
@@ -36,7 +36,7 @@ int32_t StripTree::add_node(int32_t begin, int32_t end) {
   Node node;
   node.begin = begin;
   node.end = end;
-  // Distance from a chord is convex: along a segment it is largest at one of its points.
+  // The distance from a chord is convex: along a segment it is largest at an end.
   for (int32_t i = begin; i <= end; ++i) {
     node.stray = std::max(node.stray, distance_to_chord(points_[begin], points_[end], points_[i]));
   }

@@ -6,9 +6,9 @@
 
 namespace snowbough::tree {
 
-/// A binary tree over runs of consecutive segments of a polyline, for searches that would look at
-/// every segment otherwise. Each node bounds its run by the chord from the run's first point to its
-/// last and the farthest that a point of the run strays from it.
+/// A binary tree over runs of consecutive segments of a polyline, for searches in less than linear
+/// time. Each node bounds its run by the chord from the run's first point to its last and the
+/// largest distance of the run's points from it.
 ///
 /// Source: D. H. Ballard, "Strip trees: a hierarchical representation for curves", Communications
 /// of the ACM 24, 1981.
@@ -17,22 +17,23 @@ class StripTree {
   /// Segments begin..end-1; segment i goes from point i to point i + 1.
   struct Node {
     int32_t begin = 0, end = 0;
-    /// The second half's node; the first half's follows this one. 0 in a leaf.
+    /// Index of the second half's node; the first half's follows this one. 0 in a leaf.
     int32_t second = 0;
     double stray = 0.0;
   };
 
-  /// Of fewer than two points it has no nodes.
+  /// Has no nodes for fewer than two points.
   explicit StripTree(const std::vector<glm::dvec3>& points = {});
 
   /// The root first.
   const std::vector<Node>& nodes() const { return nodes_; }
   const std::vector<glm::dvec3>& points() const { return points_; }
 
-  /// No point of the run is nearer than this to `point`, but for rounding(); may be negative.
+  /// Lower bound of the distance of the run's points from `point`, up to rounding(); may be
+  /// negative.
   double least_distance(const Node& node, const glm::dvec3& point) const;
 
-  /// Metres that rounding may take from the bound; far above what it does.
+  /// Bound in metres of the rounding error of least_distance, with a large margin.
   double rounding() const { return rounding_; }
 
  private:

@@ -20,7 +20,7 @@ struct Ring {
   /// Distance of the corners from the centre; for a hole in the parent's side, that of a square of
   /// equal area.
   double corner = 0.0;
-  /// Arc length on the branch's own centreline: which bones hold the ring.
+  /// Arc length on the branch's own centreline, which determines the ring's bones.
   double bone_length = 0.0;
 };
 
@@ -31,7 +31,7 @@ struct LimbSurface {
   bool continues_parent = false;
 };
 
-/// Where a child leaves through a parent's side.
+/// A child's exit through its parent's side.
 struct Junction {
   int32_t parent = -1;
   int32_t child = -1;
@@ -40,7 +40,7 @@ struct Junction {
   int32_t side = 0;
   /// The hole is smaller than the side: four kInset quads lie around it.
   bool inset = false;
-  /// Arc length on the parent's own centreline: which of its bones hold an inset's vertices.
+  /// Arc length on the parent's own centreline, which determines the bones of an inset's vertices.
   double parent_bone_length = 0.0;
 };
 
@@ -48,13 +48,13 @@ struct Surface {
   std::vector<glm::dvec3> vertices;
   std::vector<Quad> quads;
   std::vector<FaceOrigin> origins;
-  /// One a branch.
+  /// One per branch.
   std::vector<LimbSurface> limbs;
   std::vector<Junction> junctions;
-  /// Branches that were thicker than their parent where they leave it.
+  /// Branches thicker than their parent at their exit.
   std::vector<int32_t> clamped;
-  /// Branches whose hole is shorter along their parent than they are wide there, by more than a
-  /// fifth, because the parent has no room for all that leave it.
+  /// Branches whose hole is shorter along the parent than they are wide, by more than a fifth,
+  /// because the parent lacks room.
   std::vector<int32_t> squeezed;
 };
 
@@ -64,19 +64,20 @@ struct SurfaceOptions {
 };
 
 /// Wraps the skeleton in quads, by index: each step replaces a quad by a tube, so that the surface
-/// is closed and consistently wound whatever the skeleton looks like, one component a root. Nothing
-/// is welded.
+/// is closed and consistently wound for every skeleton, with one component per root. Nothing is
+/// welded.
 ///
 /// @param paths limb_paths(skeleton).
-/// @param relief per branch, 0 by default: how far the base of the branch has been narrowed and
-///   freed of rings because it crossed other faces.
-/// @param only per branch, 0 leaves it out, which a child of a branch left out must be as well: for
-///   looking at a part of the surface, whose faces lie where they lie in the whole. Of a branch
-///   left out only the first ring stands, by its vertices, if its parent is there. Empty = all.
+/// @param narrowing_steps per branch, 0 by default: how often its base was narrowed and freed of
+///   rings because it intersected other faces.
+/// @param only per branch, 0 leaves it out, together with its descendants: for examining a part of
+///   the surface, whose faces are the same as in the whole. Of a branch left out only the first
+///   ring exists, by its vertices, if its parent is there. Empty = all.
 ///
 /// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, section 3.3, "knuckles".
 Surface build_surface(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
                       const SurfaceScale& scale, const SurfaceOptions& options,
-                      const std::vector<uint8_t>& relief, const std::vector<uint8_t>& only = {});
+                      const std::vector<uint8_t>& narrowing_steps,
+                      const std::vector<uint8_t>& only = {});
 
 }  // namespace snowbough::tree

@@ -10,13 +10,13 @@ namespace {
 
 using Part = FacePart;
 
-/// A strip around a hole may be wider than the parent's sides by this share.
+/// Allowed excess width of a strip around a hole over the parent's sides.
 constexpr double kSpareSide = 0.25;
-/// The side error grows by this factor, at most so often, until the budget is kept.
+/// Factor by which the side error grows until the budget is met, and maximum number of times.
 constexpr double kCoarser = 1.12;
 constexpr int kMostSteps = 90;
 
-/// The same places counted from the other end.
+/// Reverses the positions.
 void turn_round(std::vector<double>& at) {
   std::reverse(at.begin(), at.end());
   for (double& share : at) share = 1.0 - share;
@@ -52,8 +52,8 @@ class Cutter {
   }
 
  private:
-  /// Cuts the edge of a face from corner k to k + 1 into so many pieces; `at` says where. Most
-  /// edges are met twice.
+  /// Cuts the edge of a face from corner k to k + 1 into pieces at `at`. Most edges are visited
+  /// twice.
   template <typename At>
   void set_edge(size_t face, int k, size_t pieces, const At& at) {
     const int32_t e = edges_.of_face[face][k];
@@ -70,9 +70,9 @@ class Cutter {
     set_edge(face, k, static_cast<size_t>(pieces), [&] { return even_pieces(pieces); });
   }
 
-  /// The side of a row, or of an inset, that lies between two patches.
-  /// @param extra  it takes a level more: with_extra.
-  /// @param down  the edge runs against the levels.
+  /// The side of a row, or of an inset, between two patches.
+  /// @param extra  whether it has one more level: with_extra.
+  /// @param down  whether the edge runs against the levels.
   void set_side(size_t face, int k, const std::vector<double>& levels, bool extra, bool thinner,
                 int plain, bool down) {
     set_edge(face, k, levels.size() - 1 + (extra ? 1 : 0), [&] {
@@ -82,7 +82,7 @@ class Cutter {
     });
   }
 
-  /// Four patches around a limb or around a hole: per corner, 1 where its edge takes a piece more.
+  /// Four patches around a limb or a hole: per corner, 1 if its edge has one more piece.
   static std::array<int, 4> odd_corners(const std::array<int, 4>& low,
                                         const std::array<int, 4>& high) {
     std::array<int, 4> odd{};
@@ -92,7 +92,7 @@ class Cutter {
     return odd;
   }
 
-  /// The levels of a row with one more, in the middle of the strip that is odd.
+  /// The levels of a row with one more, in the middle of the odd strip.
   static std::vector<double> with_extra(const std::vector<double>& at, bool thinner, int plain) {
     std::vector<double> more(at);
     const size_t strip = thinner ? at.size() - 2 - plain : plain;
@@ -112,7 +112,7 @@ class Cutter {
         cut_inset(f, origin);
       }
     }
-    // What only caps have: the tips of limbs cut open.
+    // Edges that only caps have: the tips of limbs cut open.
     for (std::vector<double>& edge : cuts_.edges) {
       if (edge.empty()) edge = {0.0, 1.0};
     }
@@ -159,9 +159,9 @@ class Cutter {
     set_side(face, 3, levels, odd[side] != 0, inner == 1, 0, true);
   }
 
-  /// Strips around a hole in its inset: for the fillet, and so many that none is wider than the
-  /// parent's own sides where it is widest. It would lie inside the round limb, and the row beside
-  /// it would face along the limb.
+  /// Number of strips around a hole in its inset: enough for the fillet, and so that none is wider
+  /// than the parent's own sides at its widest. Otherwise it would lie inside the round limb, and
+  /// the row beside it would face along the limb.
   int wanted_around(const Junction& junction) const {
     const int across = cuts_.across[junction.child].front();
     double left = 1.0, right = 1.0;
@@ -179,7 +179,7 @@ class Cutter {
   const Junction& junction_at(const FaceOrigin& origin) const {
     const auto j = holes_.first_leaving(origin.branch, origin.row, origin.side);
     if (j == holes_.leaving[origin.branch].end()) {
-      throw std::logic_error("an inset without its junction");
+      throw std::logic_error("an inset has no junction");
     }
     return surface_.junctions[*j];
   }
@@ -215,7 +215,7 @@ SurfaceCuts cut_surface(const Surface& surface, const Edges& edges,
     return cutter.cut(settings.side_error * height * std::pow(kCoarser, step));
   };
   SurfaceCuts cuts = coarser(0);
-  // The first step that keeps the budget: by steps twice as long each, and then by halves.
+  // The first step within the budget, by doubling steps, then bisection.
   int above = 0, step = 1;
   while (cuts.quads > budget && above < kMostSteps) {
     cuts = coarser(step);

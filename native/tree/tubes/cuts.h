@@ -14,24 +14,24 @@
 
 namespace snowbough::tree {
 
-/// How finely the four-sided base is cut: every base edge into pieces that both its faces share.
+/// The subdivision of the four-sided base: pieces of every base edge, shared by both its faces.
 struct SurfaceCuts {
   RowCuts along;
   SideCounts across;
-  /// Per base edge: shares of the edge, from its vertex a (the lower one), at which its pieces
-  /// begin and end, from 0 to 1.
+  /// Per base edge: bounds of its pieces as fractions from its vertex a (the lower one), from 0 to
+  /// 1.
   std::vector<std::vector<double>> edges;
   /// Per base quad: PatchCuts::plain.
   std::vector<int> face_plain;
-  /// Quads that come out.
+  /// Resulting number of quads.
   int64_t quads = 0;
 };
 
 /// The pieces of a face's four edges.
 PatchCuts patch_cuts(const SurfaceCuts& cuts, const Edges& edges, size_t face);
 
-/// Cuts for a level of detail: sides by the limbs' thickness, rows where limbs bend or taper or
-/// another leaves, within the level's budget of faces.
+/// Cuts for a level of detail: sides by the limbs' thickness, rows at bends, tapers and junctions,
+/// within the level's budget of faces.
 SurfaceCuts cut_surface(const Surface& surface, const Edges& edges,
                         const std::vector<LimbShape>& shapes, double height,
                         const DetailSettings& settings);

@@ -8,18 +8,17 @@
 namespace snowbough::tree {
 namespace {
 
-/// Corners of a face along a limb are this far apart across it at most, as shares of the base's
-/// face.
+/// Tolerance across a limb for corners in line along it, as a fraction of the base's face.
 constexpr double kAside = 1e-9;
 
-/// Whether a face's corner lies between the two beside it on a line along the limb: cut_patch puts
+/// Whether a face's corner lies between its two neighbours on a line along the limb: cut_patch puts
 /// such a vertex at corner 0 or 2, and others between two across the limb.
 bool is_between(const std::array<glm::dvec2, 4>& corners, int k) {
   const glm::dvec2 a = corners[k] - corners[(k + 3) % 4], b = corners[(k + 1) % 4] - corners[k];
   return std::abs(a.x) <= kAside && std::abs(b.x) <= kAside;
 }
 
-/// A point of edge k of a face, at the share `t` of the way from corner k to the next.
+/// A point of edge k of a face, at fraction `t` from corner k to the next.
 FinePlace on_edge(int32_t face, int k, double t) {
   switch (k) {
     case 0:
@@ -79,7 +78,7 @@ class Cut {
     return first_on_edge_[e] + (from_a ? index : last - index) - 1;
   }
 
-  /// Share of edge k of a face at `index`, counted from the face's corner k.
+  /// Fraction of edge k of a face at `index`, counted from the face's corner k.
   double edge_share(size_t face, int k, int32_t index) const {
     const int32_t e = edges_.of_face[face][k];
     const std::vector<double>& at = cuts_.edges[e];
@@ -138,7 +137,7 @@ class Cut {
   const Edges& edges_;
   const SurfaceCuts& cuts_;
   FineMesh fine_;
-  /// Per edge: its first vertex between its ends.
+  /// Per edge: its first inner vertex.
   std::vector<int32_t> first_on_edge_;
   Patch patch_;
 };

@@ -20,29 +20,29 @@ struct FinePlace {
   double u = 0.0, v = 0.0;
 };
 
-/// A mesh of quads cut finer, without T-junctions.
+/// A refined mesh of quads without T-junctions.
 struct FineMesh {
   /// The base's vertices come first, in their order.
   std::vector<FinePlace> vertices;
-  /// Those of each base quad follow one another.
+  /// The quads of each base quad are consecutive.
   std::vector<Quad> quads;
-  /// Per quad: the base quad it is part of, and where its corners lie on it.
+  /// Per quad: its base quad, and the position of its corners on it.
   std::vector<int32_t> face;
   std::vector<std::array<glm::dvec2, 4>> corners;
 };
 
-/// Cuts every base quad as its edges say. A vertex that several base quads share has its place on
-/// the first of them.
+/// Cuts every base quad according to its edges. A vertex shared by several base quads has its place
+/// on the first of them.
 FineMesh cut_quads(const std::vector<Quad>& quads, size_t vertex_count, const Edges& edges,
                    const SurfaceCuts& cuts);
 
-/// Per vertex, 1 for those that straighten puts back.
+/// Per vertex, 1 if straighten moves it.
 std::vector<uint8_t> between_others(const FineMesh& fine);
 
-/// Puts vertices that only one of their edges' faces has, where limbs change their number of sides,
-/// back onto the line between the two beside them: faces there are triangles of four corners, and
-/// would fold across it.
-/// @param faces  per face, 0 leaves it out.
+/// Moves vertices that belong to only one of their edge's faces, where limbs change their number of
+/// sides, back onto the line between their two neighbours: the faces there are triangles with four
+/// corners, and would otherwise fold.
+/// @param faces  per face, 0 skips it.
 void straighten(const FineMesh& fine, std::span<const uint8_t> faces,
                 std::vector<glm::dvec3>& points);
 

@@ -9,18 +9,18 @@
 namespace snowbough::tree {
 namespace {
 
-/// A limb strays from its straight segments by at most this share of its corner radius.
+/// Maximum deviation of a limb from its straight segments, relative to its corner radius.
 constexpr double kStray = 0.07;
-/// How much of what the thinnest limbs may stray by a corner radius takes away.
+/// Reduction of the thinnest limbs' allowed deviation per corner radius.
 constexpr double kThinLoss = 0.5;
-/// Sideways slope on both sides of a joint from which on it is sharp: it turns by 48 degrees.
+/// Sideways slope on both sides of a joint at which it is sharp: it turns by 48 degrees.
 constexpr double kSharp = 0.45;
-/// Cosine of the widest angle between a joint's direction and its segments that is followed.
+/// Cosine of the largest angle between a joint's direction and its segments that is followed.
 constexpr double kWidestTurn = 0.35;
-/// Largest value of t (1 - t)^2.
+/// Maximum of t (1 - t)^2.
 constexpr double kPeak = 4.0 / 27.0;
 
-/// Of slope 1 at 0, and gone at `reach`.
+/// Slope 1 at 0, zero from `reach` on.
 double bulge(double t, double reach) {
   if (t >= reach) {
     return 0.0;
@@ -73,8 +73,8 @@ LimbCurve::LimbCurve(const LimbPath& path, const glm::dvec3& before, const glm::
       const double size = glm::length(sideways), most = kPeak * size;
       if (most <= stray) return 1.0;
       if (size < kSharp * segment.length) return stray / most;
-      // At a joint the curve bends by 4 size / (length^2 reach): not within the limb itself, whose
-      // inside would fold.
+      // At a joint the curvature is 4 size / (length^2 reach): the bend's radius must exceed the
+      // limb's, otherwise its inside would fold.
       const double widest = 4.0 * size * corner / (segment.length * segment.length);
       return std::min(std::max(stray / most, widest), 1.0);
     };

@@ -8,15 +8,15 @@
 namespace snowbough::tree {
 namespace {
 
-/// Corners of a hole stay so far inside their side.
+/// Minimum distance of a hole's corners from the edges of their side.
 constexpr double kLeastMargin = 0.02;
-/// A joint nearer to a ring than this share of the row is at it.
+/// A joint closer to a ring than this fraction of the row coincides with it.
 constexpr double kAtRing = 1e-3;
-/// Between two rings a limb is no thinner than this share of the thinner one's radius.
+/// Minimum radius between two rings, relative to the thinner one's.
 constexpr double kThinnest = 0.7;
 
-/// A ring's directions to its corners 0 and 1, square to each other. Those of a hole lie askew:
-/// what it takes to make them square both share.
+/// A ring's directions to its corners 0 and 1, made perpendicular. For a skewed hole both are
+/// corrected equally.
 Frame frame_of(const Ring& ring, const std::vector<glm::dvec3>& vertices) {
   const glm::dvec3 first = glm::normalize(vertices[ring.vertices[0]] - ring.centre);
   const glm::dvec3 second = glm::normalize(vertices[ring.vertices[1]] - ring.centre);
@@ -27,8 +27,8 @@ Frame frame_of(const Ring& ring, const std::vector<glm::dvec3>& vertices) {
   return frame;
 }
 
-/// The largest angle between the sides of a ring and those of a limb that runs along the frame's
-/// normal, seen along it.
+/// The largest angle between the sides of a ring and those of a limb along the frame's normal, seen
+/// along it.
 double largest_turn(const Ring& ring, const Frame& limb, const std::vector<glm::dvec3>& vertices) {
   const std::array<glm::dvec3, 4> sides = {limb.v - limb.u, -limb.u - limb.v, limb.u - limb.v,
                                            limb.u + limb.v};
@@ -51,14 +51,14 @@ LimbShape::LimbShape(const LimbPath& path, const LimbSurface& limb,
   for (const Ring& ring : limb.rings) {
     RingShape& shape = rings_.emplace_back();
     shape.length = ring.bone_length;
-    // A ring of the base that lies on the straight segments lies on the curve here.
+    // A ring of the base on the straight segments is moved to the curve.
     shape.offset = ring.centre - curve_.straight_position(ring.bone_length);
     shape.corner = ring.corner;
     shape.corner_offset = ring.corner - curve_.straight_corner(ring.bone_length);
     shape.frame = frame_of(ring, vertices);
   }
   if (!limb.continues_parent && rings_.size() > 1) {
-    // The hole lies askew; around it the limb is as round as at its first own ring.
+    // The hole is skewed; the limb around it is as round as at its first own ring.
     rings_[0].frame = rings_[1].frame;
     const glm::dvec3 way = centre(0, 1.0) - centre(0, 0.0);
     const Frame& next = rings_[1].frame;

@@ -12,26 +12,26 @@
 
 namespace snowbough::tree {
 
-/// A limb as a round tube along a smooth curve, row by row of its strip: `v` is the share of the
-/// way, along the branch's own centreline, from ring `row` to ring `row + 1`. It lies
-/// beside the curve, and is thinner or thicker, as the strip's rings are against the straight
-/// segments, wherever the base moved or narrowed them.
+/// A limb as a round tube along a smooth curve, row by row of its strip: `v` is the fraction of the
+/// distance, along the branch's own centreline, from ring `row` to ring `row + 1`. Where the base
+/// moved or narrowed the strip's rings relative to the straight segments, the tube is offset and
+/// scaled in the same way.
 class LimbShape {
  public:
-  /// @param path  the branch's own, limb_paths; before, after, thin_stray: see LimbCurve.
+  /// @param path  the branch's own, from limb_paths; before, after, thin_stray: see LimbCurve.
   LimbShape(const LimbPath& path, const LimbSurface& limb, const std::vector<glm::dvec3>& vertices,
             const glm::dvec3& before, const glm::dvec3& after, double thin_stray);
 
   glm::dvec3 centre(size_t row, double v) const;
-  /// Of the circle that has the limb's area there.
+  /// Radius of the circle with the limb's area there.
   double radius(size_t row, double v) const;
-  /// The directions of corners 0 and 1 of the square ring, where the limb runs along `tangent`: the
-  /// frames of the rings before and after it, turned there as little as possible.
+  /// Directions of corners 0 and 1 of the square ring for a limb along `tangent`: the frames of the
+  /// rings before and after, rotated as little as possible.
   Frame frame(size_t row, double v, const glm::dvec3& tangent) const;
-  /// Radians by which the sides of the hole that the limb leaves its parent through are turned
-  /// around the limb against those of its first own ring, at most; 0 without a hole.
+  /// Maximum angle in radians between the sides of the limb's hole and those of its first own ring,
+  /// around the limb; 0 without a hole.
   double hole_twist() const { return hole_twist_; }
-  /// Shares of a row, ascending, at which the centreline has joints between its two rings.
+  /// Fractions of a row, ascending, at which the centreline has joints between its two rings.
   std::vector<double> joints(size_t row) const;
   size_t row_count() const { return rings_.size() - 1; }
 
@@ -51,11 +51,11 @@ class LimbShape {
   double hole_twist_ = 0.0;
 };
 
-/// The shapes of all limbs. Where a child continues its parent both curves meet smoothly.
+/// The shapes of all limbs. A child that continues its parent joins it smoothly.
 std::vector<LimbShape> limb_shapes(const Surface& surface, const std::vector<LimbPath>& paths,
                                    const std::vector<int32_t>& parents, double thin_stray);
 
-/// The opening that a limb grows out of: its corners on one side of a row of the parent, as shares
+/// The hole from which a limb grows: its corners on one side of a row of the parent, as fractions
 /// of the side and of the row.
 struct HolePlace {
   int32_t parent = -1;
@@ -65,8 +65,8 @@ struct HolePlace {
                                        glm::dvec2(0, 1)};
 };
 
-/// Where a child's hole is. On a round side the middle third of a flat one lies closer together:
-/// its corners lie by angle, not by length.
+/// The place of a child's hole. Corners are placed by angle, not by length: the middle third of a
+/// flat side is narrower on a round one.
 HolePlace hole_place(const Surface& surface, const Junction& junction);
 
 }  // namespace snowbough::tree

@@ -8,10 +8,11 @@
 namespace snowbough::tree {
 namespace {
 
-/// On the inside of a bend the surface keeps this share of the bend's own radius from its centre.
+/// Minimum distance of the surface from a bend's centre on its inside, relative to the bend's
+/// radius.
 constexpr double kBendRoom = 0.8;
 
-/// Corner radius of a regular polygon, over that of the circle with its area.
+/// Ratio of a regular polygon's corner radius to the radius of the circle with its area.
 double corner_factor(int sides) {
   return std::sqrt(2.0 * M_PI / (sides * std::sin(2.0 * M_PI / sides)));
 }
@@ -21,7 +22,7 @@ glm::dvec3 unit_or(const glm::dvec3& v, const glm::dvec3& otherwise) {
   return length > 1e-12 ? v / length : otherwise;
 }
 
-/// Unit directions in which a limb runs through its sections.
+/// Unit directions of a limb at its sections.
 std::vector<glm::dvec3> section_tangents(const LimbSurface& limb,
                                          std::span<const TubeSection> sections) {
   const size_t count = sections.size();
@@ -34,13 +35,13 @@ std::vector<glm::dvec3> section_tangents(const LimbSurface& limb,
     const glm::dvec3 out = i + 1 < count ? chord(i) : in;
     tangents[i] = unit_or(in + out, unit_or(in, limb.rings.front().normal));
   }
-  // Both limbs share the ring where one goes on from the other.
+  // Limbs that continue one another share a ring.
   if (limb.continues_parent) tangents.front() = limb.rings.front().normal;
   tangents.back() = limb.rings.back().normal;
   return tangents;
 }
 
-/// Says how much room sections have inside their limb's bends.
+/// Computes the room of sections inside their limb's bends.
 void find_room(std::span<TubeSection> sections) {
   const auto chord = [&](size_t i) {
     return unit_or(sections[i + 1].centre - sections[i].centre, glm::dvec3(0.0));
@@ -109,7 +110,7 @@ void LimbTubes::add_limb(const LimbShape& shape, const LimbSurface& limb, size_t
   Limb& own = limbs_[number];
   Chain& chain = tubes_[chains_[number]];
   own.first = chain.sections.size();
-  /// Row and share of every section.
+  /// Row and fraction of every section.
   std::vector<std::pair<size_t, double>> places;
   for (size_t row = 0; row < shape.row_count(); ++row) {
     const std::vector<double>& levels = cuts_.along.rows[number][row];
@@ -160,7 +161,7 @@ LimbTubes::Stretch LimbTubes::stretch(const Chain& chain, double length) const {
   const auto above = std::upper_bound(lengths.begin() + 1, lengths.end() - 1, length);
   const auto i = static_cast<size_t>(above - lengths.begin()) - 1;
   const double step = lengths[i + 1] - lengths[i];
-  // Before the first section the limb goes on as it begins.
+  // Before the first section the limb is extended straight.
   const double least = i == 0 ? -1e30 : 0.0;
   return {i, step > 0.0 ? std::clamp((length - lengths[i]) / step, least, 1.0) : 0.0};
 }

@@ -52,7 +52,7 @@ class Levels {
     return {Place::kInside, first_inside_[level] + step - 1};
   }
 
-  /// The further vertex beside the odd strip.
+  /// The additional vertex beside the odd strip.
   PatchVertex extra() const {
     return {cuts_.left > cuts_.right ? Place::kLeft : Place::kRight, odd_ + 1};
   }

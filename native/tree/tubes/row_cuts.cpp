@@ -9,34 +9,34 @@
 namespace snowbough::tree {
 namespace {
 
-/// Rows are no shorter than this share of the limb's radius, unless the base's are.
+/// Minimum length of a row relative to the limb's radius, unless the base's rows are shorter.
 constexpr double kShortestRow = 0.12;
-/// Beside a fork rows are as long as this many of the child's sides, over so many of the radii of
-/// its base: on the child and on its parent. Where the child leans along its parent the crotch
-/// lies further out: by so many radii for each that it goes forward while it rises by one, of which
-/// at most kFlattest count.
+/// Beside a fork, length of rows in sides of the child, and their range in radii of its base: on
+/// the child and on its parent. If the child leans along its parent, the crotch is farther out: by
+/// this many radii per unit of slope, of which at most kFlattest count.
 constexpr double kForkRow = 1.0;
 constexpr double kForkReachOnChild = 2.2;
 constexpr double kForkReachOnParent = 1.3;
 constexpr double kForkReachAslant = 1.5;
 constexpr double kFlattest = 3.0;
-/// A limb of four sides has turned from its hole's corners to its own within so many radii, or
-/// within this share of its first row. From face to face it turns by half of that if the way is one
-/// piece or two, and by a third if it is three: those it takes from so many turns of a row on.
+/// A four-sided limb turns from its hole's corners to its own within kTurnedShare of its first row.
+/// From face to face it turns by half of that with one or two pieces, and by a third with three,
+/// which it takes from kTwisted turns of a row on.
 constexpr double kTurnedShare = 0.15;
 constexpr double kTwisted = 3.5;
-/// Pieces are worth a change of sides further from the edge with fewer when longer by this factor.
+/// A piece farther from the edge with fewer quads is preferred for a change of sides if it is
+/// longer by this factor.
 constexpr double kLonger = 1.25;
-/// Where a limb's sides halve, those of the other end face aside: by a right angle over the number
-/// of sides, of which this share lies on the edge of the end with more.
+/// Where a limb's number of sides halves, the sides of the other end face sideways: by a right
+/// angle over the number of sides, of which this fraction is on the edge of the end with more.
 constexpr double kMoreSides = 0.64;
-/// At such a place limbs of four sides and eight turn by no more than that and so many turns of a
-/// row besides, by up to so many pieces more.
+/// At such a place limbs of four and eight sides turn by no more than that plus this many turns of
+/// a row, using up to this many additional pieces.
 constexpr double kBesideChange = 0.6;
 constexpr int kMorePieces = 3;
-/// What is taken for a piece of the next row, while it is not cut.
+/// Assumed length of the next row's piece while it is not cut.
 constexpr double kNextPiece = 0.15;
-/// A row that tapers to less than this share has room for a change of sides where it is wide.
+/// A row that tapers to less than this fraction has room for a change of sides where it is wide.
 constexpr double kPointed = 0.5;
 
 class RowCutter {
@@ -54,7 +54,7 @@ class RowCutter {
   RowCuts cut() {
     cuts_.rows.resize(surface_.limbs.size());
     cuts_.plain.resize(surface_.limbs.size());
-    // Parents come first: what a child starts from is known.
+    // Parents come first, so the start of a child is known.
     for (size_t b = 0; b < surface_.limbs.size(); ++b) {
       const size_t rows = shapes_[b].row_count();
       std::vector<uint8_t> knuckle(rows, 0);
@@ -85,7 +85,7 @@ class RowCutter {
                              radius_of(surface_.limbs[b].rings.front());
         want_near(b, -1, 1, reach, kForkRow * child_side(child), wanted);
       } else if (holes_.has_hole(b)) {
-        // Of four sides, it turns from the hole's corners to its own there: not on the whole row.
+        // A four-sided limb turns from the hole's corners to its own there, not over the whole row.
         const double turns = shapes_[b].hole_twist() / settings_.thin_turn;
         const double pieces = turns < kTwisted ? std::clamp(turns - 0.35, 0.0, 1.0)
                                                : std::max(3.0, 1.5 * turns / kTwisted);
@@ -107,7 +107,7 @@ class RowCutter {
   }
 
  private:
-  /// Of the child, where it leaves the hole.
+  /// The child's, where it leaves the hole.
   int across_child(int32_t child) const { return across_[child].front(); }
 
   /// Length of one of a child's sides at its base.
@@ -116,7 +116,7 @@ class RowCutter {
     return 0.5 * M_PI * radius_of(hole) / across_child(child);
   }
 
-  /// How far a child goes along its parent, towards the tip, while it rises by one.
+  /// How far a child moves along its parent, towards the tip, per unit of height.
   double leaning(const Junction& junction) const {
     const std::vector<Ring>& rings = surface_.limbs[junction.child].rings;
     const glm::dvec3 way = rings[1].centre - rings[0].centre;
@@ -125,7 +125,7 @@ class RowCutter {
     return std::abs(along) < kFlattest * rise ? along / rise : std::copysign(kFlattest, along);
   }
 
-  /// Wants pieces of a length within `reach` of a row, going on from it one way or the other.
+  /// Requests pieces of a length within `reach` of a row, continuing from it in one direction.
   void want_near(size_t limb, int32_t row, int step, double reach, double piece,
                  std::vector<RowSamples>& wanted) const {
     for (row += step; row >= 0 && row < static_cast<int32_t>(wanted.size()) && reach > 0.0;
@@ -164,20 +164,21 @@ class RowCutter {
     return count;
   }
 
-  /// The smaller of a limb's radii at two places of a row, as a share of the larger one.
+  /// Ratio of the smaller to the larger radius at two places of a row.
   double tapering(size_t limb, size_t row, double a, double b) const {
     const auto [small, large] =
         std::minmax({shapes_[limb].radius(row, a), shapes_[limb].radius(row, b)});
     return large > 0.0 ? small / large : 1.0;
   }
 
-  /// Cuts a row, into more pieces than it needs for its turns where its sides change beside one.
+  /// Cuts a row, with more pieces than its turns need if its sides change next to a turn.
   void cut_row(size_t limb, size_t row, const RowSamples& wanted) {
     const int count = pieces(limb, row, wanted);
     std::vector<double>& at = cuts_.rows[limb][row];
     at = spread_pieces(wanted, count);
     if (across_[limb][row] == across_[limb][row + 1]) return;
-    // Around a hole all sides have their own number; the limb's is the next ring's from the start.
+    // Around a hole all sides have their own number; the limb's equals the next ring's from the
+    // start.
     if (row == 0 && holes_.has_hole(limb)) return;
     Change change = best_change(limb, row, at);
     for (int more = 1; more <= kMorePieces && change.turn > change.most; ++more) {
@@ -190,22 +191,22 @@ class RowCutter {
     cuts_.plain[limb][row] = change.plain;
   }
 
-  /// Strips before a limb's sides change their number, the largest angle between its faces there,
-  /// and the one that it may have.
+  /// Strips before a limb's number of sides changes, the largest angle between its faces there, and
+  /// the allowed angle.
   struct Change {
     int plain = 0;
     double turn = 1e300, most = 0.0;
   };
 
-  /// Where a limb's sides change their number: in the longest pieces of the row that do not lie
-  /// beside its bends, and that taper least; in short ones they would show as a knot, and of those
-  /// that run to a point the first is as wide as the limb and faces aside.
+  /// Where a limb's number of sides changes: in the longest pieces of the row away from its bends,
+  /// with the least taper. Short pieces would show a knot; in rows that run to a point, the first
+  /// piece is as wide as the limb and faces sideways.
   Change best_change(size_t limb, size_t row, const std::vector<double>& at) const {
     const int low = across_[limb][row], high = across_[limb][row + 1];
     const int steps = halvings(low, high);
     const auto strips = static_cast<int>(at.size()) - 1;
     const std::vector<double> turns = turns_at(limb, row, at);
-    // Per edge across the change, how far faces turn aside there.
+    // Per edge across the change, its faces' sideways turn.
     std::vector<double> aside(static_cast<size_t>(steps) + 1, 0.0);
     for (int step = 0; step < steps; ++step) {
       const int fewer = high < low ? low >> (step + 1) : low << step;
@@ -236,7 +237,7 @@ class RowCutter {
     return best;
   }
 
-  /// Radians that a limb's sides turn by at the places at which a row is cut, its ends included.
+  /// Turn in radians of a limb's sides at the cuts of a row, including its ends.
   std::vector<double> turns_at(size_t limb, size_t row, const std::vector<double>& at) const {
     const LimbShape& shape = shapes_[limb];
     std::vector<glm::dvec3> centres;
@@ -245,7 +246,7 @@ class RowCutter {
       centres.push_back(shape.centre(of_row, share));
       radii.push_back(shape.radius(of_row, share));
     };
-    // Rows are cut one after the other: of the next one it is not known how.
+    // Rows are cut in order: the next one's cuts are unknown.
     const bool before = row > 0, after = row + 1 < shape.row_count();
     if (before) add(row - 1, cuts_.rows[limb][row - 1].end()[-2]);
     for (const double share : at) add(row, share);
@@ -262,8 +263,8 @@ class RowCutter {
     return turns;
   }
 
-  /// A power of two, so that what grows out of the row's side can start from it. A child of four
-  /// sides has no fillet that more pieces would serve.
+  /// A power of two, so that children of the row's side can start from it. A four-sided child has
+  /// no fillet that needs more pieces.
   int knuckle_pieces(size_t limb, size_t row) const {
     const double length = row_length(surface_.limbs[limb], row);
     double wanted = 1.0;

@@ -10,24 +10,23 @@
 
 namespace snowbough::tree {
 
-/// How the rows of all limbs are cut along them.
+/// The cuts of all limbs' rows along the limb.
 struct RowCuts {
-  /// Per limb and row: shares of the row at which its levels lie, from 0 to 1.
+  /// Per limb and row: fractions of the row at its levels, from 0 to 1.
   std::vector<std::vector<std::vector<double>>> rows;
-  /// Per limb and row: strips of the row, from its end with fewer quads across, before their number
+  /// Per limb and row: number of strips, from the end with fewer quads across, before the number
   /// changes.
   std::vector<std::vector<int>> plain;
 
   int strips(size_t limb, size_t row) const { return static_cast<int>(rows[limb][row].size()) - 1; }
 };
 
-/// Pieces of one side of a hole, from its corner `side` to the next.
+/// Number of pieces of one side of a hole, from its corner `side` to the next.
 int hole_side(const Junction& junction, int side, const SideCounts& across, const RowCuts& cuts);
 
-/// Cuts rows where limbs bend or taper or another leaves; knuckles evenly, into a power of two
-/// pieces.
+/// Cuts rows at bends, tapers and junctions; knuckles evenly, into a power of two pieces.
 ///
-/// @param turns  per limb and row, row_turns.
+/// @param turns  per limb and row, from row_turns.
 RowCuts cut_rows(const Surface& surface, const LimbHoles& holes,
                  const std::vector<LimbShape>& shapes,
                  const std::vector<std::vector<RowSamples>>& turns, const SideCounts& across,

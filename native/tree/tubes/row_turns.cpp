@@ -8,22 +8,22 @@
 namespace snowbough::tree {
 namespace {
 
-/// The curve turns beside its joints, however long the stretch between two is: the first and the
-/// last sample of one are so long a share of it, each further inwards twice as long.
+/// The curve turns beside its joints, for stretches of any length: the first and last sample of a
+/// stretch have this fraction of its length, and each further inwards is twice as long.
 constexpr double kFirstSample = 1.0 / 512.0;
-/// Samples between which a limb turns by more radians than this are halved, so often at most, but
-/// none that is shorter than this share of the limb's radius.
+/// Samples between which a limb turns by more radians than this are halved, at most this often, but
+/// none shorter than this fraction of the limb's radius.
 constexpr double kFineTurn = 0.05;
 constexpr int kHalvings = 7;
 constexpr double kShortestSample = 0.02;
-/// Share of the pieces that lie evenly along a row, whatever is wanted there.
+/// Fraction of the pieces that are evenly distributed along a row in any case.
 constexpr double kEven = 0.25;
 
 double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
 }
 
-/// A limb's middle line and thickness at some places of a row.
+/// A limb's centreline and thickness at some places of a row.
 struct Profile {
   std::vector<double> at;
   std::vector<glm::dvec3> centre;
@@ -36,14 +36,14 @@ struct Profile {
   }
   double length(size_t i) const { return glm::distance(centre[i], centre[i + 1]); }
   double taper(size_t i) const { return std::atan2(radius[i + 1] - radius[i], length(i)); }
-  /// Between the stretches before and after place i.
+  /// Turn between the stretches before and after place i.
   double turn(size_t i) const {
     const double bend = angle_between(centre[i] - centre[i - 1], centre[i + 1] - centre[i]);
     return std::isfinite(bend) ? bend + std::abs(taper(i) - taper(i - 1)) : 0.0;
   }
 };
 
-/// Halves the stretches of a profile beside places where it turns much. False: there are none.
+/// Halves the stretches of a profile beside places with large turns. False if there are none.
 bool halve(const LimbShape& shape, size_t row, Profile& profile) {
   const size_t stretches = profile.at.size() - 1;
   std::vector<uint8_t> split(stretches, 0);
@@ -105,7 +105,7 @@ RowSamples row_turns(const LimbShape& shape, size_t row) {
     turns.values[i] += 0.5 * turn;
     turns.values[i + 1] += 0.5 * turn;
   }
-  // The first sample has already turned away from the ring by about as much as it does next.
+  // The first sample has already turned away from the ring by about as much as the next.
   turns.values[0] += 0.5 * turns.values[1];
   turns.values[count - 1] += 0.5 * turns.values[count - 2];
   return turns;

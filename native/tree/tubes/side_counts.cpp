@@ -10,18 +10,18 @@
 namespace snowbough::tree {
 namespace {
 
-/// What is missing may be made up for by sides that are so much longer.
+/// Sides up to this much longer are accepted instead of doubling their number.
 constexpr double kSpareSides = 1.15;
-/// In rows shorter than so many sides of the end with fewer their number stays the same.
+/// In rows shorter than this many sides of the end with fewer, the number of sides stays.
 constexpr double kShortChange = 2.0;
 
-/// Knuckles and short rows have as many sides at both ends.
+/// Gives knuckles and short rows the same number of sides at both ends.
 void keep_sides_in_short_rows(const Surface& surface, const LimbHoles& holes, size_t limb,
                               std::vector<int>& across) {
   const std::vector<Ring>& rings = surface.limbs[limb].rings;
   std::vector<uint8_t> same(rings.size() - 1, 0);
   for (const int32_t j : holes.leaving[limb]) same[surface.junctions[j].row] = 1;
-  // The first ring has those of a hole's next, or its parent's.
+  // The first ring has the number of the ring after the hole, or its parent's.
   const size_t first = holes.has_hole(limb) || surface.limbs[limb].continues_parent ? 1 : 0;
   const auto keep = [&](size_t row) {
     const size_t fewer = across[row] < across[row + 1] ? row : row + 1;
@@ -66,7 +66,7 @@ SideCounts count_sides(const Surface& surface, const LimbHoles& holes, double he
                        int most_sides, double error) {
   const size_t count = surface.limbs.size();
   SideCounts across(count);
-  // By the lowest vertex of a ring that a child shares with its parent: which ring that is.
+  // By the lowest vertex of a ring shared by child and parent: that ring.
   std::vector<std::pair<int32_t, int32_t>> ends(surface.vertices.size(), {-1, -1});
   for (size_t b = 0; b < count; ++b) {
     const LimbSurface& limb = surface.limbs[b];

@@ -40,7 +40,7 @@ LimbTexture measure_limb(const Surface& surface, const LimbSurface& limb, double
     const double next = (r == 0 ? start : texture.v[r][0]) + mean * scale;
     texture.v[r + 1].fill(next);
     if (r == 0 && !limb.continues_parent) {
-      // A hole lies askew: the texture is cut off along it instead of being squeezed.
+      // The texture is cut along a skewed hole instead of being distorted.
       for (int k = 0; k < 4; ++k) {
         texture.v[0][k] = next - edges[k] * scale;
       }
@@ -95,7 +95,7 @@ std::vector<QuadUv> layout_bark_uvs(const Surface& surface) {
       uvs[f] = wall;
       continue;
     }
-    // The two inner corners of an inset lie where they lie on the knuckle's side.
+    // The inner corners of an inset are interpolated on the knuckle's side.
     const Ring& a = limb.rings[row];
     const Ring& b = limb.rings[row + 1];
     const glm::dvec3 p0 = surface.vertices[a.vertices[side]],

@@ -7,10 +7,10 @@
 
 namespace snowbough::tree {
 
-/// Tiling texture coordinates, per quad corner: u runs once round every limb, v grows along it by
+/// Tiling texture coordinates, per quad corner: u runs once around every limb, v grows along it by
 /// length over circumference, so that a bark texture keeps its aspect from trunk to twig. A child
-/// that continues its parent goes on where the parent's v ends; others start at 0. Caps show the
-/// texture at their ring's scale.
+/// that continues its parent starts at the parent's last v; others at 0. Caps show the texture at
+/// their ring's scale.
 std::vector<QuadUv> layout_bark_uvs(const Surface& surface);
 
 }  // namespace snowbough::tree

@@ -9,33 +9,33 @@ namespace {
 
 /// Finest packing grid.
 constexpr int kMaxGrid = 2048;
-/// A row longer than the map may be squeezed to this share of its length; then the scale gives in.
+/// A row longer than the map may be shortened to this fraction; beyond, the scale is reduced.
 constexpr double kMinSqueeze = 2.0 / 3.0;
-/// At this share of the largest scale no chart is larger than it must be.
+/// At this fraction of the largest scale all charts have their minimum size.
 constexpr double kTinyScale = 1e-9;
-/// Columns of the packing grid for each of the map's: what is too large still shows by how much.
+/// Width of the packing grid relative to the map: an excess can then be measured.
 constexpr double kSpareColumns = 1.3;
-/// Share of the expected cells over those of the columns taken, before anything has been packed.
+/// Assumed ratio of expected cells to those of the columns used, before the first packing.
 constexpr double kUsualFill = 0.88;
-/// The columns taken stray by about half a hundredth from what is expected.
+/// Target below 1, since the columns used vary by about half a hundredth.
 constexpr double kAim = 0.995;
-/// Taking as many of the map's columns as this is good enough.
+/// Fraction of the map's columns that is good enough.
 constexpr double kGoodUse = 0.985;
 constexpr int kMaxAttempts = 10;
-/// Where an attempt's columns foretell nothing: the step down to the next scale, and the ratio of
-/// one that does not fit to one that does at which the search ends.
+/// If an attempt's columns give no estimate: the factor to the next scale, and the ratio between
+/// failing and fitting scales at which the search ends.
 constexpr double kStepDown = 0.95;
 constexpr double kCloseScales = 1.005;
 
-/// What an estimate of its chart needs to know of a strip, in metres.
+/// Size of a strip for estimating its chart, in metres.
 struct StripSize {
   double area = 0.0;
   double length = 0.0;
   double widest = 0.0;
 };
 
-/// Estimates the cells that all charts take with one side of their gutters. Off by a factor that
-/// hardly depends on the scale.
+/// Estimates the cells of all charts with one side of their gutters. Off by a factor that hardly
+/// depends on the scale.
 class Demand {
  public:
   Demand(const std::vector<Strip>& strips, int cell_size) : cell_size_(cell_size) {
@@ -72,7 +72,8 @@ class Demand {
     return cells;
   }
 
-  /// Scale up to `largest` at which the charts take so many cells; 0 if they take more at any.
+  /// Scale up to `largest` at which the charts take this many cells; 0 if they take more at any
+  /// scale.
   double scale_for(double cells, double largest) const {
     double low = 0.0;
     double high = largest;
@@ -97,7 +98,7 @@ double largest_scale(const Demand& demand, int resolution) {
                   0.9 * room / std::max(demand.widest_row(), 1e-30));
 }
 
-/// Shapes all strips at one scale. Vectors are kept from one attempt to the next.
+/// Shapes all strips at one scale. Reuses its vectors.
 class Shaper {
  public:
   Shaper(const std::vector<Strip>& strips, const ChartMap& map) : strips_(strips), map_(map) {}
@@ -149,7 +150,7 @@ std::optional<ChartLayout> lay_out_charts(const std::vector<Strip>& strips, int 
   const int columns = static_cast<int>(kSpareColumns * grid);
   std::optional<ChartLayout> best;
   ChartLayout layout;
-  // The largest scale that is known to fit and the smallest that is known not to.
+  // The largest scale known to fit and the smallest known not to.
   double low = 0.0;
   double high = 2.0 * largest;
   double scale = demand.scale_for(kAim * kUsualFill * cells, largest);

@@ -16,11 +16,11 @@
 namespace snowbough::tree {
 namespace {
 
-/// Share of a texel below which a chart does not count as touching it: float32 coordinates on a map
-/// of 8192 texels are rounded by up to 3e-4 of a texel.
+/// Fraction of a texel below which a chart does not touch it: float32 coordinates on a map of 8192
+/// texels are rounded by up to 3e-4 of a texel.
 constexpr double kTouch = 5e-4;
 constexpr double kWideChart = 4.0;
-/// A texel covered by more than this is covered twice; leaves room for rounded corners.
+/// Coverage above which a texel is covered twice, with a margin for rounded corners.
 constexpr double kFullTexel = 1.0 + 1e-3;
 
 using Point = glm::dvec2;
@@ -34,7 +34,7 @@ void check(const UvSurface& surface, int resolution) {
   }
   if (surface.corner_vertex.size() % surface.sides != 0 ||
       surface.corner_uv.size() != surface.corner_vertex.size()) {
-    throw std::invalid_argument("uv and faces must have one entry a corner");
+    throw std::invalid_argument("uv and faces must have one entry per corner");
   }
   for (const int32_t vertex : surface.corner_vertex) {
     if (vertex < 0 || static_cast<size_t>(vertex) >= surface.vertices.size()) {
@@ -43,7 +43,7 @@ void check(const UvSurface& surface, int resolution) {
   }
 }
 
-/// Chart of every face, numbered from 0 in the order of their first faces.
+/// Chart of every face, numbered in the order of first faces.
 std::vector<int32_t> find_charts(const UvSurface& surface, int32_t& chart_count) {
   struct Edge {
     int32_t a, b;
@@ -83,7 +83,7 @@ std::vector<int32_t> find_charts(const UvSurface& surface, int32_t& chart_count)
   return chart;
 }
 
-/// A face in texels, or what clipping left of it. Each cut adds at most one corner.
+/// A face in texels, possibly clipped. Each cut adds at most one corner.
 struct Polygon {
   std::array<Point, 12> points;
   int count = 0;
@@ -101,8 +101,8 @@ double signed_area(const Polygon& polygon) {
   return 0.5 * twice;
 }
 
-/// Sutherland and Hodgman, Reentrant Polygon Clipping, CACM 17 (1974): keeps what lies on the
-/// `sign` side of the line `axis = at`.
+/// Sutherland and Hodgman, Reentrant Polygon Clipping, CACM 17 (1974): keeps the part on the `sign`
+/// side of the line `axis = at`.
 Polygon clip(const Polygon& polygon, int axis, double at, double sign) {
   Polygon result;
   for (int i = 0; i < polygon.count; ++i) {
@@ -130,8 +130,8 @@ std::pair<double, double> extent(const Polygon& polygon, int axis) {
   return {low, high};
 }
 
-/// What the charts cover: per texel its first chart (-1 = none), how much, and whether a second
-/// chart touches it.
+/// Coverage of texels: per texel its first chart (-1 = none), the covered area, and whether a
+/// second chart touches it.
 struct Coverage {
   int resolution;
   std::vector<int32_t> chart;

@@ -6,23 +6,23 @@ namespace snowbough::tree {
 namespace {
 
 constexpr int kSides = 4;
-/// How many times its share of texels a widened row may take, and how far it is shortened for it.
-/// Rounding limbs and blending forks spread a detailed surface's texels by another third, and a
-/// factor of two is all there is from its 5th to its 95th percentile.
+/// Maximum factor by which a widened row exceeds its share of texels, which determines its
+/// shortening. Rounding limbs and blending forks spread a detailed surface's texel density by
+/// another third, and the total from its 5th to its 95th percentile is limited to a factor of two.
 constexpr double kMaxDensityRatio = 1.5;
 constexpr double kMinShortening = 0.35;
-/// Rows of no length (rings upon each other) still get this many texels, for a positive area.
+/// Minimum length in texels of rows of zero length (coincident rings), for a positive area.
 constexpr double kMinRowLength = 1.0 / 32.0;
-/// A side takes at least this share of the perimeter in the map, however short it is.
+/// Minimum fraction of the perimeter for a side in the map.
 constexpr double kMinSideShare = 0.1;
-/// Outlines may pass a cell's edge by this much (in cells) before they count as touching it.
+/// Tolerance, in cells, for outlines that pass a cell's edge.
 constexpr double kTouch = 1e-6;
 
 double ring_width(double perimeter, double scale) {
   return std::max(kMinChartWidth, scale * perimeter);
 }
 
-/// Width of a ring's broadest side: as wide as a cap can be, whichever side it hangs on.
+/// Width of a ring's broadest side: the maximum width of a cap on any side.
 double cap_width(const StripRing& ring, double ring_width) {
   const auto columns = column_shares(ring, 0);
   double widest = 0.0;
@@ -32,12 +32,11 @@ double cap_width(const StripRing& ring, double ring_width) {
   return ring_width * widest;
 }
 
-/// The cell that `at`, which is not negative, lies in.
 int cell_at(double at) {
   return static_cast<int>(at + kTouch);
 }
 
-/// First cell that lies above `at`, which is not negative.
+/// First cell above `at`, which is not negative.
 int cell_after(double at) {
   const int cell = static_cast<int>(at - kTouch);
   return cell < at - kTouch ? cell + 1 : cell;
@@ -48,7 +47,7 @@ int cell_after(double at) {
 class SlantedEdge {
  public:
   /// The edge begins at its first point. `meet(column, y)` is called once for each column that the
-  /// edge goes on to, in their order.
+  /// edge enters, in order.
   template <typename Meet>
   void go_on(const ChartRing& point, const Meet& meet) {
     const ChartRing from = begun_ ? at_ : point;
@@ -66,7 +65,7 @@ class SlantedEdge {
  private:
   ChartRing at_;
   bool begun_ = false;
-  /// Columns met so far.
+  /// Number of columns visited.
   int columns_ = 0;
 };
 
@@ -156,7 +155,7 @@ void add_footprint(const ChartShapes& shapes, const ChartShape& chart, const Str
   const auto in_cells = [to_cells](double y, double width) {
     return ChartRing{y * to_cells, width * to_cells};
   };
-  // Caps are squares upon the ends, never wider than these.
+  // Caps are squares on the ends, never wider than these.
   SlantedEdge up;
   const auto begin_column = [columns](int column, double y) { columns[column].begin = cell_at(y); };
   if (chart.root_cap > 0.0) {
@@ -169,7 +168,7 @@ void add_footprint(const ChartShapes& shapes, const ChartShape& chart, const Str
   }
   SlantedEdge down;
   const auto end_column = [columns](int column, double y) {
-    // A column that next to nothing lies in still stands on a cell.
+    // A nearly empty column still takes a cell.
     columns[column].end = std::max(cell_after(y), columns[column].begin + 1);
   };
   if (chart.tip_cap > 0.0) {

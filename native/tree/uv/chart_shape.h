@@ -20,9 +20,9 @@ struct ChartRing {
 /// A piece of a strip unrolled flat, in texels, standing on y = 0 with one straight vertical edge.
 struct ChartShape {
   StripPiece piece;
-  /// Its first ring in ChartShapes::rings: there is one more than the piece has rows.
+  /// Its first ring in ChartShapes::rings; one more than the piece has rows.
   size_t first_ring = 0;
-  /// Sides of the squares that close root and tip, 0 where there is none.
+  /// Sides of the squares that close root and tip, 0 if there is none.
   double root_cap = 0.0;
   double tip_cap = 0.0;
   /// Extent of the whole chart.
@@ -43,15 +43,15 @@ struct ChartShapes {
 
 /// Narrowest chart in texels.
 inline constexpr double kMinChartWidth = 2.0;
-/// A chart wider than this keeps two texels free around it, others one.
+/// A chart wider than this keeps two free texels around it, others one.
 inline constexpr double kWideChart = 4.0;
 
-/// How much shorter what was widened from `own_width` to `width` texels becomes: as little as keeps
-/// its texels a m2 near those of the rest, and by half at most.
+/// Factor by which a chart widened from `own_width` to `width` texels is shortened: as little as
+/// needed to keep its texels per m2 near the rest's, and by half at most.
 double shortening(double own_width, double width);
 
-/// Length in texels of each row of a strip at `scale` texels a metre: as long as it takes to give
-/// the row its share of texels, but where it had to be widened to two texels.
+/// Length in texels of each row of a strip at `scale` texels per metre: long enough for the row's
+/// share of texels, except where it was widened to two texels.
 void row_lengths(const Strip& strip, double scale, std::vector<double>& lengths);
 
 /// Adds the shape of a piece to the charts.
@@ -60,12 +60,12 @@ void row_lengths(const Strip& strip, double scale, std::vector<double>& lengths)
 void add_chart(const Strip& strip, const StripPiece& piece, const std::vector<double>& lengths,
                double scale, double max_height, ChartShapes& shapes);
 
-/// Adds the cells of the packing grid that a chart touches, its straight edge on the left.
-/// @param cell_size  texels along one side of a cell of the packing grid.
+/// Adds the cells of the packing grid that a chart touches, with its straight edge on the left.
+/// @param cell_size  texels per side of a cell of the packing grid.
 void add_footprint(const ChartShapes& shapes, const ChartShape& chart, const Strip& strip,
                    int cell_size, PackShapes& outlines);
 
-/// Where the five corners of a ring (the seam's twice) lie across the chart, from 0 to 1.
+/// Positions of a ring's five corners (the seam's twice) across the chart, from 0 to 1.
 std::array<double, 5> column_shares(const StripRing& ring, int seam);
 
 }  // namespace snowbough::tree

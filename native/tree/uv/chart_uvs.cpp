@@ -8,10 +8,10 @@ namespace snowbough::tree {
 namespace {
 
 constexpr int kSides = 4;
-/// Holes and insets keep this share of their cell clear of each other.
+/// Minimum gap around holes and insets, as a fraction of their cell.
 constexpr double kMinInsetShare = 0.04;
 
-/// Where the hole of an inset cell lies in it: left, right, bottom, top, each from 0 to 1.
+/// Position of an inset cell's hole: left, right, bottom, top, each from 0 to 1.
 struct HoleRect {
   double left, right, bottom, top;
 };
@@ -21,8 +21,8 @@ void order_with_margin(double& low, double& high) {
   high = std::clamp(high, low + kMinInsetShare, 1.0 - kMinInsetShare);
 }
 
-/// Corner of the cell that corner `c` of an inset lies on or nearest to, and whether it is the
-/// hole's.
+/// The cell's corner on or nearest to corner `c` of an inset, and whether the corner belongs to the
+/// hole.
 struct InsetCorner {
   int cell_corner = 0;
   bool inner = false;
@@ -46,7 +46,7 @@ std::array<InsetCorner, 4> classify_inset(const Quad& inset, const std::array<in
   return result;
 }
 
-/// @param insets  the quads along the cell's edges; -1 where one is missing.
+/// @param insets  the quads along the cell's edges; -1 if one is missing.
 HoleRect locate_hole(const TreeMesh& mesh, const std::array<int32_t, 4>& insets,
                      const std::array<int32_t, 4>& corners) {
   HoleRect hole{0.25, 0.75, 0.25, 0.75};
@@ -108,7 +108,7 @@ void write_chart_uvs(const Strip& strip, const ChartShapes& shapes, const ChartS
   const double full_width = static_cast<double>(outline.width) * map.cell_size;
   const double full_height = static_cast<double>(outline.height) * map.cell_size;
   const double texels = map.resolution;
-  // Turned by half a turn, the straight edge of the outline comes to lie on the other side.
+  // After half a turn, the straight edge of the outline is on the other side.
   const bool straight_right = placement.columns_reversed != placement.rows_reversed;
   const auto to_map = [&](double x, double y) {
     if (placement.rows_reversed) {
@@ -171,7 +171,8 @@ void write_chart_uvs(const Strip& strip, const ChartShapes& shapes, const ChartS
     }
     bottom_shares = top_shares;
   }
-  // A cap hangs on the end's side along the straight edge, where the strip leaves room for it.
+  // A cap is attached to the end's side along the straight edge, where the strip leaves room for
+  // it.
   const int cap_column = straight_right ? kSides - 1 : 0;
   const int cap_side = (seam + cap_column) % kSides;
   const auto write_cap = [&](int32_t quad, int ring, double base_y, double far_y) {
@@ -180,7 +181,7 @@ void write_chart_uvs(const Strip& strip, const ChartShapes& shapes, const ChartS
     const double left = column_x(ring, shares[cap_column]);
     const double right = column_x(ring, shares[cap_column + 1]);
     for (int i = 0; i < kSides; ++i) {
-      // Seen from outside, the far edge of a tip's cap carries the next two corners in the limb's
+      // Seen from outside, the far edge of a tip's cap has the next two corners in the limb's
       // order; a root's cap is seen from the other end.
       const int32_t vertex = mesh.quads[quad][i];
       const auto at = std::find(corners.corners.begin(), corners.corners.end(), vertex);

@@ -7,7 +7,7 @@
 
 namespace snowbough::tree {
 
-/// The map and the packing grid that charts lie on.
+/// The map and the packing grid of the charts.
 struct ChartMap {
   /// Texels along one side of the map.
   int resolution = 0;
@@ -15,9 +15,9 @@ struct ChartMap {
   int cell_size = 1;
 };
 
-/// Writes one chart's part of `uv_snow`, cut open along corner `seam`: walls, the insets in their
-/// knuckle's cell around its hole, and caps on the strip's ends, along the straight edge.
-/// @param mesh  uv_snow with one entry a quad; only those of the chart are written.
+/// Writes one chart's part of `uv_snow`, cut open along corner `seam`: walls, insets in their
+/// knuckle's cell around its hole, and caps at the strip's ends, along the straight edge.
+/// @param mesh  uv_snow with one entry per quad; only those of the chart are written.
 void write_chart_uvs(const Strip& strip, const ChartShapes& shapes, const ChartShape& chart,
                      int32_t seam, const PackShape& outline, const Placement& placement,
                      const ChartMap& map, TreeMesh& mesh);

@@ -12,12 +12,12 @@ namespace snowbough::tree {
 namespace {
 
 constexpr int kMaxGutter = 2;
-/// Places along the grid that are looked at together.
+/// Places along the grid that are examined together.
 constexpr int kBlock = 64;
-/// Columns of a chart between two looks at whether any place of a block is left.
+/// Columns of a chart between two checks whether any place of a block is left.
 constexpr int kColumnsAtOnce = 4;
 
-/// A number of cells: short, as eight of them fit into one register.
+/// A number of cells: 16 bits, so that eight fit into a register.
 using Cells = int16_t;
 
 /// Free cells from `begin` up to, not including, `end`.
@@ -26,7 +26,7 @@ struct FreeRun {
   Cells end = 0;
 };
 
-/// The cells where a chart may lie: of every column of the grid the free runs, from the lowest on.
+/// The free cells: of every column of the grid the free runs, from the lowest on.
 class FreeCells {
  public:
   FreeCells(int rows, int columns)
@@ -45,10 +45,10 @@ class FreeCells {
     return {runs_.data() + static_cast<size_t>(x) * capacity_, static_cast<size_t>(counts_[x])};
   }
 
-  /// Length of the longest run of every column from x on; kBlock zeros follow the last one's.
+  /// Length of the longest run of every column from x on; kBlock zeros follow the last one.
   const Cells* longest(int x) const { return longest_.data() + x; }
 
-  /// Takes cells [begin, end) of a column; what lies outside of the grid is passed over.
+  /// Occupies cells [begin, end) of a column; ignores the part outside the grid.
   void take(int x, int begin, int end) {
     if (x < 0 || x >= columns_) {
       return;
@@ -80,7 +80,7 @@ class FreeCells {
  private:
   FreeRun* column(int x) { return runs_.data() + static_cast<size_t>(x) * capacity_; }
 
-  /// Puts `kept` in the place of runs [first, last) of a column.
+  /// Replaces runs [first, last) of a column by `kept`.
   void replace(int x, int first, int last, std::span<const FreeRun> kept) {
     const int count = counts_[x];
     const int change = static_cast<int>(kept.size()) - (last - first);
@@ -102,7 +102,7 @@ class FreeCells {
     longest_[x] = static_cast<Cells>(longest);
   }
 
-  /// Makes room for twice as many runs a column.
+  /// Doubles the capacity for runs per column.
   void widen() {
     std::vector<FreeRun> wider(runs_.size() * 2);
     for (int x = 0; x < columns_; ++x) {
@@ -114,7 +114,7 @@ class FreeCells {
   }
 
   int columns_;
-  /// Runs that a column has room for.
+  /// Capacity for runs per column.
   int capacity_ = 16;
   std::vector<FreeRun> runs_;
   std::vector<int> counts_;
@@ -124,7 +124,7 @@ class FreeCells {
 /// A shape in one of its orientations.
 class Orientation {
  public:
-  /// Turns the shape's columns; the vectors are kept from one shape to the next.
+  /// Orients the shape's columns. Reuses its vectors.
   void set(std::span<const CellRun> columns, int height, bool columns_reversed,
            bool rows_reversed) {
     columns_.assign(columns.begin(), columns.end());
@@ -144,8 +144,8 @@ class Orientation {
 
   /// Lowest height at which the shape fits with its left column at x; -1 if there is none.
   int lowest(const FreeCells& free, int x) const {
-    // Each column in turn raises the height to where it fits; done once all agree. The straight
-    // edge comes first: there charts are longest.
+    // Each column in turn raises the height until it fits; done once all agree. The straight edge
+    // comes first, since charts are longest there.
     const int first = placement.columns_reversed ? width() - 1 : 0;
     const int step = placement.columns_reversed ? -1 : 1;
     int height = 0;
@@ -176,11 +176,10 @@ class Orientation {
   std::vector<CellRun> columns_;
 };
 
-/// Of kBlock places from x on those where a shape may lie as far as the longest run of every column
-/// goes: one bit a place, the lowest for x.
+/// Of kBlock places from x on, those where a shape may fit by the longest run of every column: one
+/// bit per place, the lowest for x.
 uint64_t roomy_places(const FreeCells& free, const Orientation& shape, int x) {
-  // By how much the longest run of a column exceeds what the shape takes of it, the least of all
-  // its columns.
+  // The minimum over all columns of the excess of a column's longest run over the shape's need.
   std::array<Cells, kBlock> slack;
   slack.fill(std::numeric_limits<Cells>::max());
   for (int j = 0; j < shape.width(); ++j) {
@@ -225,7 +224,7 @@ void take_with_gutter(FreeCells& free, const Orientation& shape, int gutter) {
   }
 }
 
-/// The four ways in which a shape may lie, without those that are the same as another.
+/// The four orientations of a shape, without duplicates.
 class Orientations {
  public:
   void set(std::span<const CellRun> columns, int height) {
@@ -242,14 +241,14 @@ class Orientations {
     }
   }
 
-  /// Puts the shape as far left, from first_x on, and there as far down as it goes.
-  /// @return the orientation in which it lies there; null if it does not fit.
+  /// Places the shape as far left as possible, from first_x on, and there as far down as possible.
+  /// @return its orientation; null if it does not fit.
   const Orientation* place(const FreeCells& free, int first_x, int last_x) {
     for (int block = first_x; block <= last_x; block += kBlock) {
       std::array<uint64_t, 4> room{};
       uint64_t places = 0;
       for (int i = 0; i < count_; ++i) {
-        // Reversed rows leave the columns as long as they are.
+        // Reversing rows keeps the lengths of the columns.
         const bool known =
             i >= 2 && all_[i].placement.columns_reversed == all_[i - 2].placement.columns_reversed;
         room[i] = known ? room[i - 2] : roomy_places(free, all_[i], block);
@@ -269,7 +268,7 @@ class Orientations {
   }
 
  private:
-  /// Puts the shape as far down as it goes with its left column at x; null if it does not fit.
+  /// Places the shape as far down as possible with its left column at x; null if it does not fit.
   /// @param room  the places where each orientation may fit; x is number `place` of them.
   const Orientation* lay(const FreeCells& free, const std::array<uint64_t, 4>& room, int place,
                          int x) {
@@ -292,7 +291,7 @@ class Orientations {
   int count_ = 0;
 };
 
-/// The shapes' order on the grid: what stands high sets the columns that lower charts fill.
+/// Packing order: high charts determine the columns that lower charts fill.
 std::vector<size_t> packing_order(const PackShapes& shapes) {
   std::vector<size_t> order(shapes.shapes.size());
   std::iota(order.begin(), order.end(), size_t{0});
@@ -320,16 +319,15 @@ bool same_outline(const PackShapes& shapes, const PackShape& a, const PackShape&
 }  // namespace
 
 std::optional<Packing> pack_charts(const PackShapes& shapes, int rows, int columns) {
-  // A chart that keeps g cells free must lie clear of every other chart by the larger of both
-  // gutters: thin charts look at what is taken with everyone's own gutter, wide ones at what is
-  // taken with the widest.
+  // Two charts are separated by the larger of their gutters: thin charts are tested against cells
+  // occupied with each chart's own gutter, wide ones against cells occupied with the widest.
   FreeCells clear_of_own(rows, columns);
   FreeCells clear_of_widest(rows, columns);
   Packing packing;
   packing.placements.resize(shapes.shapes.size());
   packing.used_columns = std::min(columns, 2);
   Orientations orientations;
-  // Whichever of the two no chart to come looks at needs no more be kept.
+  // One of the two is dropped when no remaining chart needs it.
   std::array<size_t, 2> charts_to_come{};
   for (const PackShape& shape : shapes.shapes) {
     ++charts_to_come[shape.gutter < kMaxGutter ? 0 : 1];
@@ -338,7 +336,7 @@ std::optional<Packing> pack_charts(const PackShapes& shapes, int rows, int colum
   int first_x = 1;
   for (const size_t i : packing_order(shapes)) {
     const PackShape& shape = shapes.shapes[i];
-    // What did not fit left of some column never will, as room only dwindles.
+    // A chart that did not fit left of some column never will, since room only shrinks.
     if (before == nullptr || !same_outline(shapes, shape, *before)) {
       orientations.set(shapes.columns_of(shape), shape.height);
       first_x = 1;

@@ -19,16 +19,16 @@ struct CellRun {
 struct PackShape {
   int width = 0;
   int height = 0;
-  /// Free cells it keeps on all sides: 1 or 2.
+  /// Free cells on all sides: 1 or 2.
   int gutter = 1;
-  /// Its left column in PackShapes::columns.
+  /// Its first column in PackShapes::columns.
   size_t first_column = 0;
 };
 
 /// The outlines of all charts, in flat arrays.
 struct PackShapes {
   std::vector<PackShape> shapes;
-  /// The cells that each column of each chart takes, counted from the chart's bottom; none empty.
+  /// The cells of each column of each chart, counted from the chart's bottom; none is empty.
   std::vector<CellRun> columns;
 
   std::span<const CellRun> columns_of(const PackShape& shape) const {
@@ -36,7 +36,7 @@ struct PackShapes {
   }
 };
 
-/// Where a chart lies: its lower left cell, and whether its columns and its rows are reversed.
+/// Position of a chart: its lower left cell, and whether its columns and rows are reversed.
 struct Placement {
   int x = 0;
   int y = 0;
@@ -46,22 +46,22 @@ struct Placement {
 
 /// All charts on one grid.
 struct Packing {
-  /// One a shape.
+  /// One per shape.
   std::vector<Placement> placements;
-  /// Columns of the grid that it takes, the free ones along both borders included.
+  /// Columns of the grid in use, including the free ones along both borders.
   int used_columns = 0;
 };
 
-/// Packs charts onto a grid of `rows` by `columns` cells, the highest first, each as far to the
-/// left as it goes and there as far down as it goes, in whichever of the four orientations gets
-/// furthest left. Any two charts stay as many cells apart, diagonals included, as the larger of
-/// their gutters; one cell stays free along the border. Charts that are the same high are packed in
-/// the order of their outlines, equal ones in their own.
+/// Packs charts onto a grid of `rows` by `columns` cells, the highest first, each as far left as
+/// possible and there as far down as possible, in the one of four orientations that gets furthest
+/// left. Any two charts are separated by as many cells, diagonally too, as the larger of their
+/// gutters; one cell stays free along the border. Charts of equal height are packed in the order of
+/// their outlines, equal outlines in input order.
 ///
-/// Of every column of the grid the free runs are kept: the heights at which a chart fits are those
-/// at which each of its columns does.
+/// For every column of the grid the free runs are kept: a chart fits at the heights at which each
+/// of its columns fits.
 /// @param rows, columns  at most 16384 each.
-/// @return nothing if they do not all fit.
+/// @return no value if they do not all fit.
 std::optional<Packing> pack_charts(const PackShapes& shapes, int rows, int columns);
 
 }  // namespace snowbough::tree

@@ -14,9 +14,9 @@ namespace {
 
 constexpr int kMinResolution = 16;
 constexpr int kMaxResolution = 16384;
-/// Share of the time until the charts lie where they belong.
+/// Progress at which the charts are placed.
 constexpr float kLayoutDone = 0.9f;
-/// Charts that a thread writes at a time.
+/// Charts per thread at a time.
 constexpr size_t kChartBlock = 64;
 
 }  // namespace
@@ -43,20 +43,21 @@ void layout_snow_uvs(TreeMesh& mesh, const Skeleton& skeleton, int snow_resoluti
     }
   }
   if (!layout) {
-    throw std::invalid_argument(
-        "the tree's " + std::to_string(strips.size()) + " limbs fit on no snow map up to " +
-        std::to_string(kMaxResolution) + ": simplify the tree or leave out its finest level");
+    throw std::invalid_argument("the tree's " + std::to_string(strips.size()) +
+                                " limbs do not fit a snow map of " +
+                                std::to_string(kMaxResolution) +
+                                " texels: simplify the tree or leave out its finest level");
   }
   if (resolution != snow_resolution) {
     mesh.warnings.push_back(
-        "A snow map of " + std::to_string(snow_resolution) + " texels has no room for " +
+        "A snow map of " + std::to_string(snow_resolution) + " texels is too small for " +
         std::to_string(layout->shapes.charts.size()) +
         " charts two texels wide: UV map `snow` is laid out for " + std::to_string(resolution) +
-        ", the smallest power of two that has; give the receiver at least "
+        ", the smallest sufficient power of two; give the receiver at least "
         "that resolution.");
   }
   base::report_progress(execution.progress, kLayoutDone);
-  // Every chart has quads of its own.
+  // Charts have disjoint quads.
   base::parallel_for(layout->shapes.charts.size(), kChartBlock, {execution.threads, {}},
                      [&](size_t begin, size_t end) {
                        for (size_t i = begin; i < end; ++i) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kSides = 4;
 
-/// Whether the cells of a piece hang together by their edges once it is cut open at `seam`.
+/// Whether a piece's cells are edge-connected after cutting it open at `seam`.
 bool is_connected(const Strip& strip, int32_t first_row, int32_t last_row, int seam) {
   base::UnionFind joined(static_cast<size_t>(last_row - first_row) * kSides);
   const auto filled = [&](int32_t row, int column) {
@@ -64,7 +64,8 @@ void cut_strip(const Strip& strip, int32_t strip_index, const std::vector<double
         if (length > max_length && row > first + 1) {
           break;
         }
-        // A joint keeps its continuing child on the same chart if another cut is about as good.
+        // Prefers a cut away from a joint if it is about as good, so that a continuing child stays
+        // on the same chart.
         const bool joint = strip.rows[row - 1].branch != strip.rows[row].branch;
         const double score = std::abs(length - target) + (joint ? 0.25 * max_length : 0.0);
         if (score < best_score) {

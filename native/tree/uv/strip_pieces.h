@@ -17,13 +17,13 @@ struct StripPiece {
 };
 
 /// Cuts every range of a strip into as few pieces of similar length as possible, none longer than
-/// `max_length` unless a single row is, and adds them to `pieces`.
-/// @param row_lengths  one entry a row, in the unit of max_length.
+/// `max_length` unless it is a single row, and adds them to `pieces`.
+/// @param row_lengths  one entry per row, in the unit of max_length.
 void cut_strip(const Strip& strip, int32_t strip_index, const std::vector<double>& row_lengths,
                double max_length, std::vector<StripPiece>& pieces);
 
 /// Corner along which a piece is cut open: the lowest one, weighted by length, that leaves its
-/// cells connected; the lowest one if none does.
+/// cells connected; otherwise the lowest one.
 int32_t choose_seam(const Strip& strip, const StripPiece& piece);
 
 }  // namespace snowbough::tree

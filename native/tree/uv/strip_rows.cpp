@@ -14,12 +14,12 @@ constexpr int kSides = 4;
 
 using Corners = std::array<int32_t, kSides>;
 
-/// All that the quads say of the branches, each in its own order of sides, in flat arrays.
+/// The quads by branch, each in its own order of sides, in flat arrays.
 struct BranchRows {
-  /// Each branch's first row, and where the last one's end.
+  /// Each branch's first row, and the end of the last one.
   std::vector<int32_t> first_row;
   std::vector<std::array<StripCell, kSides>> cells;
-  /// Each branch has one more than rows.
+  /// One more per branch than rows.
   std::vector<Corners> rings;
   std::vector<Corners> insets;
   std::vector<int32_t> root_caps;
@@ -71,7 +71,7 @@ bool is_cap(const FaceOrigin& origin) {
   return origin.part == FacePart::kRootCap || origin.part == FacePart::kTipCap;
 }
 
-/// Checks the origins and makes room for every branch's rows.
+/// Checks the origins and allocates every branch's rows.
 BranchRows count_rows(const TreeMesh& mesh, size_t branch_count) {
   if (mesh.origins.size() != mesh.quads.size()) {
     throw std::invalid_argument("the mesh has " + std::to_string(mesh.quads.size()) +
@@ -124,8 +124,8 @@ BranchRows sort_quads(const TreeMesh& mesh, size_t branch_count) {
   return rows;
 }
 
-/// Where insets fill all sides of a row, its corners are only known from them: the corner of the
-/// cell is the vertex that two consecutive insets share on the outside.
+/// If insets fill all sides of a row, its corners follow only from them: the corner of a cell is
+/// the outer vertex shared by two consecutive insets.
 void complete_rings(const TreeMesh& mesh, BranchRows& rows) {
   for (size_t quad = 0; quad < mesh.quads.size(); ++quad) {
     const FaceOrigin& origin = mesh.origins[quad];
@@ -141,8 +141,8 @@ void complete_rings(const TreeMesh& mesh, BranchRows& rows) {
   }
 }
 
-/// How far the child's sides are turned against the parent's where both share a ring; -1 if they
-/// share none.
+/// Rotation of the child's sides relative to the parent's if both share a ring; -1 if they share
+/// none.
 int shared_ring_turn(const BranchRows& rows, size_t parent, size_t child) {
   if (rows.row_count(parent) == 0 || rows.row_count(child) == 0) {
     return -1;
@@ -187,7 +187,7 @@ void append_branch(const BranchRows& rows, size_t branch, int turn, Strip& strip
   }
 }
 
-/// Of a quad that is nearly flat: half the product of its diagonals across each other.
+/// Area of a nearly flat quad: half the cross product of its diagonals.
 double quad_area(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d) {
   return 0.5 * glm::length(glm::cross(glm::dvec3(c - a), glm::dvec3(d - b)));
 }
@@ -252,7 +252,8 @@ void measure_rows(const TreeMesh& mesh, Strip& strip) {
   }
 }
 
-/// Where nothing but holes lies between two rows, or in one of them, the strip falls apart anyway.
+/// Whether two rows touch; if all sides between them, or of one of them, are holes, the strip falls
+/// apart.
 bool rows_touch(const StripRow& a, const StripRow& b) {
   for (int side = 0; side < kSides; ++side) {
     if (!a.cells[side].empty() && !b.cells[side].empty()) {
@@ -285,7 +286,7 @@ std::vector<Strip> collect_strips(const TreeMesh& mesh, const Skeleton& skeleton
   complete_rings(mesh, rows);
   std::vector<Strip> strips;
   strips.reserve(branch_count);
-  // Strip and turn of each branch: parents come first, so a child finds its parent's.
+  // Strip and rotation of each branch: parents come first, so a child finds its parent's.
   std::vector<int32_t> strip_of(branch_count, -1);
   std::vector<int> turn_of(branch_count, 0);
   for (size_t branch = 0; branch < branch_count; ++branch) {

@@ -21,15 +21,15 @@ struct StripCell {
 
 /// The four corners of a limb between two rows, anticlockwise seen from the tip.
 struct StripRing {
-  /// Vertex indices; -1 where every cell around the corner is a hole.
+  /// Vertex indices; -1 if every cell around the corner is a hole.
   std::array<int32_t, 4> corners{-1, -1, -1, -1};
   /// Length in metres of the side from corner k to corner k + 1.
   std::array<float, 4> sides{};
-  /// How far corner k lies above the ring's centre, in metres.
+  /// Height of corner k above the ring's centre, in metres.
   std::array<float, 4> heights{};
 };
 
-/// What lies between two rings.
+/// The cells between two rings.
 struct StripRow {
   std::array<StripCell, 4> cells;
   int32_t branch = -1;
@@ -41,8 +41,8 @@ struct RowRange {
   int32_t last = 0;
 };
 
-/// A limb and, one after another, the children that continue it from its end ring, as rows of one
-/// closed tube. Sides are counted in the first limb's order all the way.
+/// A limb and the children that continue it from its end ring, as rows of one closed tube. Sides
+/// are counted in the first limb's order throughout.
 struct Strip {
   /// One more than rows.
   std::vector<StripRing> rings;
@@ -52,9 +52,9 @@ struct Strip {
   /// Perimeter of every ring in metres, and m2 of every row with its holes filled.
   std::vector<double> perimeters;
   std::vector<double> areas;
-  /// Rows that hang together: between two ranges lie holes on all sides.
+  /// Connected rows: between two ranges there are holes on all sides.
   std::vector<RowRange> ranges;
-  /// Quads that close it; -1 if open.
+  /// Closing quads; -1 if open.
   int32_t root_cap = -1;
   int32_t tip_cap = -1;
 };

@@ -9,13 +9,13 @@
 namespace snowbough::tree {
 namespace {
 
-/// How far along its parent, in radii of the two together, a limb may lie from where they part.
+/// Maximum distance of a limb along its parent from their fork, in the sum of both radii.
 constexpr double kAttachReach = 4.0;
-/// At a fork thickness counts times this power of (1 + cosine of the turn) / 2.
+/// At a fork thickness is weighted by this power of (1 + cosine of the turn) / 2.
 constexpr double kStraightness = 4.0;
-/// A limb's tip is farther than this many of its parent's radii from the parent's centreline.
+/// Minimum distance of a limb's tip from the parent's centreline, in the parent's radii.
 constexpr double kStandsOut = 1.5;
-/// Rings from a fork on whose median tells how thick a limb goes on.
+/// Number of rings after a fork whose median gives the thickness of a limb.
 constexpr size_t kThicknessRings = 5;
 
 glm::dvec3 direction(const glm::dvec3& from, const glm::dvec3& to) {
@@ -23,7 +23,7 @@ glm::dvec3 direction(const glm::dvec3& from, const glm::dvec3& to) {
   return length > 0.0 ? (to - from) / length : glm::dvec3(0.0);
 }
 
-/// Puts arcs together to limbs.
+/// Joins arcs to limbs.
 class Assembler {
  public:
   Assembler(const ReebTree& tree, std::vector<ArcRings> rings, const LocalMesh& mesh,
@@ -93,7 +93,7 @@ class Assembler {
     limb.areas.push_back(static_cast<float>(ring.area));
   }
 
-  /// The limb begins at `place` as thick as at its first ring.
+  /// Extends the limb to `place`, with the thickness of its first ring.
   static void prepend(const glm::dvec3& place, Limb& limb) {
     const float radius = limb.radii.empty() ? 0.0f : limb.radii.front();
     const float area = limb.areas.empty() ? 0.0f : limb.areas.front();
@@ -102,7 +102,7 @@ class Assembler {
     limb.areas.insert(limb.areas.begin(), area);
   }
 
-  /// The tip lies straight on from the last two rings, as far out as the farthest vertex.
+  /// Adds the tip straight on from the last two rings, at the distance of the farthest vertex.
   void append_tip(int32_t arc, Limb& limb) const {
     if (tips_[arc] < 0) return;
     const glm::dvec3 farthest(mesh_->positions[tips_[arc]]);
@@ -115,7 +115,7 @@ class Assembler {
       if (ahead <= 0.0) return;
       limb.points.emplace_back(last + way * ahead);
     }
-    // A cone's last ring is half as far from its tip as the ring before it is.
+    // A cone's last ring is half as far from its tip as the ring before it.
     const size_t count = limb.radii.size();
     const float taper =
         count >= 2 ? limb.radii[count - 1] / std::max(limb.radii[count - 2], 1e-30f) : 1.0f;
@@ -130,10 +130,10 @@ class Assembler {
     return rings_[arc].empty() ? nullptr : &rings_[arc];
   }
 
-  /// The arc with which the limb goes on.
+  /// The arc that continues the limb.
   int32_t continuing(const std::vector<int32_t>& above, const Limb& limb) const {
     const size_t count = limb.points.size();
-    // The rings nearest to the fork lean towards what leaves there.
+    // The rings nearest to the fork lean towards the child.
     const glm::dvec3 heading =
         count >= 3   ? direction(glm::dvec3(limb.points[count - std::min<size_t>(count, 5)]),
                                  glm::dvec3(limb.points[count - 2]))
@@ -168,7 +168,7 @@ class Assembler {
     return best;
   }
 
-  /// Calls `visit(i)` for the segments within so many metres before and after point `at`.
+  /// Calls `visit(i)` for the segments within some metres before and after point `at`.
   template <typename Visit>
   static void for_segments_near(const Limb& limb, size_t at, double before, double after,
                                 const Visit& visit) {
@@ -184,8 +184,8 @@ class Assembler {
     }
   }
 
-  /// Whether a piece without forks ends at its parent's side: the distance rises unevenly there,
-  /// and no limb leaves.
+  /// Whether an arc without forks ends within its parent: the distance rises unevenly there,
+  /// without a limb.
   static bool lies_on(const Limb& limb, const Limb& parent, size_t fork) {
     const size_t at = std::min(fork + 1, parent.points.size() - 1);
     const glm::dvec3 tip(limb.points.back());
@@ -202,7 +202,7 @@ class Assembler {
     return lies;
   }
 
-  /// Where the limb, prolonged backwards, comes nearest to its parent's centreline.
+  /// The point of the parent's centreline nearest to the limb's backward extension.
   static glm::dvec3 find_foot(const Limb& limb, const Limb& parent, size_t fork) {
     const size_t at = std::min(fork + 1, parent.points.size() - 1);
     if (limb.points.empty()) return glm::dvec3(parent.points[at]);
@@ -216,7 +216,7 @@ class Assembler {
     const auto try_segment = [&](size_t i) {
       const glm::dvec3 a(parent.points[i]);
       const glm::dvec3 ab = glm::dvec3(parent.points[i + 1]) - a;
-      // Nearest places of the segment and the ray: first of the lines, then within both.
+      // Nearest places of the segment and the ray: first of the lines, then clamped to both.
       const double aa = glm::dot(ab, ab);
       if (aa <= 0.0) return;
       const double cross = glm::dot(ab, back);

@@ -9,7 +9,7 @@
 
 namespace snowbough::tree {
 
-/// Rings of one arc of a Reeb graph from below, and where they are.
+/// The rings of one arc of a Reeb graph from below, and their distances.
 struct ArcRings {
   std::vector<double> levels;
   std::vector<Contour> contours;
@@ -17,13 +17,13 @@ struct ArcRings {
   bool empty() const { return contours.empty(); }
 };
 
-/// Puts arcs together to limbs: at a fork one goes on where it is thickest and straightest, the
-/// others begin at the place on its centreline to which they lead. Pieces that end at their
-/// parent's side are left out.
+/// Joins arcs to limbs: at a fork the limb continues along the thickest and straightest arc; the
+/// others begin at their attach point on its centreline. Arcs that end within their parent's radius
+/// are left out.
 ///
 /// @param rings  per arc of `tree`.
-/// @param distance  per vertex, from which the tree was built.
-/// @param root  the vertices at which the tree begins.
+/// @param distance  per vertex, as used for the tree.
+/// @param root  the vertices where the tree begins.
 WeldedTree assemble_limbs(const ReebTree& tree, std::vector<ArcRings> rings, const LocalMesh& mesh,
                           const std::vector<double>& distance, const std::vector<int32_t>& root);
 

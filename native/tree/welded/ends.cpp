@@ -10,7 +10,7 @@
 namespace snowbough::tree {
 namespace {
 
-/// Faces whose normals are this near to the limb's direction (cosine) close its end.
+/// Minimum cosine between the limb's direction and the normals of the faces that close its end.
 constexpr double kCapCosine = 0.7;
 
 glm::dvec3 direction(const glm::dvec3& from, const glm::dvec3& to) {
@@ -18,7 +18,7 @@ glm::dvec3 direction(const glm::dvec3& from, const glm::dvec3& to) {
   return length > 0.0 ? (to - from) / length : glm::dvec3(0.0);
 }
 
-/// The vertices of the cap that closes a limb around `end`: of the faces there that look along the
+/// The vertices of the cap that closes a limb around `end`: of the faces there that face along the
 /// limb.
 std::vector<int32_t> cap_around(const LocalMesh& mesh, const std::vector<LocalTriangle>& triangles,
                                 int32_t end, const glm::dvec3& along) {

@@ -9,10 +9,10 @@
 
 namespace snowbough::tree {
 
-/// The vertices of the widest open end of a surface that has some.
+/// The vertices of the widest open end; the surface must have one.
 std::vector<int32_t> widest_loop(const LocalMesh& mesh, const Topology& topology);
 
-/// The vertices at the thickest end of a surface without open ends, with the cap that closes it.
+/// The vertices at the thickest end of a surface without open ends, including the closing cap.
 /// @throws Cancelled when progress says stop.
 std::vector<int32_t> thickest_end(const LocalMesh& mesh,
                                   const std::vector<LocalTriangle>& triangles,

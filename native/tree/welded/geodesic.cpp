@@ -12,8 +12,7 @@
 namespace snowbough::tree {
 namespace {
 
-/// Share of the time until the ways are found; vertices that are reached between two questions
-/// whether to go on.
+/// Progress at which the links are found; and vertices between two progress reports.
 constexpr float kWaysFound = 0.6f;
 constexpr size_t kAskEvery = 16384;
 
@@ -26,8 +25,8 @@ glm::dvec3 position(const LocalMesh& mesh, int32_t vertex) {
   return glm::dvec3(mesh.positions[vertex]);
 }
 
-/// The straight way from c to d across their triangles' common edge a, b, both laid in one plane;
-/// negative where it would leave them.
+/// Length of the straight path from c to d across their triangles' common edge a, b, unfolded;
+/// negative if it would leave them.
 double across_edge(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
                    const glm::dvec3& d) {
   const double length = glm::distance(a, b);
@@ -43,7 +42,7 @@ double across_edge(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c
   return std::hypot(c_along - d_along, c_off + d_off);
 }
 
-/// Both directions of every way.
+/// Both directions of every link.
 std::vector<Way> find_ways(const LocalMesh& mesh, const std::vector<LocalTriangle>& triangles) {
   std::vector<Way> ways;
   const auto add = [&](int32_t a, int32_t b, double length) {

@@ -12,15 +12,15 @@ namespace snowbough::tree {
 
 using LocalTriangle = std::array<int32_t, 3>;
 
-/// The polygons as fans of triangles, in their order.
+/// The polygons as triangle fans, in their order.
 std::vector<LocalTriangle> triangulate(const LocalMesh& mesh);
 
-/// The vertices joined by an edge of a triangle, each pair once, ascending.
+/// The pairs of vertices joined by a triangle edge, each once, ascending.
 std::vector<std::array<int32_t, 2>> edges_of(const std::vector<LocalTriangle>& triangles);
 
-/// Distance of every vertex from the nearest of `sources` along the surface; infinite where no way
-/// leads. Ways run along edges and, unfolded, straight across pairs of neighbouring triangles,
-/// which overestimates by a few per cent.
+/// Distance of every vertex from the nearest of `sources` along the surface; infinite if
+/// unreachable. Paths run along edges and, unfolded, straight across pairs of neighbouring
+/// triangles, which overestimates by a few per cent.
 /// @throws Cancelled when progress says stop.
 ///
 /// Sources: E. W. Dijkstra, "A note on two problems in connexion with graphs", Numerische

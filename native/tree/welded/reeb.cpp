@@ -13,21 +13,21 @@
 namespace snowbough::tree {
 namespace {
 
-/// Vertices that are met between two questions whether to go on.
+/// Vertices between two progress reports.
 constexpr size_t kAskEvery = 16384;
 
-/// A piece of surface is a limb from this many radii of its height on. A cone of slope one in a
-/// plane, as an uneven distance makes, has two.
+/// Minimum height of a limb, in radii. A cone of slope one in a plane, as from an uneven distance,
+/// has two.
 constexpr double kLimbHeight = 3.0;
 
-/// An arc while the sweep goes on: from a tip or several arcs down to where it stands.
+/// An arc during the sweep: from a tip or several arcs down to the current position.
 struct Growing {
   std::vector<int32_t> above;
-  /// Where its highest tip is, and where it meets others or the source.
+  /// Its highest tip, and where it meets others or the source.
   double tip = 0.0;
   double end = 0.0;
   double begin = 0.0;
-  /// Area of the arc, and of it with all above.
+  /// Area of the arc, and including everything above.
   double area = 0.0;
   double all_area = 0.0;
   bool limb = false;
@@ -114,7 +114,7 @@ class Sweep {
     return static_cast<int32_t>(arcs_.size()) - 1;
   }
 
-  /// The arcs that meet at v: bumps are left out; of one limb it is the same arc that goes on.
+  /// Merges the arcs that meet at v: bumps are dropped; a single limb keeps its arc.
   int32_t merge(const std::vector<int32_t>& met, int32_t v) {
     const double base = distance_[v];
     std::vector<int32_t> limbs;
@@ -155,7 +155,7 @@ class Sweep {
     return static_cast<int32_t>(arcs_.size()) - 1;
   }
 
-  /// What remains, numbered anew.
+  /// Renumbers the remaining arcs.
   ReebTree finish() {
     ReebTree tree;
     std::vector<int32_t> number(arcs_.size(), -1);
@@ -170,7 +170,7 @@ class Sweep {
       for (const int32_t up : arc.above) tree.arcs[up].below = number[a];
       tree.arcs.push_back(std::move(arc));
     }
-    // An arc that a bump sits on may have become one itself, further down.
+    // An arc with a bump may have become a bump itself, further down.
     std::vector<int32_t> base(arcs_.size());
     std::vector<double> from(arcs_.size(), std::numeric_limits<double>::infinity());
     for (size_t a = 0; a < arcs_.size(); ++a) {
@@ -199,7 +199,7 @@ class Sweep {
   std::vector<Growing> arcs_;
 };
 
-/// What a contour sums up.
+/// Sums over a contour.
 struct Sums {
   glm::dvec3 centre{0.0};
   double length = 0.0;
@@ -226,7 +226,7 @@ void for_each_piece(const LocalMesh& mesh, const std::vector<LocalTriangle>& tri
       const std::vector<double>& own = levels[arc];
       const auto first = std::upper_bound(own.begin(), own.end(), low);
       for (auto level = first; level != own.end() && *level <= most; ++level) {
-        // The two crossings, in the order in which the triangle winds.
+        // The two crossings, in the triangle's winding order.
         std::array<glm::dvec3, 2> ends;
         std::array<bool, 2> found{};
         for (int k = 0; k < 3; ++k) {

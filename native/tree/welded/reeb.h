@@ -10,35 +10,35 @@
 
 namespace snowbough::tree {
 
-/// A piece of the Reeb graph: a stretch of surface between two forks, or from a fork to a tip, that
-/// the level sets of the distance cut into one closed curve each.
+/// An arc of the Reeb graph: a stretch of surface between two forks, or from a fork to a tip, on
+/// which every level set of the distance is one closed curve.
 struct ReebArc {
-  /// The arc it goes on from, always of a larger index; -1 for the one at the source.
+  /// The arc that it continues, always of a larger index; -1 for the arc at the source.
   int32_t below = -1;
-  /// Arcs that go on from it, ascending; none at a tip.
+  /// Arcs that continue it, ascending; none at a tip.
   std::vector<int32_t> above;
-  /// Distance from the source where it begins and ends, in metres.
+  /// Distance from the source at its begin and end, in metres.
   double begin = 0.0, end = 0.0;
-  /// Area of its surface, with bumps that were too small to be limbs.
+  /// Area of its surface, including bumps that are too small to be limbs.
   double area = 0.0;
 
-  /// Of a tube of its area and length; 0 where it has no length.
+  /// Radius of a tube of the same area and length; 0 without length.
   double mean_radius() const;
 };
 
 struct ReebTree {
-  /// The arc at the source last.
+  /// The arc at the source is last.
   std::vector<ReebArc> arcs;
-  /// Per vertex: its arc, for a bump the one it sits on; -1 where no way leads.
+  /// Per vertex: its arc, or the arc on which its bump sits; -1 if unreachable.
   std::vector<int32_t> arc_of;
-  /// Per vertex: the distance where its bump parts from the arc; infinite where there is none.
+  /// Per vertex: the distance at which its bump leaves the arc; infinite outside bumps.
   std::vector<double> bump_from;
 };
 
-/// The Reeb graph of a distance over a surface, without its loops: what is left of the surface
-/// beyond a distance falls into pieces where limbs part. Pieces that rise no higher than three
-/// times the radius of a tube of their area and height are bumps and no arcs, but for the highest
-/// one where all are.
+/// The Reeb graph of a distance over a surface, without its loops: beyond a distance, the rest of
+/// the surface separates into components where limbs fork. A component no higher than three times
+/// the radius of a tube of its area and height is a bump, not an arc; if all are, the highest one
+/// is an arc.
 ///
 /// @param distance per vertex, finite: geodesic_distances.
 /// @throws Cancelled when progress says stop.
@@ -46,22 +46,21 @@ struct ReebTree {
 /// Sources: Y. Shinagawa, T. L. Kunii, "Constructing a Reeb graph automatically from cross
 /// sections", IEEE Computer Graphics and Applications 11, 1991; the sweep: H. Carr, J. Snoeyink,
 /// U. Axen, "Computing contour trees in all dimensions", Computational Geometry 24, 2003 (the merge
-/// tree, which is all of the graph where the distance has one source).
+/// tree, which equals the graph for a distance with one source).
 ReebTree build_reeb_tree(const LocalMesh& mesh, const std::vector<LocalTriangle>& triangles,
                          const std::vector<double>& distance, const base::Progress& progress = {});
 
-/// Centre, radius (mean distance from the centre) and enclosed area of the curve on which the
-/// distance has one value, in one arc; all weighted by length, so that they do not depend on how
-/// the surface is cut into triangles.
+/// Centre, radius (mean distance from the centre) and enclosed area of the curve of equal distance
+/// in one arc; weighted by length, so that they do not depend on the triangulation.
 struct Contour {
   glm::dvec3 centre{0.0};
   double radius = 0.0;
   double area = 0.0;
-  /// 0 where no triangle of the arc is crossed.
+  /// 0 if it crosses no triangle of the arc.
   double length = 0.0;
 };
 
-/// The contours of all arcs.
+/// Traces the contours of all arcs.
 /// @param levels  per arc: distances inside it, ascending.
 /// @return per arc and level.
 std::vector<std::vector<Contour>> trace_contours(const LocalMesh& mesh,

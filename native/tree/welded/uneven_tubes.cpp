@@ -13,10 +13,10 @@ namespace {
 
 constexpr size_t kSmallestLoop = 3;
 constexpr size_t kLargestLoop = 16;
-/// A tube is at least this many times as long as its largest radius.
+/// Minimum length of a tube, in largest radii.
 constexpr float kShortest = 3.0f;
 
-/// Edges between vertices of the polygons, each once for every polygon that has it.
+/// The polygons' edges, once for every polygon.
 std::vector<std::pair<int32_t, int32_t>> polygon_edges(const LocalMesh& mesh) {
   std::vector<std::pair<int32_t, int32_t>> edges;
   for (int32_t f = 0; f < mesh.face_count(); ++f) {
@@ -29,7 +29,7 @@ std::vector<std::pair<int32_t, int32_t>> polygon_edges(const LocalMesh& mesh) {
   return edges;
 }
 
-/// Whether the surface is a disc: one boundary, no handles, no edge of three faces.
+/// Whether the surface is a disc: one boundary, no handles, no edge with three faces.
 bool is_disc(const LocalMesh& mesh, std::vector<std::pair<int32_t, int32_t>> edges,
              size_t loop_size) {
   size_t single = 0;
@@ -46,7 +46,7 @@ bool is_disc(const LocalMesh& mesh, std::vector<std::pair<int32_t, int32_t>> edg
   return euler == 1 && single == loop_size;
 }
 
-/// The vertices of a layer in their order along it, if they form one closed ring.
+/// The vertices of a layer in cyclic order, if they form one closed ring.
 std::vector<int32_t> closed_ring(const std::vector<int32_t>& layer,
                                  const std::vector<std::vector<int32_t>>& beside) {
   std::vector<int32_t> ring{layer.front()};
@@ -63,7 +63,7 @@ std::vector<int32_t> closed_ring(const std::vector<int32_t>& layer,
   return ring;
 }
 
-/// A limb through the layers; nothing where one of them, but for the last, is no closed ring.
+/// A limb through the layers; no value if one of them, except the last, is not a closed ring.
 std::optional<Limb> limb_through(const LocalMesh& mesh,
                                  const std::vector<std::pair<int32_t, int32_t>>& edges,
                                  const Layers& layers) {

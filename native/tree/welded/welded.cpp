@@ -16,14 +16,14 @@
 namespace snowbough::tree {
 namespace {
 
-/// Distance of two rings, in radii of the limb and in mean lengths of the edges along it, whichever
-/// is more.
+/// Distance of two rings, in radii of the limb and in mean edge lengths along it; the larger one
+/// counts.
 constexpr double kRingSpacing = 1.5;
 constexpr double kEdgeSpacing = 0.75;
-/// No limb needs more rings than this between two forks.
+/// Maximum number of rings between two forks.
 constexpr double kMostRings = 1000.0;
-/// Shares of the time until a surface's equal places are welded, its edges are known, and its root
-/// is; and, from there on, until its triangles stand, the distances, the graph and the contours.
+/// Progress at which equal positions are welded, the edges are known, and the root is found; and,
+/// from there on, the triangles, the distances, the graph and the contours.
 constexpr float kWelded = 0.1f;
 constexpr float kTopology = 0.2f;
 constexpr float kRoot = 0.5f;
@@ -31,10 +31,10 @@ constexpr float kDistances = 0.05f;
 constexpr float kGraph = 0.5f;
 constexpr float kContours = 0.8f;
 constexpr float kLimbs = 0.95f;
-/// Where along the first and the last stretch the rings at an arc's ends are, as a share.
+/// Position of an arc's end rings along its first and last stretch, as a fraction.
 constexpr double kEndShare = 0.5;
 
-/// Mean rise of the edges of each arc: how far apart the surface's own rings are.
+/// Mean rise of the edges of each arc: the spacing of the surface's own rings.
 std::vector<double> edge_rises(const std::vector<LocalTriangle>& triangles,
                                const std::vector<double>& distance, const ReebTree& tree) {
   std::vector<double> sum(tree.arcs.size(), 0.0);
@@ -45,7 +45,7 @@ std::vector<double> edge_rises(const std::vector<LocalTriangle>& triangles,
     sum[tree.arc_of[a]] += rise;
     square[tree.arc_of[a]] += rise * rise;
   }
-  // Weighted by the rise itself: edges around the limb, which do not rise, do not count.
+  // Weighted by the rise itself: edges around the limb, without rise, do not count.
   for (size_t a = 0; a < sum.size(); ++a) sum[a] = sum[a] > 0.0 ? square[a] / sum[a] : 0.0;
   return sum;
 }
@@ -79,7 +79,7 @@ double largest_extent(const LocalMesh& mesh) {
   return std::max({high.x - low.x, high.y - low.y, high.z - low.z});
 }
 
-/// Mean radius over the surface: of each arc, weighted by its area.
+/// Mean radius over the surface, weighted by the arcs' areas.
 double mean_thickness(const ReebTree& tree, double& area) {
   double sum = 0.0;
   area = 0.0;

@@ -13,12 +13,12 @@
 
 namespace snowbough::tree {
 
-/// A tree that came as one surface.
+/// A tree imported as one surface.
 struct WeldedTree {
-  /// The limb at the root first, every other one after the one it stands on.
+  /// The limb at the root comes first, and every limb after its parent.
   std::vector<Limb> limbs;
-  /// Per limb: the one it stands on (-1 for the first), and the place on that one's centreline; the
-  /// limb's first point is there.
+  /// Per limb: its parent (-1 for the first), and the attach point on the parent's centreline,
+  /// which is the limb's first point.
   std::vector<int32_t> parent;
   std::vector<glm::vec3> attach_point;
   /// Area of the surface, and its mean distance from the centrelines relative to the largest
@@ -28,13 +28,13 @@ struct WeldedTree {
 };
 
 /// Finds the limbs of a connected surface that forks: the skeleton is its Reeb graph under the
-/// distance from the root along the surface. The root is the widest open end or, of a closed
-/// surface, the thickest. Rings are level sets about as far apart as they are thick. At a fork the
-/// limb goes on where it is thickest and straightest. Bumps lower than one and a half times their
+/// geodesic distance from the root. The root is the widest open end or, on a closed surface, the
+/// thickest end. Rings are level sets, spaced by about their thickness. At a fork the limb
+/// continues along the thickest and straightest arc. Bumps lower than one and a half times their
 /// width are not limbs.
 ///
 /// @param faces, vertices the component's faces and its vertices (ascending).
-/// @return nothing for a surface without extent.
+/// @return no value for a surface without extent.
 /// @throws Cancelled when progress says stop.
 ///
 /// Source: A. Verroust, F. Lazarus, "Extracting skeletal curves from 3D scattered data", The Visual
@@ -43,7 +43,7 @@ std::optional<WeldedTree> trace_welded(const ObjScene& scene, std::span<const in
                                        std::span<const int32_t> vertices,
                                        const base::Progress& progress = {});
 
-/// The same of one surface as LocalMesh, started from given vertices.
+/// The same for a surface as LocalMesh, starting from given vertices.
 std::optional<WeldedTree> trace_welded_from(const LocalMesh& mesh, const std::vector<int32_t>& root,
                                             const base::Progress& progress = {});
 

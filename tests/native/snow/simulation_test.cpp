@@ -54,12 +54,12 @@ class SavedSimulation : public ::testing::Test {
 TEST_F(SavedSimulation, continuesWithItsFlutterAlone) {
   SnowSimulation(fluttering(0.05)).save(path_);
   EXPECT_EQ(refusal(0.05), "accepted");
-  EXPECT_THAT(refusal(0.06), HasSubstr("what differs: flutter"));
+  EXPECT_THAT(refusal(0.06), HasSubstr("differences: flutter"));
 }
 
 TEST_F(SavedSimulation, ofHalfADegreeIsNotTakenForHalfARadian) {
   save_with_degrees("0x1p-1");
-  EXPECT_THAT(refusal(0.5), HasSubstr("what differs: flutter, flutter in radians"));
+  EXPECT_THAT(refusal(0.5), HasSubstr("differences: flutter, flutter in radians"));
 }
 
 TEST_F(SavedSimulation, withoutFlutterContinuesWhateverItsUnitWas) {

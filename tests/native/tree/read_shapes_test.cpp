@@ -99,7 +99,7 @@ TEST_F(ReadTree, ABodyWithLegsIsNoTree) {
   }
   const auto field = [&](const glm::vec3& p) { return outside_tree(limbs, p); };
   const TriangleSoup soup = marched_surface(field, {-2, -1, -0.2f}, {2, 1, 2.4f}, 0.07f);
-  EXPECT_THAT(error_of(soup.text(9)), HasSubstr("no tree: its limbs are"));
+  EXPECT_THAT(error_of(soup.text(9)), HasSubstr("not a tree: its limbs are"));
 }
 
 /// A bar of four sides between two points.
@@ -148,7 +148,7 @@ TEST_F(ReadTree, WhatIsNearlyAllNoWoodIsNoTree) {
   TriangleSoup soup = marched_surface(field, {-2, -1, -0.2f}, {2, 1, 2.4f}, 0.07f);
   for (const float y : {-0.3f, 0.3f}) bar({1, y, 2}, {1, 1.5f * y, 2.4f}, 0.05f, soup);
   EXPECT_THAT(error_of("g animal\n" + soup.in_order()),
-              HasSubstr("is left out, its largest part is no tree: its limbs are"));
+              HasSubstr("is not wood, its largest part is not a tree: its limbs are"));
 }
 
 TEST_F(ReadTree, ATableAndALadderAreNoTrees) {
@@ -197,8 +197,9 @@ TEST_F(ReadTree, WoodThatIsLeftOutIsReportedWithItsShareOfTheArea) {
   TreeText text;
   text.tree(false, numbered);
   text.line("g bark_sheet\nv 0 0 2\nv 1 0 2\nv 1 1 2\nv 0 1 2\nf -4 -3 -2 -1");
-  EXPECT_THAT(read(text.text()).report.skipped_parts,
-              ElementsAre(Pair("bark_sheet", "a single plane, no limb: 4.2 % of the wood's area")));
+  EXPECT_THAT(
+      read(text.text()).report.skipped_parts,
+      ElementsAre(Pair("bark_sheet", "a single plane, not a limb: 4.2 % of the wood's area")));
 }
 
 TEST_F(ReadTree, LevelsFollowWhoStandsOnWhomNotSize) {

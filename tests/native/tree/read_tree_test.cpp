@@ -216,13 +216,13 @@ TEST_F(ReadTree, AFileOfLeavesSaysSo) {
   TreeText text;
   text.line("g leaves");
   for (int i = 0; i < 7; ++i) text.leaf({0, 0, i}, {0.1f, 0.2f, 0});
-  EXPECT_THAT(error_of(text.text()), HasSubstr("holds no branches, only 7 leaves"));
+  EXPECT_THAT(error_of(text.text()), HasSubstr("has no branches, only 7 leaves"));
 }
 
 TEST_F(ReadTree, AFileOfUnnamedLeavesSaysSo) {
   TreeText text;
   for (int i = 0; i < 7; ++i) text.leaf({std::sin(2.0f * i), 0, i}, {0.1f, 0.2f, 0});
-  EXPECT_THAT(error_of(text.text()), HasSubstr("holds no branches"));
+  EXPECT_THAT(error_of(text.text()), HasSubstr("has no branches"));
 }
 
 TEST_F(ReadTree, GivesTheSameWithATinyBuffer) {

@@ -39,7 +39,7 @@ std::string with_negative_indices(const std::string& text) {
   });
 }
 
-void expect_same(const Skeleton& skeleton, const Skeleton& plain) {
+void expect_same_skeleton(const Skeleton& skeleton, const Skeleton& plain) {
   ASSERT_EQ(skeleton.branches.size(), plain.branches.size());
   for (size_t b = 0; b < plain.branches.size(); ++b) {
     EXPECT_EQ(skeleton.branches[b].points, plain.branches[b].points) << "branch " << b;
@@ -53,8 +53,8 @@ void expect_same(const Skeleton& skeleton, const Skeleton& plain) {
 
 TEST_F(ReadTree, LinesMayEndInCarriageReturns) {
   const std::string text = plain_tree();
-  expect_same(read(each_line(text, [](const std::string& line) { return line + "\r"; })),
-              read(text));
+  expect_same_skeleton(read(each_line(text, [](const std::string& line) { return line + "\r"; })),
+                       read(text));
 }
 
 TEST_F(ReadTree, BlanksBeforeBetweenAndAfterWordsMeanNothing) {
@@ -66,18 +66,18 @@ TEST_F(ReadTree, BlanksBeforeBetweenAndAfterWordsMeanNothing) {
     }
     return wide + "  ";
   };
-  expect_same(read(each_line(text, spaced)), read(text));
+  expect_same_skeleton(read(each_line(text, spaced)), read(text));
 }
 
 TEST_F(ReadTree, IndicesMayCountBack) {
-  expect_same(read(with_negative_indices(plain_tree())), read(plain_tree()));
+  expect_same_skeleton(read(with_negative_indices(plain_tree())), read(plain_tree()));
 }
 
 TEST_F(ReadTree, BranchesMayBeObjectsInsteadOfGroups) {
   const auto objects = [](const std::string& line) {
     return line.starts_with("g ") ? std::string("o").append(line, 1) : line;
   };
-  expect_same(read(each_line(plain_tree(), objects)), read(plain_tree()));
+  expect_same_skeleton(read(each_line(plain_tree(), objects)), read(plain_tree()));
 }
 
 TEST_F(ReadTree, NamesMayHoldBlanks) {

@@ -70,7 +70,6 @@ WITHOUT_BLENDER = (
     "tree.wind",
     "tree.wind_attributes",
     "gltf.document",
-    "gltf.png",
     "gltf.snow_maps",
     "gltf.surface",
     "gltf.texels",

@@ -177,7 +177,7 @@ def test_a_state_takes_numbers_only(part, value):
     with stepped() as simulation:
         state = native.simulation_state(simulation)
         state["objects"]["ground"][part].flat[7] = value
-        with pytest.raises(ValueError, match="'ground' hold what is no finite number"):
+        with pytest.raises(ValueError, match="'ground' are not finite numbers"):
             native.set_simulation_state(simulation, state)
 
 
@@ -239,8 +239,8 @@ def exr(width, height, attributes=b""):
     ("content", "reason"),
     [
         (exr(8192, 8192) + bytes(50_000), "cannot hold its 8192 x 8192 pixels"),
-        (exr(8193, 1) + bytes(50_000), "at most 8192"),
-        (exr(34_000, 34_000) + bytes(50_000), "at most 8192"),
+        (exr(8193, 1) + bytes(50_000), "maximum is 8192"),
+        (exr(34_000, 34_000) + bytes(50_000), "maximum is 8192"),
         (exr(4, 4, b"owner\0string\0" + struct.pack("<i", 2**31 - 1)), "truncated"),
     ],
     ids=["short", "wide", "huge", "attribute"],
@@ -274,7 +274,7 @@ def bare_checkpoint(tmp_path):
 
 
 def test_a_checkpoint_of_other_maps_takes_no_memory(bare_checkpoint):
-    with pytest.raises(ValueError, match="'ground' with 8192 texels a side, which was not asked for"):
+    with pytest.raises(ValueError, match="'ground' with 8192 texels per side, which is not among receivers"):
         native.read_checkpoint(bare_checkpoint, {"ground": 64})
     assert native.read_checkpoint(bare_checkpoint, {"ground": 8192})["step_number"] == 1
     taken = peak_memory(

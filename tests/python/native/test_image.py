@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""read_exr, write_exr and write_png of snowbough_native."""
+"""read_exr, write_exr, encode_png and write_png of snowbough_native."""
 
+import io
 import os
 import struct
 import zlib
@@ -85,3 +86,23 @@ def test_a_png_holds_its_rows_from_the_top(tmp_path):
     assert list(rows[:, 0]) == [2, 2]
     rows = np.cumsum(rows[:, 1:], axis=0, dtype=np.uint8)
     assert np.array_equal(rows.copy().view(">u2").reshape(2, 2, 3), samples[::-1])
+
+
+@pytest.mark.parametrize("shape", [(3, 5), (4, 2, 3), (2, 3, 4)])
+def test_an_encoded_png_reads_back_with_the_bottom_row_last(shape):
+    image = pytest.importorskip("PIL.Image", reason="Pillow reads the PNG back")
+    samples = np.random.default_rng(1).integers(0, 256, shape).astype(np.uint8)
+    read = np.asarray(image.open(io.BytesIO(snowbough_native.encode_png(samples))))
+    assert np.array_equal(read[::-1], samples)
+
+
+def test_an_encoded_png_of_16_bits_keeps_all_of_them():
+    image = pytest.importorskip("PIL.Image", reason="Pillow reads the PNG back")
+    samples = np.array([[0, 1, 255, 256], [257, 32768, 65534, 65535]], np.uint16)
+    read = np.asarray(image.open(io.BytesIO(snowbough_native.encode_png(samples)))).astype(np.uint16)
+    assert np.array_equal(read[::-1], samples)
+
+
+def test_a_png_of_floats_is_refused():
+    with pytest.raises(ValueError, match="uint8 or uint16"):
+        snowbough_native.encode_png(np.zeros((2, 2)))

@@ -54,7 +54,7 @@ def test_a_shuffled_tree_with_groups_is_the_same_tree(maple, tmp_path):
     truth = native.read_tree(maple)
     skeleton = native.read_tree(write_shuffled(maple, tmp_path / "shuffled.obj", groups=True))
     assert skeleton.report["form"] == "SQUARES_PER_GROUP"
-    assert any("in no order" in warning for warning in skeleton.report["warnings"])
+    assert any("in random order" in warning for warning in skeleton.report["warnings"])
     parents = {
         branch.name: (branch.level, truth.branches[branch.parent].name if branch.parent >= 0 else None)
         for branch in truth.branches

@@ -147,12 +147,12 @@ def test_bad_options(small, arguments, message):
 @pytest.mark.parametrize(
     "text, message",
     [
-        ("", "no Wavefront OBJ"),
-        ("Dear reader,\nhello\n", "no Wavefront OBJ"),
+        ("", "not a Wavefront OBJ"),
+        ("Dear reader,\nhello\n", "not a Wavefront OBJ"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 x\n", r"bad\.obj:3: malformed number 'x'"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n", r"bad\.obj:4: vertex index 7 is out of range"),
         ("v 0 0 0\nv nan 0 0\n", r"bad\.obj:2: .*not finite"),
-        ("g leaves\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "holds no branches, only 1 leaves"),
+        ("g leaves\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "has no branches, only 1 leaves"),
     ],
 )
 def test_bad_files(tmp_path, text, message):

@@ -127,7 +127,7 @@ def test_memory_counts_an_image_that_many_objects_show_once():
     [
         ({"uv": np.zeros((2, 2, 2), np.float32)}, r"uv must have shape \(T, 3, 2\), T = 2"),
         ({"image": np.zeros(3, np.int32)}, r"image must have shape \(T,\), T = 2"),
-        ({"image": np.array([0, 1], np.int32)}, "asks for image 1 of 1"),
+        ({"image": np.array([0, 1], np.int32)}, "refers to image 1 of 1"),
         ({"images": [np.zeros((0, 4), np.uint8)]}, "4 x 0 texels"),
         ({"images": [np.zeros(4, np.uint8)]}, r"must have shape \(H, W\)"),
         ({"extensions": ["WRAP"]}, "REPEAT, MIRROR, EXTEND or CLIP, not WRAP"),

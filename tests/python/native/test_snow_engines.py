@@ -71,7 +71,7 @@ def test_engines_agree_closely_where_snow_moves(repose):
 def test_the_engine_tells_its_name_driver_and_reason():
     with native.SnowSimulation(repose=STAYS, engine="CPU") as sim:
         assert sim.engine["name"] == "CPU" and sim.engine["driver"].startswith("processor")
-        assert sim.engine["reason"] == "asked for"
+        assert sim.engine["reason"] == "requested"
     with native.SnowSimulation(repose=STAYS, engine="GL") as sim:
         assert sim.engine["name"] == "GL" and "4." in sim.engine["driver"]
     with native.Engine("AUTO") as engine:
@@ -83,7 +83,7 @@ def test_the_engine_tells_its_name_driver_and_reason():
 def test_bad_wishes_say_what_to_do():
     with pytest.raises(ValueError, match="AUTO, GL or CPU, not VULKAN"):
         native.SnowSimulation(repose=STAYS, engine="VULKAN")
-    with pytest.raises(ValueError, match="GEOMETRY is drawn by OpenGL: use engine GL"):
+    with pytest.raises(ValueError, match="GEOMETRY needs OpenGL: use engine GL"):
         native.SnowSimulation(repose=STAYS, engine="CPU", mapping="GEOMETRY")
 
 
@@ -96,7 +96,7 @@ def test_a_checkpoint_of_one_engine_is_not_continued_by_the_other_unless_that_is
         sim.save(path)
     with native.SnowSimulation(repose=STAYS, engine="GL") as sim:
         sim.add_object("it", triangles, uv, resolution=64)
-        with pytest.raises(ValueError, match="what differs: driver"):
+        with pytest.raises(ValueError, match="differences: driver"):
             sim.restore(path)
         sim.restore(path, any_driver=True)
         sim.step({"it": positions}, 0.01)

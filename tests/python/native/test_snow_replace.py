@@ -118,7 +118,7 @@ def test_what_cannot_be_replaced_is_named_and_stays():
         sim.add_object("it", mesh[1], mesh[2], resolution=64)
         sim.step({"it": mesh[0]}, 0.01)
         before = sim.height("it")
-        with pytest.raises(ValueError, match="'it' must go on as a receiver"):
+        with pytest.raises(ValueError, match="'it' must stay a receiver"):
             sim.replace_object("it", mesh[1], mesh[2], resolution=64, receive=False)
         with pytest.raises(ValueError, match="'it' must keep its map of 64"):
             sim.replace_object("it", mesh[1], mesh[2], resolution=128)

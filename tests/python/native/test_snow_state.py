@@ -59,7 +59,7 @@ def test_a_file_of_another_kind_and_one_that_is_absent_are_refused(saved):
 def test_a_checkpoint_of_other_objects_says_what_differs(saved):
     start, folder, _ = saved
     for other in ({"resolution": 128}, {"name": "that"}):
-        with start(**other) as sim, pytest.raises(ValueError, match="differs.*it"):
+        with start(**other) as sim, pytest.raises(ValueError, match="differences.*it"):
             sim.restore(str(folder / "state"))
 
 

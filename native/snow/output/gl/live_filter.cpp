@@ -7,13 +7,13 @@
 namespace snowbough::snow {
 namespace {
 
-/// Variance of one round in texels^2: twice the weighted squares of smooth_lines.comp's taps.
+/// Variance of one round in texels^2: twice the weighted squares of the taps in smooth_lines.comp.
 constexpr double kRoundVariance =
     2.0 * (0.1945945946 * 1.0 + 0.1216216216 * 4.0 + 0.0540540541 * 9.0 + 0.0162162162 * 16.0);
 constexpr int32_t kMostRounds = 64;
 constexpr int32_t kTextureGroup = 16;
 
-/// The texels' mean edge on the surface, metres.
+/// Mean edge of a texel on the surface, metres.
 double texel_edge(const SeamTable& seams) {
   double sum = 0.0;
   for (const float area : seams.texel_area) sum += area;

@@ -12,25 +12,25 @@
 
 namespace snowbough::snow {
 
-/// Makes a receiver's output on the GPU, for the real-time renderer: nothing is read back. It is
-/// rounded by the thesis's separable Gaussian across seams, repeated until its sigma is the blur
-/// radius, and continued beyond the charts. Bakes are rounded by Smoother, which keeps the volume
-/// and follows the depth; here a height changes by a few per cent where snow thins out. GPU thread.
+/// Makes a receiver's output on the GPU for the real-time renderer, without read-back. The map is
+/// smoothed by the thesis's separable Gaussian across seams, repeated until its standard deviation
+/// is the blur radius, and extended beyond the charts. Bakes use Smoother, which keeps the volume
+/// and follows the depth; here heights differ by a few per cent where snow thins out. GPU thread.
 ///
 /// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, section 4.2.1.
 class LiveFilter {
  public:
-  /// `blur_radius`: sigma in metres; 0: the map is only continued.
+  /// `blur_radius`: standard deviation in metres; 0: no smoothing.
   LiveFilter(std::shared_ptr<gpu::GpuThread> thread, const TexelTable& table,
              const SeamTable& seams, double blur_radius);
 
-  /// Where the heights as stored go before run(): resolution^2 floats, metres, row 0 = v 0.
+  /// Input of run(): the stored heights, resolution^2 floats, metres, row 0 = v 0.
   gpu::Buffer& map() { return buffers_.map; }
-  /// The output of what lies in map(): R32F, resolution x resolution, linear filtering. It is the
-  /// same texture each time, with new content.
+  /// The output of map(): R32F, resolution x resolution, linear filtering. Always the same texture,
+  /// with new content.
   const gpu::ThreadTexture& run();
 
-  /// Times that both axes are rounded.
+  /// Number of smoothing rounds over both axes.
   int32_t rounds() const { return rounds_; }
 
  private:

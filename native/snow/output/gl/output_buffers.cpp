@@ -3,7 +3,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// `place_of` turns the rows' sources into places of the array that the sums are taken from.
+/// `place_of` maps the rows' sources to indices of the source array.
 RowBuffers upload_rows(const WeightedRows& rows, const std::vector<int32_t>& target,
                        const std::vector<int32_t>& place_of) {
   RowBuffers buffers;

@@ -10,10 +10,10 @@
 
 namespace snowbough::snow {
 
-/// Invocations of a work group of the passes that make output.
+/// Work-group size of the output passes.
 inline constexpr int32_t kOutputGroup = 64;
 
-/// WeightedRows on the GPU, with the place that each row's sum goes to.
+/// WeightedRows on the GPU, with the target place of each row's sum.
 struct RowBuffers {
   int32_t count = 0;
   gpu::Buffer begin;
@@ -24,7 +24,7 @@ struct RowBuffers {
 
 /// A receiver's tables and working arrays on the GPU.
 struct OutputBuffers {
-  /// What one axis needs: see TexelLines. Two arrays take turns as source and target.
+  /// Data of one axis: see TexelLines. The two arrays alternate as source and target.
   struct Lines {
     int32_t length = 0;
     gpu::Buffer place;
@@ -45,7 +45,7 @@ struct OutputBuffers {
 /// Uploads a receiver's tables. GPU thread.
 OutputBuffers make_output_buffers(const TexelTable& table, const SeamTable& seams);
 
-/// Binds both axes' places and the arrays that hold the heights now: PlaceU, PlaceV, LineU, LineV.
+/// Binds both axes' places and current line arrays: PlaceU, PlaceV, LineU, LineV.
 void bind_lines(gpu::Program& program, const OutputBuffers& buffers);
 
 }  // namespace snowbough::snow

@@ -20,7 +20,7 @@ void WeightedRowsPass::run(const RowBuffers& rows, const gpu::Buffer& source,
 
 void WeightedRowsPass::fill_ghosts(OutputBuffers::Lines& lines) {
   const gpu::Buffer& line = lines.line[lines.current];
-  // Ghosts read texels and write ghosts: no row touches what another one reads.
+  // Ghosts read texels and write ghosts, so no row writes a value that another reads.
   run(lines.ghosts, line, line, true);
 }
 

@@ -6,7 +6,7 @@
 namespace snowbough::snow::cpu {
 namespace {
 
-/// Adds to a count that other threads add to.
+/// Adds to a count shared between threads.
 void add(std::vector<uint32_t>& counts, uint32_t slot, uint32_t count) {
   if (count > 0) std::atomic_ref(counts[slot]).fetch_add(count, std::memory_order_relaxed);
 }

@@ -4,7 +4,7 @@
 #include "base/parallel_for.h"
 #include "snow/step/cpu/kernel.h"
 #include "snow/step/cpu/passes.h"
-#include "snow/step/cpu/run_sight.h"
+#include "snow/step/cpu/run_visibility.h"
 
 namespace snowbough::snow {
 namespace kernel {
@@ -19,26 +19,26 @@ using cpu::FragmentRuns;
 using cpu::kMostInRun;
 using Run = FragmentRuns::Run;
 
-/// Numbers of a run's fragments.
+/// Values of a run's fragments.
 using RunFloats = std::array<float, kMostInRun>;
 
-/// Sides of a texel, as bits, that face the fall.
+/// Sides of a texel that face the fall, as bits.
 constexpr uint8_t kFront = 1;
 constexpr uint8_t kBack = 2;
 constexpr uint8_t kBoth = kFront | kBack;
 
-/// What the texels of a group gain.
+/// Gain of a group's texels.
 struct GroupGain {
   std::array<uint, kTexelGroup> gain;
-  /// Where any of them faces the fall with its back.
+  /// Per texel, only set if any faces the fall with its back.
   std::array<uint8_t, kTexelGroup> sides;
-  /// Of all texels.
+  /// Union over all texels.
   uint8_t some = 0;
 
   bool is_mixed(size_t texel) const { return some == kBoth && sides[texel] == kBoth; }
 };
 
-/// Gathers what falls on a group of texels in a tile.
+/// Gathers the deposit of a group of texels in a tile.
 class GroupGather {
  public:
   GroupGather(const Gain& gain, const FragmentRuns& all, const Tile& tile, int32_t map_offset)
@@ -87,37 +87,39 @@ class GroupGather {
                                  static_cast<int>(triangle_) + map_offset_);
       find_reach();
     }
-    const cpu::Sight sight = look(run);
-    if (sight == cpu::Sight::kHidden || sight == cpu::Sight::kElsewhere) return;
+    const cpu::RunVisibility visibility = visibility_of_run(run);
+    if (visibility == cpu::RunVisibility::kHidden || visibility == cpu::RunVisibility::kElsewhere)
+      return;
     find_most(run, count, surface);
-    if (sight == cpu::Sight::kOpen) {
+    if (visibility == cpu::RunVisibility::kOpen) {
       has_one_cell_ ? add_open(run, count) : add_open_cells(run, count);
-    } else if (sight == cpu::Sight::kMixed && has_one_cell_) {
+    } else if (visibility == cpu::RunVisibility::kMixed && has_one_cell_) {
       add_seen_points(run, count);
     } else {
       add_seen(run, count);
     }
   }
 
-  /// How far samples may lie from their fragment's centroid, in weights.
+  /// Maximum distance of samples from their fragment's centroid, in weights.
   void find_reach() {
     const vec2 extent_u = gain_.extent_of(own_, own_.along_u);
     const vec2 extent_v = gain_.extent_of(own_, own_.along_v);
     const float longest =
         max(max(abs(extent_u.x), abs(extent_u.y)), max(abs(extent_v.x), abs(extent_v.y)));
-    // A little less, so that no smaller fragment rounds up to two.
+    // Slightly less, so that no smaller fragment rounds up to two.
     has_one_cell_ = longest <= 0.999f * Gain::kCellPixels;
     reach_ = has_one_cell_ ? vec2(0.0f) : 0.5f * (abs(own_.along_u) + abs(own_.along_v));
   }
 
-  cpu::Sight look(const Run& run) const {
-    if (noise_density(gain_.projection) < 1.0f) return cpu::Sight::kUnknown;
-    cpu::RunPlane plane{own_.corner,   own_.edge_b,   own_.edge_c,
-                        own_.gradient, own_.hair,     own_.hair + Gain::kBend * own_.pixel_depth,
-                        run.least_b,   run.most_b,    run.least_c,
-                        run.most_c,    run.least_sum, run.most_sum};
+  cpu::RunVisibility visibility_of_run(const Run& run) const {
+    if (noise_density(gain_.projection) < 1.0f) return cpu::RunVisibility::kUnknown;
+    cpu::RunPlane plane{
+        own_.corner,   own_.edge_b,     own_.edge_c,
+        own_.gradient, own_.depth_bias, own_.depth_bias + Gain::kBend * own_.pixel_depth,
+        run.least_b,   run.most_b,      run.least_c,
+        run.most_c,    run.least_sum,   run.most_sum};
     if (!has_one_cell_) {
-      // Points beside the triangle are moved onto its rim: see point_on.
+      // Points outside the triangle are clamped to its rim: see point_on.
       const float sum = reach_.x + reach_.y;
       const float least = 1.0f / max(run.most_sum + sum, 1.0f);
       plane.least_b = max(run.least_b - reach_.x, 0.0f) * least;
@@ -127,12 +129,12 @@ class GroupGather {
       plane.most_c = run.most_c + reach_.y;
       plane.most_sum = min(run.most_sum + sum, 1.0f);
     }
-    return cpu::sight_of(plane, tile_, seen());
+    return cpu::visibility_of(plane, tile_, seen());
   }
 
   const SeenPixel* seen() const { return reinterpret_cast<const SeenPixel*>(gain_.occlusion); }
 
-  /// What each of the fragments would gain under open sky.
+  /// Computes the fragments' gains under open sky.
   void find_most(const Run& run, uint32_t count, vec4 surface) {
     const float* __restrict part = all_.part.data() + run.begin;
     float* __restrict most = most_.data();
@@ -164,7 +166,7 @@ class GroupGather {
     sums_.gain[texel] += gained << gain_.gain_shift(sums_.is_mixed(texel), own_.side != 0);
   }
 
-  /// Adds what each of the run's fragments gains.
+  /// Adds the gains of the run's fragments.
   void add_gained(const Run& run, uint32_t count) {
     const uint16_t* const texel = all_.texel.data() + run.begin;
     if (sums_.some == kBoth) {
@@ -204,28 +206,28 @@ class GroupGather {
     }
   }
 
-  /// The same where each fragment is looked at once: many side by side.
+  /// The same for fragments with one sample each, vectorised.
   void add_seen_points(const Run& run, uint32_t count) {
     const uint32_t end = cpu::whole_lanes(count);
     find_windows(run, end);
-    // Behind the run's end lie other triangles' fragments, maybe in other tiles.
+    // Lanes behind the run's end belong to other triangles, maybe in other tiles.
     std::fill(pixel_.begin() + count, pixel_.begin() + end, pixel_[0]);
     find_clearance(end);
-    const float hair = own_.hair;
+    const float depth_bias = own_.depth_bias;
     for (uint32_t k = 0; k < end; ++k) {
       const auto all = static_cast<uint>(static_cast<int>(most_[k] + 0.5f));
-      gained_[k] = clearance_[k] >= -hair ? all : 0u;
+      gained_[k] = clearance_[k] >= -depth_bias ? all : 0u;
     }
     uint32_t others = 0;
     for (uint32_t k = 0; k < count; ++k) {
       others_[others] = k;
-      others += int{!(clearance_[k] >= -hair)} & int{most_[k] > 0.0f};
+      others += int{!(clearance_[k] >= -depth_bias)} & int{most_[k] > 0.0f};
     }
     if (others > 0) find_partly_seen(run, others);
     add_gained(run, count);
   }
 
-  /// Where the fragments' centroids lie among the pixels; all of them in the tile.
+  /// Finds the pixels around the fragments' centroids; all of them are in the tile.
   void find_windows(const Run& run, uint32_t end) {
     const Gain::GainTriangle own = own_;
     const float* __restrict weight_b = all_.weight_b.data() + run.begin;
@@ -252,7 +254,7 @@ class GroupGather {
     }
   }
 
-  /// Finds what the run's fragments `others_` gain, which do not see all of the sky.
+  /// Computes the gains of the fragments in `others_`, which do not see all of the sky.
   void find_partly_seen(const Run& run, uint32_t count) {
     const uint32_t end = cpu::whole_lanes(count);
     std::fill(others_.begin() + count, others_.begin() + end, others_[0]);
@@ -271,7 +273,7 @@ class GroupGather {
     }
   }
 
-  /// Where the others lie, and what their windows reach over.
+  /// Finds the pixels and windows of those fragments.
   void find_points(uint32_t end) {
     const Gain::GainTriangle own = own_;
     const float* __restrict weight_b = other_b_.data();
@@ -297,7 +299,7 @@ class GroupGather {
     }
   }
 
-  /// Adds to what they see what one pixel of their windows shows.
+  /// Adds one pixel of their windows to their visibility.
   void look_at_pixel(uint32_t triangle, int x, int y, uint32_t end) {
     const Gain::GainTriangle own = own_;
     float* __restrict seen = seen_.data();
@@ -319,7 +321,7 @@ class GroupGather {
   const Tile& tile_;
   int32_t map_offset_;
   GroupGain sums_;
-  /// The triangle at hand, and whether all of its fragments are looked at once each.
+  /// The current triangle, and whether all of its fragments have one sample.
   uint triangle_ = kNowhere;
   Gain::GainTriangle own_{};
   bool has_one_cell_ = true;
@@ -330,12 +332,11 @@ class GroupGather {
   RunFloats clearance_;
   std::array<uint, kMostInRun> gained_;
   RunFloats seen_;
-  /// Fragments of the run that may see a part of the sky only.
+  /// Fragments of the run that may see only a part of the sky.
   std::array<uint32_t, kMostInRun + 1> others_;
   RunFloats other_b_;
   RunFloats other_c_;
   RunFloats other_share_;
-  /// See find_points.
   struct Points {
     RunFloats x, y, depth, plane_depth, reach_x, reach_y;
     std::array<int, kMostInRun> pixel_x, pixel_y;

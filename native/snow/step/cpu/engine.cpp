@@ -9,7 +9,7 @@
 #include "snow/scene/memory_estimate.h"
 #include "snow/step/cpu/occlusion/occlusion.h"
 #include "snow/step/cpu/passes.h"
-#include "snow/step/cpu/run_sight.h"
+#include "snow/step/cpu/run_visibility.h"
 #include "snow/step/cpu/scene.h"
 
 namespace snowbough::snow::cpu {
@@ -32,7 +32,7 @@ class CpuEngine final : public Engine {
   void run(const std::function<void()>& work) override { work(); }
 
   void build_scene(const std::vector<const SceneObject*>& objects) override {
-    waiting_.reset();
+    pending_tile_.reset();
     scene_ = Scene{};
     scene_ = cpu::build_scene(objects);
     repose_.lay_out(objects);
@@ -68,11 +68,14 @@ class CpuEngine final : public Engine {
         pixels, std::span(scene_.seen).first(count));
   }
   void count_back_faces(const Tile& tile) override { cpu::count_back_faces(scene_, tile); }
-  void gather_deposit(const Tile& tile, bool is_first) override { waiting_ = {tile, is_first}; }
+  void gather_deposit(const Tile& tile, bool is_first) override {
+    pending_tile_ = {tile, is_first};
+  }
   void apply_stability(const StabilitySettings& settings, float full_gain, float dt) override {
-    const GroupWork last =
-        waiting_ ? deposit_work(scene_, waiting_->tile, waiting_->is_first) : GroupWork();
-    waiting_.reset();
+    const GroupWork last = pending_tile_
+                               ? deposit_work(scene_, pending_tile_->tile, pending_tile_->is_first)
+                               : GroupWork();
+    pending_tile_.reset();
     cpu::apply_stability(scene_, settings, full_gain, dt, last);
   }
   void apply_repose(const ReposeSettings& settings, float dt) override {
@@ -115,17 +118,17 @@ class CpuEngine final : public Engine {
   }
 
   void gather_waiting() {
-    if (waiting_) cpu::gather_deposit(scene_, waiting_->tile, waiting_->is_first);
-    waiting_.reset();
+    if (pending_tile_) cpu::gather_deposit(scene_, pending_tile_->tile, pending_tile_->is_first);
+    pending_tile_.reset();
   }
 
-  /// The tile whose deposit is still to be gathered: that of a step's last one, which is mostly the
-  /// only one, is together with its stability, group by group.
-  struct Waiting {
+  /// The tile whose deposit is not gathered yet: the step's last tile, usually the only one, is
+  /// gathered together with stability, group by group.
+  struct PendingTile {
     Tile tile;
     bool is_first;
   };
-  std::optional<Waiting> waiting_;
+  std::optional<PendingTile> pending_tile_;
   Scene scene_;
   OcclusionPass occlusion_;
   ReposePass repose_;

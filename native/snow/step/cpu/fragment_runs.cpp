@@ -11,7 +11,7 @@
 namespace snowbough::snow::cpu {
 namespace {
 
-/// Counts what has certain keys: a number for each that is met.
+/// Counts items by key.
 class KeyCounts {
  public:
   explicit KeyCounts(size_t keys) : place_(keys, -1) {}
@@ -23,13 +23,13 @@ class KeyCounts {
     }
     ++place_[static_cast<size_t>(key)];
   }
-  /// Turns counts into places one behind the other, keys ascending.
+  /// Converts counts to offsets, keys ascending.
   void place() {
     std::sort(met_.begin(), met_.end());
     int32_t next = 0;
     for (const int32_t key : met_) next += std::exchange(place_[static_cast<size_t>(key)], next);
   }
-  /// The next place of a key.
+  /// The next offset of a key.
   int32_t take(int32_t key) { return place_[static_cast<size_t>(key)]++; }
   void clear() {
     for (const int32_t key : met_) place_[static_cast<size_t>(key)] = -1;
@@ -41,7 +41,7 @@ class KeyCounts {
   std::vector<int32_t> met_;
 };
 
-/// A fragment of the group that is being sorted.
+/// A fragment of the group being sorted.
 struct Entry {
   int32_t fragment;
   int32_t triangle;
@@ -49,7 +49,7 @@ struct Entry {
   uint16_t texel;
 };
 
-/// Sorts groups' fragments and finds their runs. One a thread.
+/// Sorts groups' fragments and finds their runs. One per thread.
 class GroupSorter {
  public:
   GroupSorter(const TexelTable& table, std::span<const int32_t> order, size_t triangles)
@@ -59,7 +59,7 @@ class GroupSorter {
         squares_(static_cast<size_t>(squares_a_row_) * static_cast<size_t>(squares_a_row_)),
         triangles_(triangles) {}
 
-  /// The fragments of a group by triangle, each triangle's by square.
+  /// The fragments of a group by triangle, then by square.
   std::span<const Entry> sort(size_t group) {
     const size_t begin = group * shared::kTexelGroup;
     const auto texels =
@@ -140,7 +140,7 @@ void widen(FragmentRuns::Run& run, glm::vec2 weights) {
   run.most_sum = std::max(run.most_sum, sum);
 }
 
-/// Writes a group's fragments from place `at` on and appends its runs.
+/// Writes a group's fragments from offset `at` on and appends its runs.
 void write_group(const SceneObject& object, std::span<const Entry> entries, uint32_t first_triangle,
                  size_t at, FragmentRuns& all, std::vector<FragmentRuns::Run>& runs) {
   const Entry* last = nullptr;
@@ -187,7 +187,7 @@ FragmentRuns make_fragment_runs(const SceneObject& object, const std::vector<int
   }
   if (!object.fragment_opacity.empty()) all.opacity.resize(count);
   std::vector<std::vector<FragmentRuns::Run>> runs(groups);
-  // A sorter takes as long to make as some groups to sort.
+  // Creating a sorter takes as long as sorting some groups.
   const size_t parts = std::min<size_t>(groups / 32 + 1, 4 * base::default_threads());
   base::for_each_item(parts, 1, [&](size_t part) {
     GroupSorter sorter(table, order, static_cast<size_t>(object.triangle_count()));

@@ -15,11 +15,11 @@
 #include "shaders/lib/kernel.h"
 #include "shaders/lib/snow_shared.h"
 
-// What a C++ class needs in order to include a part of a shader as its members, so that a pass's
-// arithmetic is written once for both engines. One class a source file, since the parts are
-// included once. Uses glm's names, so it is for .cpp files only.
+// Support for including a part of a shader as the members of a C++ class, so that a pass's
+// arithmetic is written once for both engines. One such class per source file, since the parts are
+// included once. Uses glm's names: for .cpp files only.
 
-/// An inner loop, with all that it calls.
+/// Marks an inner loop; everything that it calls is inlined.
 #if defined(__GNUC__)
 #define SNOWBOUGH_KERNEL SNOWBOUGH_WIDE __attribute__((flatten))
 #else
@@ -43,7 +43,7 @@ namespace snowbough::snow::kernel {
 using namespace glm;     // NOLINT(google-build-using-namespace): the shaders' names
 using namespace shared;  // NOLINT(google-build-using-namespace)
 
-/// A value and what it was found by.
+/// A cached value and its key.
 template <typename Value>
 class Memo {
  public:
@@ -61,7 +61,7 @@ class Memo {
   Value value_{};
 };
 
-// Number by number: glm's vectors are unions, which the compiler copies through memory.
+// Component by component: glm's vectors are unions, which the compiler copies through memory.
 inline Word texelFetch(const Word* view, int index) {
   return {view[index].x};
 }
@@ -81,7 +81,7 @@ inline vec4 texelFetch(const vec4* view, int index) {
   return {view[index].x, view[index].y, view[index].z, view[index].w};
 }
 
-/// Arrays as the views of a kernel.
+/// Arrays as views of a kernel.
 inline const Word* words(const std::vector<uint32_t>& values) {
   static_assert(sizeof(Word) == sizeof(uint32_t));
   return reinterpret_cast<const Word*>(values.data());

@@ -21,7 +21,7 @@ Receiver make_receiver(const SceneObject& object, uint32_t first_triangle) {
   receiver.steps = TexelSteps(receiver.places.size());
   receiver.height.assign(
       static_cast<size_t>(receiver.resolution) * static_cast<size_t>(receiver.resolution), 0.0f);
-  // Until the first step has looked, any of them may hold snow.
+  // Until the first step has checked, any of them may hold snow.
   const size_t groups = receiver.fragments.group_begin.size() - 1;
   receiver.holds_snow.assign(groups, 1);
   receiver.evaluated_in.assign(groups, 0);

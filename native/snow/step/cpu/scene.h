@@ -12,8 +12,8 @@
 
 namespace snowbough::snow::cpu {
 
-/// Per texel what a shared::TexelStep holds, each in an array of its own: what the passes write in
-/// every step lies apart from what stays while a surface stands still.
+/// The fields of shared::TexelStep, each in an array of its own: the arrays that passes write in
+/// every step are separate from those that stay while a surface does not move.
 struct TexelSteps {
   std::vector<uint32_t> gain;
   std::vector<float> area;
@@ -23,8 +23,8 @@ struct TexelSteps {
   explicit TexelSteps(size_t count = 0) : gain(count), area(count), up(count), back_up(count) {}
 };
 
-/// A receiver's map and what the passes keep of its texels, which lie in groups of
-/// shared::kTexelGroup, near ones together (snow/texels/texel_order.h).
+/// A receiver's map and the passes' data of its texels, which are grouped by shared::kTexelGroup,
+/// near ones together (snow/texels/texel_order.h).
 struct Receiver {
   size_t object = 0;
   uint32_t slot = 0;
@@ -34,16 +34,16 @@ struct Receiver {
   /// Per texel: row * resolution + column.
   std::vector<uint32_t> places;
   FragmentRuns fragments;
-  /// Of the step that is being computed; area and upward parts are those of the pose in which the
-  /// texel's group was evaluated last.
+  /// Of the current step; area and upward parts are from the pose in which the texel's group was
+  /// last evaluated.
   TexelSteps steps;
-  /// Counts the receiver's poses, and per group: the pose in which it was evaluated.
+  /// Number of the receiver's pose, and per group the pose in which it was evaluated.
   uint32_t pose = 1;
   std::vector<uint32_t> evaluated_in;
   /// Snow thickness in metres, row by row.
   std::vector<float> height;
 
-  /// Whether snow lies on a group, and the groups that are at work in this step, ascending.
+  /// Per group: whether snow lies on it; and the groups active in this step, ascending.
   std::vector<uint8_t> holds_snow;
   std::vector<uint32_t> active;
 
@@ -56,28 +56,29 @@ struct Receiver {
   }
 };
 
-/// All that the passes read and write.
+/// All data that the passes read and write.
 struct Scene {
   SceneLayout layout;
   std::vector<glm::vec3> positions;
   /// Of the triangle set-up: three corners and one surface a triangle.
   std::vector<glm::vec4> corners;
   std::vector<glm::vec4> surface;
-  /// Per smooth point of the layout: its normal, and what lies there (shaders/lib/smooth_points.h).
+  /// Per smooth point of the layout: its normal, and the surface there
+  /// (shaders/lib/smooth_points.h).
   std::vector<glm::vec4> point_normals;
   std::vector<glm::vec4> smooth_points;
-  /// Whether the normals are those of `positions`.
+  /// Whether the normals belong to `positions`.
   bool normals_are_current = false;
   shared::ProjectionFrame frame{};
   /// By slot.
   std::vector<Receiver> receivers;
-  /// What the sky sees on the tile at hand and its margin.
+  /// The surfaces that the sky sees in the current tile and its margin.
   std::vector<shared::SeenPixel> seen;
   /// By slot: pixels of back faces.
   std::vector<uint32_t> back_pixels;
 };
 
-/// Lays a scene out, maps bare, positions unknown. `objects` are sorted by name.
+/// Builds a scene with bare maps and without positions. `objects` are sorted by name.
 Scene build_scene(const std::vector<const SceneObject*>& objects);
 
 }  // namespace snowbough::snow::cpu

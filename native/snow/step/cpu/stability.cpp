@@ -9,7 +9,7 @@ namespace snowbough::snow {
 namespace kernel {
 namespace {
 
-/// Texels whose sums are added up as floats.
+/// Texels whose sums are added as floats.
 constexpr size_t kRun = 16;
 
 struct Stability {
@@ -27,7 +27,7 @@ struct Stability {
   }
 };
 
-/// The texels of a run, side by side.
+/// The texels of a run, in separate arrays.
 struct RunTexels {
   float height[kRun];
   float stable[kRun];
@@ -36,8 +36,8 @@ struct RunTexels {
   float visible[kRun];
 };
 
-/// Finds what a run has after the step where all of them have snow on the front only and keep all
-/// of it; else returns false.
+/// Computes a run in which all texels hold snow on the front only and keep all of it; otherwise
+/// returns false.
 inline bool keep_run(Stability stability, size_t begin, size_t count, RunTexels& __restrict run) {
   const uint* __restrict gain = stability.steps->gain.data() + begin;
   const float* __restrict area = stability.steps->area.data() + begin;
@@ -57,7 +57,7 @@ inline bool keep_run(Stability stability, size_t begin, size_t count, RunTexels&
   return others == 0;
 }
 
-/// A row of the map lies in another page: it is asked for some texels before it is needed.
+/// Prefetches a row of the map, which is in another page, some texels ahead.
 inline void fetch_ahead(const Stability& stability, size_t begin) {
   constexpr size_t kAhead = 64;
   if (begin + kAhead + kRun > stability.texel_count) return;
@@ -65,8 +65,8 @@ inline void fetch_ahead(const Stability& stability, size_t begin) {
   for (size_t k = 0; k < kRun; ++k) __builtin_prefetch(&stability.height_map[places[k]], 1);
 }
 
-/// Stabilises texels from `begin` on, `count` of them and at most kRun; returns their sums and sets
-/// `holds_snow` where some lies after the step.
+/// Stabilises `count` texels from `begin` on, at most kRun; returns their sums and sets
+/// `holds_snow` if any holds snow after the step.
 inline vec4 stabilise_run(Stability& stability, const Stability::WholeStep& whole, size_t begin,
                           size_t count, bool& holds_snow) {
   const uint* places = stability.places + begin;
@@ -97,12 +97,12 @@ inline vec4 stabilise_run(Stability& stability, const Stability::WholeStep& whol
   return sums;
 }
 
-/// Any number of texels.
+/// The same for any number of texels.
 SNOWBOUGH_KERNEL dvec4 stabilise(Stability stability, size_t begin, size_t end, bool& holds_snow) {
   const Stability::WholeStep whole = stability.whole_step();
   dvec4 sums(0.0);
   size_t run = begin;
-  // Whole runs by themselves, so that the compiler knows how long they are.
+  // Full runs separately, so that the compiler knows their length.
   for (; run + kRun <= end; run += kRun) {
     sums += dvec4(stabilise_run(stability, whole, run, kRun, holds_snow));
   }
@@ -124,7 +124,7 @@ void cpu::apply_stability(Scene& scene, const StabilitySettings& settings, float
     stability.full_gain = full_gain;
     stability.max_depth = settings.max_depth;
     stability.dt = dt;
-    stability.half_life = settings.reckoned_half_life();
+    stability.half_life = settings.clamped_half_life();
     std::vector<glm::dvec4> sums(receiver.active.size(), glm::dvec4(0.0));
     base::for_each_item(receiver.active.size(), 4, [&](size_t i) {
       const size_t group = receiver.active[i];

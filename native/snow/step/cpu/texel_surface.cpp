@@ -15,8 +15,8 @@ struct Surface {
 #include "shaders/lib/texel_surface.h"
 };
 
-/// Surface::SurfaceSums of a group's texels: area, up and upper side by side, so that a fragment is
-/// added in one go; and back_up and back_upper, which are there where a triangle has two sides.
+/// Surface::SurfaceSums of a group's texels: area, up and upper in one vector, so that a fragment
+/// is added at once; and back_up and back_upper, only used with two-sided triangles.
 struct GroupSums {
   alignas(16) std::array<std::array<float, 4>, kTexelGroup> front;
   alignas(16) std::array<std::array<float, 4>, kTexelGroup> back;
@@ -30,7 +30,7 @@ inline void add(std::array<float, 4>& sum, const base::Float4& part, float area)
   std::memcpy(sum.data(), &all, sizeof all);
 }
 
-/// What a fragment of an area of 1 adds on the front and on the back: Surface::with_fragment.
+/// Contribution of a fragment of area 1 to the front and the back: Surface::with_fragment.
 inline base::Float4 front_of(float up) {
   return base::Float4{1.0f, up, max(up, 0.0f), 0.0f};
 }
@@ -38,7 +38,7 @@ inline base::Float4 back_of(float up) {
   return base::Float4{-up, max(-up, 0.0f), 0.0f, 0.0f};
 }
 
-/// Adds a run's fragments to their texels' sums; leaves their areas in `part`.
+/// Adds a run's fragments to their texels' sums; stores their areas in `part`.
 inline void add_run(Surface& surface, const cpu::FragmentRuns& all, uint32_t begin, uint32_t end,
                     uint32_t triangle, float* __restrict part, GroupSums& sums) {
   const vec4 own = texelFetch(surface.triangle_surface, static_cast<int>(triangle));
@@ -62,14 +62,14 @@ inline void add_run(Surface& surface, const cpu::FragmentRuns& all, uint32_t beg
   }
 }
 
-/// Areas to divide by, of texels that may have none: what is divided is 0 there, too. Not in one
-/// loop with the division, which would be done one at a time then.
+/// Divisors for areas that may be 0: the dividend is 0 there, too. Separate from the division loop,
+/// which would otherwise not vectorise.
 inline void find_divisors(const float* __restrict area, size_t count, float* __restrict divisor) {
   for (size_t i = 0; i < count; ++i) divisor[i] = area[i] > 0.0f ? area[i] : 1.0f;
 }
 
-/// Upward parts of texels by their sums: Surface::surface_of_sums. `up` and `upper`: where they
-/// stand in the sums.
+/// Upward parts of texels from their sums: Surface::surface_of_sums. `up` and `upper`: positions in
+/// the sums.
 template <size_t up, size_t upper>
 inline void find_up(const std::array<float, 4>* __restrict sums, const float* __restrict divisor,
                     size_t count, float* __restrict found) {
@@ -81,7 +81,7 @@ inline void find_up(const std::array<float, 4>* __restrict sums, const float* __
   for (size_t i = 0; i < count; ++i) found[i] /= divisor[i];
 }
 
-/// Turns fragments' areas into the parts that they are of their texels' ones.
+/// Divides fragments' areas by their texels' areas.
 inline void find_parts(const cpu::FragmentRuns& all, uint32_t begin, uint32_t end,
                        const float* __restrict divisor, float* __restrict part) {
   if (!all.opacity.empty()) {

@@ -31,7 +31,7 @@ SNOWBOUGH_KERNEL void find_points(Smooth smooth, size_t begin, size_t end, glm::
 namespace cpu {
 namespace {
 
-/// Triangles that a thread takes at a time.
+/// Triangles per thread at a time.
 constexpr size_t kRun = 1024;
 
 /// Calls `work` with runs of `count` items, on all cores.
@@ -66,7 +66,7 @@ void set_up_triangles(std::span<const glm::vec3> positions,
     throw std::invalid_argument("set_up_triangles: room for " + std::to_string(corners.size()) +
                                 " corners and " + std::to_string(surface.size()) +
                                 " surfaces, there are " + std::to_string(triangles.size()) +
-                                " triangles: give three corners and one surface a triangle");
+                                " triangles: give three corners and one surface per triangle");
   }
   for_each_run(triangles.size(), [&](size_t first, size_t end) {
     set_up_run(positions.data(), triangles.data() + first, frame, end - first,

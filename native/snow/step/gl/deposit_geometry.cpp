@@ -3,7 +3,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// Additive drawing of points on `framebuffer` until it goes out of scope.
+/// Enables additive drawing of points on `framebuffer` within its scope.
 class AdditivePoints {
  public:
   AdditivePoints(const gpu::Framebuffer& framebuffer, const gpu::VertexArray& vertices,

@@ -15,7 +15,7 @@
 namespace snowbough::snow::gl {
 namespace {
 
-/// Everything of a simulation that lies on the GPU; made, used and destroyed on its thread.
+/// All GPU objects of a simulation; created, used and destroyed on its thread.
 struct Passes {
   SceneBuffers scene;
   TriangleSetupPass triangles;
@@ -24,7 +24,7 @@ struct Passes {
   OcclusionPass occlusion;
   BackPixelsPass back_pixels;
   DepositPass deposit;
-  /// Made when it is first asked for.
+  /// Created on first use.
   std::unique_ptr<DepositGeometryPass> deposit_geometry;
   StabilityPass stability;
   StatisticsPass statistics;
@@ -84,7 +84,7 @@ class GlEngine final : public Engine {
   }
   void choose_texels() override {
     const auto measured = passes_->timer.measure("texel groups");
-    // GEOMETRY draws all texels.
+    // GEOMETRY processes all texels.
     passes_->groups.run(passes_->scene, by_geometry_);
   }
   void open_statistics() override {

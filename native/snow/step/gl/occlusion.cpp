@@ -61,7 +61,7 @@ void OcclusionPass::run(const SceneBuffers& scene, const gpu::Buffer& projection
   glEnable(GL_DEPTH_TEST);
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LESS);
-  // The viewport is the same for all tiles of a block, the scissor cuts out this one.
+  // The viewport is shared by all tiles of a block; the scissor selects this one.
   glEnable(GL_SCISSOR_TEST);
   glScissor(0, 0, size.x, size.y);
   const GLuint nothing[4] = {0, std::bit_cast<GLuint>(shared::kOpenSky), 0, 0};

@@ -12,8 +12,9 @@
 
 namespace snowbough::snow {
 
-/// What the sky sees in the pixels of one tile: drawn on a texture, then copied row by row into a
-/// buffer, which llvmpipe reads several times faster. Grows to the largest tile asked for.
+/// The surfaces that the sky sees in the pixels of one tile: drawn to a texture, then copied row by
+/// row into a buffer, which llvmpipe reads several times faster. Grows to the largest tile
+/// requested.
 struct OcclusionTarget {
   gpu::Texture visible_texture;
   gpu::Texture depth_texture;
@@ -33,10 +34,10 @@ struct OcclusionTarget {
 /// Renders the scene along the fall onto one tile of the grid, with its margin.
 class OcclusionPass {
  public:
-  /// `projection` holds the ProjectionFrame, the triangles are those of its TriangleSetupPass.
-  /// Clears and fills `target` for the tile. Back faces are drawn and marked; what an alpha mask
-  /// cuts away is not there, whichever way it faces. Ranges are drawn in their order, which decides
-  /// where two surfaces coincide. GPU thread.
+  /// `projection` holds the ProjectionFrame; the triangles are from its TriangleSetupPass. Clears
+  /// and fills `target` for the tile. Back faces are drawn and marked; pixels that an alpha mask
+  /// cuts away are open from both sides. Ranges are drawn in order, which decides between
+  /// coincident surfaces. GPU thread.
   void run(const SceneBuffers& scene, const gpu::Buffer& projection, const Tile& tile,
            const std::vector<TriangleRange>& ranges, OcclusionTarget& target);
 
@@ -45,7 +46,7 @@ class OcclusionPass {
            const Tile& tile);
 
   gpu::Program program_{{"occlusion.vert.glsl", "occlusion.frag.glsl"}};
-  /// Made when the first object with alpha is drawn.
+  /// Created when the first object with alpha is drawn.
   std::unique_ptr<gpu::Program> alpha_program_;
   gpu::VertexArray vertices_;
 };

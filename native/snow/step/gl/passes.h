@@ -11,13 +11,13 @@
 #include "snow/step/gl/occlusion.h"
 #include "snow/step/gl/scene_buffers.h"
 
-// The passes of a step as shaders, in their order; what the sky sees is drawn by the OcclusionPass
-// of step/gl/occlusion.h. Each has a source and a shader of its name.
+// The passes of a step as shaders, in their order. The OcclusionPass in step/gl/occlusion.h draws
+// the surfaces that the sky sees. Each pass has a source and a shader of its name.
 namespace snowbough::snow {
 
-/// Evaluates every triangle on the current vertices as the fall of this step meets it: corners in
-/// pixels of the grid and depth, slopes, area; then what lies at smooth points. First pass of a
-/// step; all others build on it instead of on vertices.
+/// Evaluates every triangle on the current vertices as seen along this step's fall: corners in grid
+/// pixels with depth, slopes, area; then the smooth points. It runs first; all other passes read
+/// its result instead of the vertices.
 class TriangleSetupPass {
  public:
   /// Fills the scene's `triangle_corners` and `triangle_surface` (shaders/lib/triangle_setup.h) and
@@ -31,29 +31,29 @@ class TriangleSetupPass {
   gpu::ProgramVariants points_{{"smooth_points.comp.glsl"}};
 };
 
-/// Where a list of groups holds the arguments of a dispatch: an invocation a texel, in blocks of
-/// 64, or whole groups, each invocation with every 64th texel. Bytes from the list's beginning.
+/// Byte offsets of the dispatch arguments in a list of groups: one invocation per texel, in blocks
+/// of 64, or one work group per group, in which each invocation takes every 64th texel.
 inline constexpr int64_t kBlocks = 0;
 inline constexpr int64_t kWholeGroups = 16;
 
-/// Chooses the work groups of texels that the passes of a step work on: those on which snow lies or
-/// of which a triangle faces the fall. On a solid body that is about half; the passes would change
-/// nothing on the others.
+/// Selects the groups of texels that the passes of a step process: groups that hold snow or have a
+/// triangle that faces the fall. On a solid body that is about half; the passes would change
+/// nothing in the others.
 class TexelGroupsPass {
  public:
-  /// Fills the batches' `active_groups`, by the triangles of this step's TriangleSetupPass. `all`
-  /// takes every group. GPU thread.
+  /// Fills the batches' `active_groups` from the triangles of this step's TriangleSetupPass. `all`
+  /// selects every group. GPU thread.
   void run(SceneBuffers& scene, bool all);
 
-  /// Snow may lie anywhere: for maps that were written from outside. GPU thread.
+  /// Marks all groups as holding snow: for maps that were written from outside. GPU thread.
   static void forget(SceneBuffers& scene);
 
  private:
   gpu::Program groups_{{"texel_groups.comp.glsl"}};
 };
 
-/// Evaluates texels on the current triangles: covered area and upward parts. Only for steps without
-/// DepositPass, which does so on its way.
+/// Evaluates covered area and upward parts of the texels on the current triangles. Only for steps
+/// without DepositPass, which does the same.
 class TexelSurfacePass {
  public:
   /// Fills in `area`, `up` and `back_up` of the batches' `steps`, in their `active_groups`. GPU
@@ -64,8 +64,8 @@ class TexelSurfacePass {
   gpu::ProgramVariants programs_{{"texel_surface.comp.glsl"}};
 };
 
-/// Counts the pixels in which the sky sees back faces of every receiver that gather nothing: many
-/// of them hint at flipped normals.
+/// Counts, per receiver, the pixels in which the sky sees back faces of surfaces that gather
+/// nothing: a high count suggests flipped normals.
 class BackPixelsPass {
  public:
   /// `local_size`: at most shared::kMaxLocalSize. GPU thread.
@@ -79,20 +79,21 @@ class BackPixelsPass {
   gpu::Program program_;
 };
 
-/// The deposit of a tile, gathered by the texels. A texel gains
+/// Gathers the deposit of a tile at the texels. A texel gains
 ///
 ///   depth / max(|d.z|, 0.01) * sum over its fragments of (area * |n . d| * seen) / its area
 ///
 /// where `seen` is the part of the pixels around the fragment that show nothing in front of the
-/// plane through it (shaders/lib/visibility.h, shaders/lib/texel_gain.h). Nothing is shared out and
-/// nothing summed per pixel: an evenly lit surface is covered evenly, and what is thinner than a
-/// pixel gets its own share. Differs on purpose from the scatter of Algorithm 1 in D. T. Reynolds,
-/// Real-Time Rendering and Simulation of Trees and Snow, 2014, which is DepositGeometryPass.
+/// fragment's plane (shaders/lib/visibility.h, shaders/lib/texel_gain.h). No pixel distributes snow
+/// and no sum is kept per pixel: an evenly lit surface is covered evenly, and geometry thinner than
+/// a pixel gets its own share. Differs on purpose from the scatter of Algorithm 1 in D. T.
+/// Reynolds, Real-Time Rendering and Simulation of Trees and Snow, 2014, which is
+/// DepositGeometryPass.
 class DepositPass {
  public:
-  /// Adds what the texels gain in the tile to `gain` of the batches' `steps`, or sets it where this
-  /// is the step's first tile, and fills in their `area`, `up` and `back_up`. `occlusion` shows the
-  /// tile. GPU thread.
+  /// Adds the texels' gain in the tile to `gain` of the batches' `steps`, or sets it in the step's
+  /// first tile, and fills their `area`, `up` and `back_up`. `occlusion` shows the tile. GPU
+  /// thread.
   void run(SceneBuffers& scene, const gpu::Buffer& projection, const Tile& tile,
            const OcclusionTarget& occlusion, bool has_noise, bool is_first);
 
@@ -101,17 +102,17 @@ class DepositPass {
 };
 
 /// Algorithm 1 of D. T. Reynolds, Real-Time Rendering and Simulation of Trees and Snow, 2014, kept
-/// for comparison: a point a pixel of the occlusion map, which a geometry shader places on the
-/// texel under the pixel's centre, added up by blending. A pixel's whole snow goes to that one
-/// texel, so that volumes are kept, and thickness depends on how pixels and texels meet. Sums are
-/// floats: their last bits depend on the driver's order. Needs OpenGL 4.1.
+/// for comparison: one point per pixel of the occlusion map, placed by a geometry shader on the
+/// texel under the pixel's centre and added by blending. All snow of a pixel goes to that texel, so
+/// volumes are kept but thickness depends on how pixels and texels coincide. Sums are floats: their
+/// last bits depend on the driver's order. Needs OpenGL 4.1.
 class DepositGeometryPass {
  public:
-  /// Before a step's first tile: empties the groups' deposit maps, and makes them where they are
-  /// not there. GPU thread.
+  /// Before a step's first tile: clears the groups' deposit maps, and creates missing ones. GPU
+  /// thread.
   void begin(SceneBuffers& scene);
-  /// Adds the snow of one tile to the groups' `deposit` maps. The scene has owners, and the
-  /// batches' `steps` hold areas. GPU thread.
+  /// Adds one tile's snow to the groups' `deposit` maps. The scene must have owners, and the
+  /// batches' `steps` must hold areas. GPU thread.
   void run(SceneBuffers& scene, const gpu::Buffer& projection, const Tile& tile,
            const OcclusionTarget& occlusion);
 
@@ -121,16 +122,16 @@ class DepositGeometryPass {
   gpu::VertexArray vertices_;
 };
 
-/// Adds the step's deposit (`gain` of the batches' `steps`) to the height maps and lets slide what
-/// the slope cannot hold, in closed form over `dt` seconds; leaves the volumes in the batches'
-/// `partials`, one an invocation: `local_size` a work group of texels.
+/// Adds the step's deposit (`gain` of the batches' `steps`) to the height maps and lets snow beyond
+/// the slope's capacity slide, in closed form over `dt` seconds. Writes the volumes to the batches'
+/// `partials`, one per invocation: `local_size` per work group of texels.
 class StabilityPass {
  public:
   /// `local_size`: at most shared::kMaxLocalSize. GPU thread.
   explicit StabilityPass(int32_t local_size = snow::local_size()) : local_size_(local_size) {}
 
-  /// `full_gain`: thickness in metres that a texel which gains shared::kGainUnits is given.
-  /// `on_deposit_maps`: the deposit lies on the groups' `deposit` maps instead. GPU thread.
+  /// `full_gain`: thickness in metres of a texel that gains shared::kGainUnits. `on_deposit_maps`:
+  /// read the deposit from the groups' `deposit` maps instead. GPU thread.
   void run(SceneBuffers& scene, const StabilitySettings& settings, float full_gain, float dt,
            bool on_deposit_maps = false);
 
@@ -139,7 +140,7 @@ class StabilityPass {
   gpu::ProgramVariants programs_{{"stability.comp.glsl"}};
 };
 
-/// Keeps every receiver's balance on the GPU, so that no step has to wait for a read.
+/// Keeps every receiver's balance on the GPU, so that no step waits for a read.
 class StatisticsPass {
  public:
   /// `local_size`: the stability pass's. GPU thread.
@@ -148,8 +149,8 @@ class StatisticsPass {
 
   /// Sets the step's sums to zero; before the deposit. GPU thread.
   void open(SceneBuffers& scene);
-  /// Adds up the stability pass's work groups and brings the totals up to date. `pixel_area` in m2.
-  /// GPU thread.
+  /// Adds up the stability pass's work groups and updates the totals. `pixel_area` in m2. GPU
+  /// thread.
   void close(SceneBuffers& scene, float pixel_area);
 
  private:

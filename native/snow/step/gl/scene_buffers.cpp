@@ -18,15 +18,15 @@ using shared::kTexelGroup;
 void require_room(int64_t bytes, const gpu::GpuInfo& info, const char* what) {
   if (bytes > info.max_storage_buffer_bytes) {
     throw std::runtime_error(
-        std::string("the scene's ") + what + " take " + std::to_string(bytes >> 20) +
-        " MiB, the driver (" + info.renderer + ") takes " +
+        std::string("the scene's ") + what + " need " + std::to_string(bytes >> 20) +
+        " MiB, the limit of the driver (" + info.renderer + ") is " +
         std::to_string(info.max_storage_buffer_bytes >> 20) +
-        " MiB: leave out or simplify objects that snow does not need, or use another GPU");
+        " MiB: remove or simplify objects that snow does not need, or use another GPU");
   }
 }
 
 /// Writes a layer of a group's `owners`: per texel of the map its owner, 1 + index in the group,
-/// and its chart << 8 with its coverage in 255ths. In bands of rows, which take little memory.
+/// and its chart << 8 with its coverage in 255ths. In bands of rows, to save memory.
 void upload_owners(const TexelTable& table, const std::vector<uint32_t>& owners, int32_t layer,
                    gpu::Texture& texture) {
   constexpr int32_t kBandRows = 64;
@@ -49,9 +49,9 @@ void upload_owners(const TexelTable& table, const std::vector<uint32_t>& owners,
   }
 }
 
-/// Fills in where GEOMETRY finds texels: a layer of the group's `owners`, and per map triangle the
-/// texel that holds most of it. `order`: the receiver's texels as they lie in the group, from
-/// `first_owner` on.
+/// Fills the lookup of texels for GEOMETRY: a layer of the group's `owners`, and per map triangle
+/// the texel that holds most of it. `order`: the receiver's texels in the group, from `first_owner`
+/// on.
 void add_owners(const TexelTable& table, const std::vector<int32_t>& order, uint32_t first_owner,
                 int32_t layer, MapGroup& group, std::span<shared::MapTriangle> map_triangles) {
   std::vector<uint32_t> owners(
@@ -74,7 +74,7 @@ void add_owners(const TexelTable& table, const std::vector<int32_t>& order, uint
   upload_owners(table, owners, layer, group.owners);
 }
 
-/// Adds one receiver's texels to its group. `map_triangles`: the receiver's.
+/// Adds one receiver's texels to its group. `map_triangles`: of the receiver.
 void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t layer,
                   BatchWriter& writer, MapGroup& group,
                   std::span<shared::MapTriangle> map_triangles) {
@@ -95,7 +95,7 @@ void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t lay
   }
 }
 
-/// Adds the texels of a map group's receivers, in batches, and makes its maps.
+/// Adds the texels of a map group's receivers, in batches, and creates its maps.
 void add_group(const std::vector<const SceneObject*>& by_slot, const MapPlan::Group& plan,
                SceneBuffers& scene, std::vector<shared::MapTriangle>& map_triangles) {
   BatchWriter::Plan batches{static_cast<int32_t>(scene.groups.size()), 0, 0, false};
@@ -123,7 +123,6 @@ void add_group(const std::vector<const SceneObject*>& by_slot, const MapPlan::Gr
   writer.finish();
 }
 
-/// Uploads the objects' alpha.
 void add_alpha(const SceneLayout& layout, const gpu::GpuInfo& info, SceneBuffers& scene) {
   require_room(static_cast<int64_t>(layout.alpha_triangles.size() * sizeof(shared::AlphaTriangle)),
                info, "triangles with alpha");
@@ -136,7 +135,7 @@ void add_alpha(const SceneLayout& layout, const gpu::GpuInfo& info, SceneBuffers
   scene.views.alpha_bits = gpu::BufferTexture(scene.alpha_bits, GL_R32UI);
 }
 
-/// Uploads triangles, and makes room for vertices and what the triangle set-up finds.
+/// Uploads triangles, and allocates vertices and the results of the triangle set-up.
 void add_triangles(const SceneLayout& layout, const gpu::GpuInfo& info, SceneBuffers& scene) {
   const auto triangles = static_cast<int64_t>(layout.triangles.size());
   scene.triangle_count = static_cast<int32_t>(triangles);
@@ -155,7 +154,7 @@ void add_triangles(const SceneLayout& layout, const gpu::GpuInfo& info, SceneBuf
   scene.views.triangle_sheets = gpu::BufferTexture(scene.triangle_sheets, GL_R32UI);
 }
 
-/// Uploads the smooth points, if there are any, and makes room for what a step finds there.
+/// Uploads the smooth points, if any, and allocates their results.
 void add_smooth_points(const SmoothPoints& points, const gpu::GpuInfo& info, SceneBuffers& scene) {
   scene.smooth_point_count = static_cast<int64_t>(points.count());
   if (points.count() == 0) return;

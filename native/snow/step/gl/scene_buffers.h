@@ -11,7 +11,7 @@
 
 namespace snowbough::snow {
 
-/// Maps of one size in one texture array. Objects with neighbouring slots share it.
+/// Maps of one size in one texture array, shared by objects with consecutive slots.
 struct MapGroup {
   int32_t resolution = 0;
   /// Slots of its objects: [first_slot, end_slot); layer = slot - first_slot.
@@ -19,8 +19,8 @@ struct MapGroup {
   int32_t end_slot = 0;
   /// Snow thickness in metres, R32F.
   gpu::Texture height;
-  /// Only for the deposit's mapping GEOMETRY: who owns a texel, RG32UI: x = 1 + index in the group
-  /// (0 = none), y = chart << 8 | coverage; a step's deposit in metres, R32F, and its target.
+  /// Only for mapping GEOMETRY: the owner of each texel, RG32UI: x = 1 + index in the group (0 =
+  /// none), y = chart << 8 | coverage; a step's deposit in metres, R32F, and its render target.
   gpu::Texture owners;
   gpu::Texture deposit;
   gpu::Framebuffer deposit_target;
@@ -40,30 +40,29 @@ inline constexpr int32_t kBatchTexels = (1 << 22) - static_cast<int32_t>(shared:
 /// OpenGL promises dispatches of 65,535 work groups; the smallest work groups take 64 texels.
 static_assert(kBatchTexels / 64 <= 65535 && kBatchTexels % shared::kTexelGroup == 0);
 
-/// A run of a map group's texels, with all that the passes keep per texel.
+/// A run of a map group's texels, with all data that the passes keep per texel.
 struct TexelBatch {
   int32_t group = 0;
   /// The batch's texels within the group: [first, first + count); whole work groups.
   int32_t first = 0;
   int32_t count = 0;
-  /// Which work groups belong to which object; counted from the batch's beginning.
+  /// Which work groups belong to which object, counted from the batch's beginning.
   std::vector<shared::StatisticsSegment> segments;
 
-  /// layer * resolution^2 + row * resolution + column within the map group; shared::kNowhere fills
-  /// up the work group behind an object's last texel.
+  /// layer * resolution^2 + row * resolution + column within the map group; shared::kNowhere pads
+  /// the work group behind an object's last texel.
   gpu::Buffer places;
   gpu::Buffer fragment_begin;
   gpu::Buffer fragments;
-  /// Per fragment, see snow/scene/fragment_opacity.h; empty where all objects of the group are
-  /// opaque.
+  /// Per fragment, see snow/scene/fragment_opacity.h; empty if all objects of the group are opaque.
   gpu::Buffer fragment_opacity;
-  /// shared::TexelStep, of the step that is being computed.
+  /// shared::TexelStep of the current step.
   gpu::Buffer steps;
   gpu::Buffer partials;
   gpu::Buffer segment_buffer;
   gpu::Buffer group_slots;
-  /// Work groups of texels, see shaders/texel_groups.comp.glsl: the triangles that decide whether
-  /// one has anything to do, whether snow lies on it, and which are at work in this step.
+  /// Work groups of texels, see shaders/texel_groups.comp.glsl: the triangles that decide whether a
+  /// group is active, whether snow lies on it, and the groups active in this step.
   gpu::Buffer group_begin;
   gpu::Buffer group_triangles;
   gpu::Buffer group_states;
@@ -84,24 +83,24 @@ struct TexelBatch {
   } views;
 };
 
-/// Everything about the scene that lies on the GPU, in one set of buffers for all objects: a
-/// thousand small receivers cost a handful of dispatches.
+/// All scene data on the GPU, in one set of buffers for all objects: a thousand small receivers
+/// cost a handful of dispatches.
 struct SceneBuffers {
-  /// Whether the groups have `owners` and map triangles a home, for DepositGeometryPass.
+  /// Whether the groups have `owners` and map triangles are present, for DepositGeometryPass.
   bool has_owners = false;
-  /// Without its arrays of triangles, smooth points and alpha, which lie in the buffers.
+  /// Without its arrays of triangles, smooth points and alpha, which are in the buffers.
   SceneLayout layout;
   int32_t triangle_count = 0;
 
   gpu::Buffer positions;
   gpu::Buffer triangles;
-  /// Triangles as the step's fall meets them, see shaders/lib/triangle_setup.h.
+  /// Triangles as seen along the step's fall, see shaders/lib/triangle_setup.h.
   gpu::Buffer triangle_corners;
   gpu::Buffer triangle_surface;
-  /// Per triangle: its sheet (snow/texels/sheets.h), numbered through all objects.
+  /// Per triangle: its sheet (snow/texels/sheets.h), numbered across all objects.
   gpu::Buffer triangle_sheets;
-  /// See snow/scene/smooth_points.h; empty where everything is shaded flat. The last two by point:
-  /// its normal, and what lies there (shaders/lib/smooth_points.h).
+  /// See snow/scene/smooth_points.h; empty if everything is shaded flat. The last two are per
+  /// point: the normal, and the surface there (shaders/lib/smooth_points.h).
   gpu::Buffer triangle_points;
   gpu::Buffer point_begin;
   gpu::Buffer point_corners;
@@ -112,8 +111,7 @@ struct SceneBuffers {
   bool normals_are_current = false;
   gpu::Buffer map_triangles;
   gpu::Buffer map_offsets;
-  /// Of the objects with alpha only: shared::AlphaTriangle, shared::AlphaMaskPlace and the masks'
-  /// bits.
+  /// Only of objects with alpha: shared::AlphaTriangle, shared::AlphaMaskPlace and the masks' bits.
   gpu::Buffer alpha_triangles;
   gpu::Buffer alpha_places;
   gpu::Buffer alpha_bits;
@@ -125,7 +123,7 @@ struct SceneBuffers {
   struct Views {
     gpu::BufferTexture positions;
     gpu::BufferTexture triangles;
-    /// `triangles` number by number.
+    /// `triangles`, one number per element.
     gpu::BufferTexture triangle_words;
     gpu::BufferTexture triangle_corners;
     gpu::BufferTexture triangle_surface;
@@ -143,9 +141,9 @@ struct SceneBuffers {
   } views;
 };
 
-/// Lays out and uploads the scene, positions excepted. `objects` are sorted by name and have
-/// positions; `with_owners`: see SceneBuffers. GPU thread.
-/// @throws std::runtime_error when a buffer would exceed the driver's limit (with the figure).
+/// Builds and uploads the scene without positions. `objects` are sorted by name and have positions;
+/// `with_owners`: see SceneBuffers. GPU thread.
+/// @throws std::runtime_error with the figure if a buffer would exceed the driver's limit.
 SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
                                  const gpu::GpuInfo& info, bool with_owners = false);
 

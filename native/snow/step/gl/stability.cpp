@@ -22,7 +22,7 @@ void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings, 
     program.bind_image("height_map", group.height, GL_READ_WRITE);
     program.set("max_depth", settings.max_depth);
     program.set("dt", dt);
-    program.set("half_life", settings.reckoned_half_life());
+    program.set("half_life", settings.clamped_half_life());
     program.dispatch_indirect(batch.active_groups, kWholeGroups);
   }
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT |

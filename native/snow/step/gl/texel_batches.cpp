@@ -10,10 +10,10 @@ namespace {
 
 using shared::kTexelGroup;
 
-/// Fragments after which a batch is closed: 112 of llvmpipe's 128 MiB.
+/// Maximum number of fragments per batch: 112 of llvmpipe's 128 MiB.
 constexpr size_t kBatchFragments = size_t{7} << 20;
 
-/// Until the first step chooses: every group.
+/// All groups, until the first step chooses.
 std::vector<uint32_t> list_of_all_groups(int32_t count) {
   const auto all = static_cast<uint32_t>(count);
   const shared::GroupListHeader header{{shared::kBlocksAGroup, all, 1, 0}, {1, all, 1, 0}};
@@ -120,8 +120,7 @@ TexelBatch BatchWriter::upload(Arrays&& arrays, int32_t group, int32_t first) {
   batch.first = first;
   batch.count = static_cast<int32_t>(arrays.places.size());
   *arrays.fragment_begin.add(1) = static_cast<uint32_t>(arrays.fragments.size());
-  // What fills up a work group has no fragments; see shaders/glsl/texel_fragments.glsl, which reads
-  // one.
+  // The padding of a work group has no fragments, but shaders/glsl/texel_fragments.glsl reads one.
   *arrays.fragments.add(1) = {0, 0.0f, 0.0f, 0.0f};
   batch.places = arrays.places.into_buffer();
   batch.fragment_begin = arrays.fragment_begin.into_buffer();

@@ -10,14 +10,13 @@
 
 namespace snowbough::snow {
 
-/// Splits a map group's texels into batches while they are made, object by object, and uploads
-/// them. GPU thread.
+/// Splits a map group's texels into batches, object by object, and uploads them. GPU thread.
 class BatchWriter {
  public:
-  /// What comes in.
+  /// The data that will follow.
   struct Plan {
     int32_t group = 0;
-    /// Whole work groups of texels for each object.
+    /// Whole work groups of texels per object.
     size_t texel_count = 0;
     size_t fragment_count = 0;
     /// Whether one of the objects has a fragment_opacity.
@@ -31,25 +30,25 @@ class BatchWriter {
         texels_left_(plan.texel_count),
         fragments_left_(plan.fragment_count) {}
 
-  /// An object's texels share a batch unless they fill one alone: where batches end then depends on
-  /// the object only, and so does what its passes compute.
+  /// An object's texels share a batch unless they fill one alone: batch ends, and so the results of
+  /// the passes, then depend on the object only.
   void begin_object(int32_t slot, size_t texel_count, size_t fragment_count);
-  /// Adds the object's next texels, a work group of them or, at its end, less: those of its table
-  /// that `order` lists. Their triangles and places on the map group begin at these numbers.
+  /// Adds the object's next texels: those of its table that `order` lists, one work group of them,
+  /// or fewer at the end. Their triangles and places on the map group begin at these numbers.
   void add_group(const SceneObject& object, std::span<const int32_t> order, uint32_t first_triangle,
                  uint32_t first_place);
   void end_object();
 
-  /// Where the triangles of the work groups are noted, in the order of the groups.
+  /// The triangles of the work groups, in the order of the groups.
   GroupTriangles& triangles() { return triangles_; }
   /// Index within the map group of the next texel.
   int32_t next() const { return first_ + in_batch(); }
 
-  /// Uploads the rest, and what was noted.
+  /// Uploads the rest, and the triangles of the groups.
   void finish();
 
  private:
-  /// The texels of a batch on their way to the GPU.
+  /// A batch's texels before their upload.
   struct Arrays {
     gpu::BufferWriter<uint32_t> places;
     gpu::BufferWriter<uint32_t> fragment_begin;
@@ -58,7 +57,7 @@ class BatchWriter {
     std::vector<shared::StatisticsSegment> segments;
   };
 
-  /// `first_fragments`: those of the first work group, which may be more than a batch should have.
+  /// `first_fragments`: of the first work group, which may exceed a batch's limit.
   void open_batch(size_t first_fragments);
   void flush();
   static TexelBatch upload(Arrays&& arrays, int32_t group, int32_t first);
@@ -73,7 +72,7 @@ class BatchWriter {
   int32_t first_ = 0;
   int32_t slot_ = -1;
   int32_t segment_begin_ = 0;
-  /// What is still to come.
+  /// Still to be added.
   size_t texels_left_;
   size_t fragments_left_;
   Arrays arrays_;

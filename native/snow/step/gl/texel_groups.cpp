@@ -8,7 +8,7 @@ void TexelGroupsPass::run(SceneBuffers& scene, bool all) {
   const shared::GroupListHeader none{{shared::kBlocksAGroup, 0, 1, 0}, {1, 0, 1, 0}};
   for (TexelBatch& batch : scene.batches) {
     batch.active_groups.write(0, sizeof none, &none);
-    // Groups that are left out have nothing to add.
+    // Inactive groups add nothing.
     batch.partials.clear();
     groups_.use();
     groups_.bind_texture("triangle_surface", scene.views.triangle_surface);

@@ -7,8 +7,8 @@ namespace {
 
 constexpr int64_t kCornerBytes = 48;
 constexpr int64_t kSurfaceBytes = 16;
-/// Triangles of one dispatch: their corners fit llvmpipe's largest storage block (128 MiB), they
-/// are no more than 65,535 groups of 64, and blocks may begin where the next ones' corners do.
+/// Triangles per dispatch: their corners fit llvmpipe's largest storage block (128 MiB), they need
+/// at most 65,535 groups of 64, and the offsets of the following blocks are aligned.
 constexpr int32_t kDispatch = 1 << 21;
 
 }  // namespace

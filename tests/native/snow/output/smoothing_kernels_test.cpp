@@ -42,12 +42,12 @@ TEST(SmoothingKernels, WhatTheBlocksBelowSeeToIsLeftOut) {
 TEST(SmoothingKernels, ABankLetsMoreThroughTheFurtherItsFootIs) {
   const ConductanceTerms terms{0.0f, 0.0f, kStages};
   // Half a cell and ten cells away: sigma is a tenth of that.
-  const uint8_t foot = kMostNear - kBankSteps / 2;
-  const uint8_t inner = kMostNear - 10 * kBankSteps;
-  EXPECT_FLOAT_EQ(bank_conductance(foot, foot, 1.0f, 1.0f, 1.0f, terms) * kStages,
+  const uint8_t foot = kAtFoot - kProximitySteps / 2;
+  const uint8_t inner = kAtFoot - 10 * kProximitySteps;
+  EXPECT_FLOAT_EQ(foot_conductance(foot, foot, 1.0f, 1.0f, 1.0f, terms) * kStages,
                   0.5f * 0.05f * 0.05f);
-  EXPECT_FLOAT_EQ(bank_conductance(inner, inner, 1.0f, 1.0f, 1.0f, terms) * kStages, 0.5f);
-  EXPECT_GT(bank_conductance(0, 0, 1.0f, 1.0f, 1.0f, terms), 1e30f);
+  EXPECT_FLOAT_EQ(foot_conductance(inner, inner, 1.0f, 1.0f, 1.0f, terms) * kStages, 0.5f);
+  EXPECT_GT(foot_conductance(0, 0, 1.0f, 1.0f, 1.0f, terms), 1e30f);
 }
 
 TEST(SmoothingKernels, AStageMovesWhatOneCellLosesToItsNeighbour) {
@@ -68,9 +68,9 @@ TEST(SmoothingKernels, AStageMovesWhatOneCellLosesToItsNeighbour) {
 TEST(SmoothingKernels, ACellFollowsItsBlocksMeanAndKeepsAPartOfWhatSetsItApart) {
   EXPECT_FLOAT_EQ(changed(0.3f, 0.2f, 0.1f, 1.0f), 0.15f);
   EXPECT_FLOAT_EQ(changed(0.3f, 0.2f, 0.1f, 0.0f), 0.1f);
-  EXPECT_EQ(kept_part(0.3f, 0.0f, 0, 0.0f, 0.0f), 1.0f);
-  EXPECT_LT(kept_part(0.3f, 1e4f, 0, 0.0f, 0.0f), 0.01f);
-  EXPECT_GT(kept_part(0.3f, 1e4f, kMostNear - kBankSteps, 0.0f, 0.0f), 0.9f);
+  EXPECT_EQ(damping(0.3f, 0.0f, 0, 0.0f, 0.0f), 1.0f);
+  EXPECT_LT(damping(0.3f, 1e4f, 0, 0.0f, 0.0f), 0.01f);
+  EXPECT_GT(damping(0.3f, 1e4f, kAtFoot - kProximitySteps, 0.0f, 0.0f), 0.9f);
 }
 
 }  // namespace

@@ -177,10 +177,10 @@ TEST(ReposeRounds, LetATileSleepUntilSnowComesFromBeside) {
   ReposeTiles tiles = two_tiles(heights);
   std::vector<RimLink> none;
   EXPECT_FALSE(run_tile_rounds(tiles, 1, 2, none, 0, 8).has_changed);
-  EXPECT_FALSE(tiles[1]->is_awake());
+  EXPECT_FALSE(tiles[1]->is_active());
   EXPECT_TRUE(run_tile_rounds(tiles, 0, 2, none, 0, 8).has_changed);
   EXPECT_GT(tiles[1]->moved[0], 0.0);
-  EXPECT_EQ(tiles[1]->stirred.load(), 1u);  // its first row
+  EXPECT_EQ(tiles[1]->active_rows.load(), 1u);  // its first row
   EXPECT_EQ(all_moved(*tiles[0]) + all_moved(*tiles[1]), 0.0);
 }
 
@@ -190,7 +190,7 @@ TEST(ReposeRounds, DoNotAskABareSlopeForSnow) {
   cover(tiles, {0.0f, 0.0f, 0.0f});
   std::vector<RimLink> none;
   EXPECT_EQ(run_tile_rounds(tiles, 0, 1, none, 0, 8).rounds, 0);
-  EXPECT_FALSE(tiles[0]->is_awake());
+  EXPECT_FALSE(tiles[0]->is_active());
 }
 
 TEST(ReposeRounds, CarryABankToRestInAFewRoundsATexel) {

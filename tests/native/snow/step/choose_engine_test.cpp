@@ -10,7 +10,7 @@ namespace {
 TEST(ChooseEngine, TakesTheOneThatIsAskedFor) {
   EngineChoice cpu({EngineKind::kCpu});
   EXPECT_EQ(cpu.engine().name(), "CPU");
-  EXPECT_EQ(cpu.reason(), "asked for");
+  EXPECT_EQ(cpu.reason(), "requested");
   EngineChoice gl({EngineKind::kGl});
   EXPECT_EQ(gl.engine().name(), "GL");
   EXPECT_FALSE(gl.may_fall_back());
@@ -40,7 +40,6 @@ TEST(ChooseEngine, RefusesGeometryOnTheProcessorAndDevicesThatAreNot) {
 TEST(ChooseEngine, FallsBackToTheProcessorAndSaysWhy) {
   EngineChoice choice({EngineKind::kGl});
   EXPECT_EQ(choice.fall_back("the driver refused a shader").name(), "CPU");
-  EXPECT_TRUE(choice.is_cpu());
   EXPECT_EQ(choice.reason(), "the driver refused a shader");
 }
 

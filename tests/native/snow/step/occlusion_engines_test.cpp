@@ -12,10 +12,10 @@
 namespace snowbough::snow {
 namespace {
 
-/// A ball around the origin whose vertices are moved at random by up to `jitter`.
-SceneObject ball(int32_t around, float radius, float jitter, uint32_t seed) {
+/// A sphere around the origin whose vertices are moved at random by up to `jitter`.
+SceneObject sphere(int32_t around, float radius, float jitter, uint32_t seed) {
   SceneObject object;
-  object.description.name = "ball";
+  object.description.name = "sphere";
   object.description.receive = false;
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> shift(-jitter, jitter);
@@ -92,7 +92,7 @@ TEST(CpuOcclusion, IsWhatThePassesInOpenGLFind) {
   gpu::GpuThread::shared()->run([] {
     for (const bool is_litter : {false, true}) {
       for (const double pixel_size : {0.03, 0.004, 0.0015}) {
-        const Bench bench(objects_of(is_litter ? litter(20000, 1) : ball(200, 0.8f, 0.01f, 2),
+        const Bench bench(objects_of(is_litter ? litter(20000, 1) : sphere(200, 0.8f, 0.01f, 2),
                                      square("ground", 2.0f, -1.0f, 64, false)),
                           falling({0.3, -0.2, -1.0}, pixel_size));
         const TrianglesSetUp made = set_up_bench(bench);
@@ -148,7 +148,8 @@ TEST(CpuOcclusion, CutsTheHolesThatThePassInOpenGLCuts) {
     const Seen by_cpu = seen_of(set_up_bench(bench).corners, bench.tiles.front().pixels, ranges,
                                 {triangles, masks, bits});
     EXPECT_LE(share_of_others(bench, bench.visible(), by_cpu), 1e-4);
-    EXPECT_FALSE(same_bits(by_cpu, seen_of(set_up_bench(bench).corners, bench.tiles.front().pixels)));
+    EXPECT_FALSE(
+        same_bits(by_cpu, seen_of(set_up_bench(bench).corners, bench.tiles.front().pixels)));
   });
 }
 

@@ -10,7 +10,7 @@ namespace {
 using ::testing::ElementsAre;
 
 TEST(CutMap, GivesATexelToTheChartThatCoversMostOfIt) {
-  const Layout layout = wide_and_speck();
+  const RectangleLayout layout = wide_and_speck();
   const TexelTableBuilder builder = layout.cut();
   EXPECT_THAT(builder.table.texel, ElementsAre(0, 1, 2, 3, 4));
   EXPECT_THAT(builder.table.chart, ElementsAre(0, 0, 0, 0, 0));

@@ -7,7 +7,7 @@ namespace snowbough::snow {
 namespace {
 
 TEST(DisplacedFragments, GoToTheirChartsNearestTexel) {
-  const Layout layout = wide_and_speck();
+  const RectangleLayout layout = wide_and_speck();
   TexelTableBuilder builder = layout.cut();
   assign_texels_to_small_charts(builder);
   reassign_displaced_fragments(builder);
@@ -17,7 +17,8 @@ TEST(DisplacedFragments, GoToTheirChartsNearestTexel) {
 }
 
 TEST(DisplacedFragments, OfAnUnmappedChartStayWhereTheyAre) {
-  const Layout layout = Layout().rectangle(0.0, 0.0, 0.6, 1.0).rectangle(0.7, 0.2, 0.9, 0.4);
+  const RectangleLayout layout =
+      RectangleLayout().rectangle(0.0, 0.0, 0.6, 1.0).rectangle(0.7, 0.2, 0.9, 0.4);
   TexelTableBuilder builder = layout.cut();
   assign_texels_to_small_charts(builder);
   reassign_displaced_fragments(builder);

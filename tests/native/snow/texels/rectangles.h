@@ -11,19 +11,19 @@
 // Layouts of rectangles for the tests of the texel table's steps one by one.
 namespace snowbough::snow {
 
-inline constexpr int32_t kResolution = 64;
+inline constexpr int32_t kRectangleResolution = 64;
 
 /// A layout of rectangles, each a chart of two triangles, in texels of a map of 64.
-struct Layout {
+struct RectangleLayout {
   MapTopology topology;
 
-  Layout() { topology.resolution = kResolution; }
+  RectangleLayout() { topology.resolution = kRectangleResolution; }
 
-  Layout& rectangle(double left, double bottom, double right, double top) {
+  RectangleLayout& rectangle(double left, double bottom, double right, double top) {
     const int32_t first = topology.vertex_count;
     for (const int32_t corner : {0, 1, 2, 0, 2, 3}) topology.triangles.push_back(first + corner);
-    const glm::vec2 a(left / kResolution, bottom / kResolution);
-    const glm::vec2 c(right / kResolution, top / kResolution);
+    const glm::vec2 a(left / kRectangleResolution, bottom / kRectangleResolution);
+    const glm::vec2 c(right / kRectangleResolution, top / kRectangleResolution);
     const glm::vec2 b(c.x, a.y);
     const glm::vec2 d(a.x, c.y);
     topology.corner_uv.insert(topology.corner_uv.end(), {a, b, c, a, c, d});
@@ -55,8 +55,8 @@ inline double total_area(const TexelTableBuilder& builder) {
 }
 
 /// Four whole texels and six tenths of the fifth, which also holds a speck of a chart.
-inline Layout wide_and_speck() {
-  return Layout().rectangle(0.0, 0.0, 4.6, 1.0).rectangle(4.7, 0.2, 4.9, 0.4);
+inline RectangleLayout wide_and_speck() {
+  return RectangleLayout().rectangle(0.0, 0.0, 4.6, 1.0).rectangle(4.7, 0.2, 4.9, 0.4);
 }
 
 }  // namespace snowbough::snow

@@ -10,7 +10,7 @@ namespace {
 using ::testing::ElementsAre;
 
 TEST(SmallCharts, TakeTheTexelTheyLieInWhereItsOwnerHasOthers) {
-  const Layout layout = wide_and_speck();
+  const RectangleLayout layout = wide_and_speck();
   TexelTableBuilder builder = layout.cut();
   assign_texels_to_small_charts(builder);
   EXPECT_THAT(builder.table.chart, ElementsAre(0, 0, 0, 0, 1));
@@ -25,7 +25,8 @@ TEST(SmallCharts, TakeTheTexelTheyLieInWhereItsOwnerHasOthers) {
 }
 
 TEST(SmallCharts, AreUnmappedWhereTheOwnerHasNothingElse) {
-  const Layout layout = Layout().rectangle(0.0, 0.0, 0.6, 1.0).rectangle(0.7, 0.2, 0.9, 0.4);
+  const RectangleLayout layout =
+      RectangleLayout().rectangle(0.0, 0.0, 0.6, 1.0).rectangle(0.7, 0.2, 0.9, 0.4);
   TexelTableBuilder builder = layout.cut();
   assign_texels_to_small_charts(builder);
   EXPECT_THAT(builder.table.chart, ElementsAre(0));
@@ -33,7 +34,7 @@ TEST(SmallCharts, AreUnmappedWhereTheOwnerHasNothingElse) {
 }
 
 TEST(SmallCharts, DoNotTakeFromEachOther) {
-  const Layout layout = wide_and_speck().rectangle(4.7, 0.6, 4.9, 0.9);
+  const RectangleLayout layout = wide_and_speck().rectangle(4.7, 0.6, 4.9, 0.9);
   TexelTableBuilder builder = layout.cut();
   assign_texels_to_small_charts(builder);
   EXPECT_THAT(builder.table.chart, ElementsAre(0, 0, 0, 0, 1));

@@ -13,21 +13,6 @@ ClipPolygon polygon(std::vector<glm::dvec2> points) {
   return result;
 }
 
-TEST(ClipToSlab, aTriangleBetweenTwoLinesIsATrapezium) {
-  const ClipPolygon part = clip_to_slab(polygon({{0, 0}, {4, 0}, {0, 4}}), 1, 1.0, 2.0);
-  ASSERT_EQ(part.count, 4);
-  EXPECT_DOUBLE_EQ(area_and_centroid(part).area, 2.5);
-}
-
-TEST(ClipToSlab, whatTouchesALineOnlyHasNoArea) {
-  const ClipPolygon part = clip_to_slab(polygon({{0, 0}, {4, 0}, {0, 4}}), 0, -1.0, 0.0);
-  EXPECT_EQ(area_and_centroid(part).area, 0.0);
-}
-
-TEST(ClipToSlab, whatLiesOutsideIsGone) {
-  EXPECT_EQ(clip_to_slab(polygon({{0, 0}, {1, 0}, {0, 1}}), 1, 2.0, 3.0).count, 0);
-}
-
 TEST(AreaAndCentroid, knowsATriangleInEitherWinding) {
   for (const ClipPolygon& triangle :
        {polygon({{1, 1}, {4, 1}, {1, 4}}), polygon({{1, 1}, {1, 4}, {4, 1}})}) {

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "native/tree/skeletons.h"
-#include "tree/crossings/relief.h"
 #include "tree/crossings/triangles.h"
+#include "tree/crossings/uncrossed_surface.h"
 #include "tree/mesh/mesh_check.h"
 #include "tree/skeleton/width.h"
 #include "tree/surface/limb_path.h"
@@ -26,16 +26,16 @@ struct Plan {
       : skeleton(tree),
         scale(surface_scale(tree)),
         paths(limb_paths(tree, limb_widths(tree, {}), scale)),
-        relief(paths.size(), 0) {}
+        narrowing_steps(paths.size(), 0) {}
 
   Surface build(const std::vector<uint8_t>& only = {}) const {
-    return build_surface(skeleton, paths, scale, {}, relief, only);
+    return build_surface(skeleton, paths, scale, {}, narrowing_steps, only);
   }
 
   Skeleton skeleton;
   SurfaceScale scale;
   std::vector<LimbPath> paths;
-  std::vector<uint8_t> relief;
+  std::vector<uint8_t> narrowing_steps;
 };
 
 /// The faces that have a vertex of `vertices`.
@@ -166,7 +166,7 @@ TEST(Surface, TheBranchesLeftOutNearAJunctionAreNamed) {
   EXPECT_THAT(missing_limbs(plan.build({1, 1, 1, 0}), {1, 0, 0}), testing::IsEmpty());
 }
 
-TEST(Relief, LeavesTheSurfaceClosedAndWhatIsSaidToCrossCrosses) {
+TEST(UncrossedSurface, LeavesTheSurfaceClosedAndWhatIsSaidToCrossCrosses) {
   size_t narrowed = 0;
   for (uint32_t seed = 0; seed < kSeeds; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -191,7 +191,7 @@ TEST(Relief, LeavesTheSurfaceClosedAndWhatIsSaidToCrossCrosses) {
   EXPECT_GT(narrowed, 0u);
 }
 
-TEST(Relief, StopsWhenAsked) {
+TEST(UncrossedSurface, StopsWhenAsked) {
   const Plan plan(RandomSkeleton(3).make());
   int calls = 0;
   const base::Execution stop_at_third{0, [&](float) { return ++calls < 3; }};

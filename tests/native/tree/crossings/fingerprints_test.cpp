@@ -1,5 +1,6 @@
 #include "tree/crossings/fingerprints.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +12,11 @@
 
 namespace snowbough::tree {
 namespace {
+
+using testing::Contains;
+using testing::Each;
+using testing::IsEmpty;
+using testing::Not;
 
 Surface two_branches() {
   return build(make_skeleton({trunk(), side_branch(2.5f, 0.05f), side_branch(2.6f, 0.05f)}))
@@ -61,14 +67,14 @@ TEST(CrossingMemo, WhatLooksTheSameIsTakenOverAndWhatMovedIsSearched) {
   ASSERT_EQ(surface.junctions.size(), 2u);
   CrossingMemo memo(surface.limbs.size());
   const JunctionCrossings none = find_crossings(surface, {}, {}, &memo);
-  ASSERT_EQ(count_crossing(none), 0);
+  ASSERT_THAT(none, Each(IsEmpty()));
   EXPECT_EQ(find_crossings(surface, {}, {}, &memo), none);
 
   // A branch's first ring is pushed through the trunk.
   for (const int32_t v : surface.limbs[1].rings[1].vertices) surface.vertices[v].x -= 2.0;
   const JunctionCrossings crossings = find_crossings(surface, {}, {}, &memo);
   EXPECT_EQ(crossings, find_crossings(surface));
-  EXPECT_GT(count_crossing(crossings), 0);
+  EXPECT_THAT(crossings, Contains(Not(IsEmpty())));
   EXPECT_EQ(find_crossings(surface, {}, {}, &memo), crossings);
 }
 

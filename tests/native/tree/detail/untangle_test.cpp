@@ -11,7 +11,7 @@
 namespace snowbough::tree {
 namespace {
 
-constexpr int kSide = 16;
+constexpr int kPatchSide = 16;
 constexpr double kPull = 1.0;
 
 /// A dome of quads over the unit grid, of which the middle rows were pushed over the next ones: the
@@ -23,15 +23,15 @@ struct Pleat {
   std::vector<double> pull;
 
   static double height(double x, double y) {
-    const double a = x - 0.5 * kSide, b = y - 0.5 * kSide;
+    const double a = x - 0.5 * kPatchSide, b = y - 0.5 * kPatchSide;
     return 4.0 - 0.03 * (a * a + b * b);
   }
   static glm::dvec3 onto(int32_t, const glm::dvec3& p) { return {p.x, p.y, height(p.x, p.y)}; }
 
   Pleat() {
-    for (int i = 0; i <= kSide; ++i) {
-      for (int k = 0; k <= kSide; ++k) {
-        const bool edge = i == 0 || k == 0 || i == kSide || k == kSide;
+    for (int i = 0; i <= kPatchSide; ++i) {
+      for (int k = 0; k <= kPatchSide; ++k) {
+        const bool edge = i == 0 || k == 0 || i == kPatchSide || k == kPatchSide;
         // Faces of the pleat must not lie in one plane with those below, or they would not cross.
         const bool pushed = i >= 6 && i <= 8 && k >= 5 && k <= 11;
         const double x = i + (pushed ? 3.3 : 0.0), y = k + (pushed ? 0.2 : 0.0);
@@ -40,10 +40,10 @@ struct Pleat {
         if (!edge) inside.push_back(static_cast<int32_t>(points.size()) - 1);
       }
     }
-    for (int i = 0; i < kSide; ++i) {
-      for (int k = 0; k < kSide; ++k) {
-        const int32_t at = i * (kSide + 1) + k;
-        quads.push_back({at, at + kSide + 1, at + kSide + 2, at + 1});
+    for (int i = 0; i < kPatchSide; ++i) {
+      for (int k = 0; k < kPatchSide; ++k) {
+        const int32_t at = i * (kPatchSide + 1) + k;
+        quads.push_back({at, at + kPatchSide + 1, at + kPatchSide + 2, at + 1});
       }
     }
   }

@@ -64,7 +64,7 @@ TEST_F(Materials, AConvertedTextureIsTakenAndSaidOnce) {
   EXPECT_THAT(materials["leaf"].alpha_texture.path, HasSubstr("Textures/Leaf.png"));
   EXPECT_THAT(materials["bark"].diffuse_texture.path, HasSubstr("Textures/Leaf.png"));
   EXPECT_THAT(warnings_, ElementsAre("texture 'leaf.tga' of material 'leaf' is missing: "
-                                     "'Leaf.png' is taken for it"));
+                                     "'Leaf.png' is used instead"));
 }
 
 TEST_F(Materials, OfSeveralConvertedTexturesNoneIsTaken) {
@@ -204,7 +204,7 @@ TEST_F(Materials, TexturesElsewhereAreReadOnlyWhereThatIsAllowed) {
   EXPECT_EQ(materials["leaf"].diffuse_texture.path, "");
   EXPECT_EQ(materials["bark"].diffuse_texture.path, "");
   EXPECT_THAT(warnings_,
-              ElementsAre(HasSubstr("files elsewhere are read only where that is allowed")));
+              ElementsAre(HasSubstr("files elsewhere are only read with outside_files")));
   warnings_.clear();
   materials = read({"a.mtl"}, obj, true);
   EXPECT_EQ(materials["leaf"].diffuse_texture.path, absolute);

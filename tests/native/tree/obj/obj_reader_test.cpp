@@ -230,15 +230,15 @@ TEST(ObjReader, NamesTheFirstLineThatPointsTooFar) {
 }
 
 TEST(ObjReader, AnEmptyFileIsNoObj) {
-  EXPECT_THAT(error_of(""), HasSubstr("no Wavefront OBJ"));
+  EXPECT_THAT(error_of(""), HasSubstr("not a Wavefront OBJ"));
 }
 
 TEST(ObjReader, ATextIsNoObj) {
-  EXPECT_THAT(error_of("Dear reader,\nthis is a letter.\n"), HasSubstr("no Wavefront OBJ"));
+  EXPECT_THAT(error_of("Dear reader,\nthis is a letter.\n"), HasSubstr("not a Wavefront OBJ"));
 }
 
 TEST(ObjReader, BinaryDataIsNoObj) {
-  EXPECT_THAT(error_of(std::string("v 0\0 0", 7)), HasSubstr("no text file"));
+  EXPECT_THAT(error_of(std::string("v 0\0 0", 7)), HasSubstr("not a text file"));
 }
 
 TEST(ObjReader, VerticesAloneAreNoTree) {

@@ -116,7 +116,7 @@ TEST_F(ReadTree, FoliageIsWhatTheUserNames) {
     EXPECT_EQ(skeleton.report.foliage_parts, 1) << names;
     EXPECT_EQ(skeleton.foliage.vertices[0].z, 2.7f) << names;
     EXPECT_THAT(skeleton.report.skipped_parts,
-                Contains(Pair("leaves", "no limb, and not named as foliage")))
+                Contains(Pair("leaves", "not a limb, and not named as foliage")))
         << names;
   }
   EXPECT_EQ(read(text.text(), {.foliage_names = "leaves,tags"}).report.foliage_parts, 2);

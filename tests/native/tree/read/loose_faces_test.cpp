@@ -72,7 +72,7 @@ Parts joined(const ObjScene& scene) {
   return join_loose_faces(scene, parts, label_parts(scene, parts));
 }
 
-std::optional<Limb> trace(const ObjScene& scene, const Parts& parts, int32_t part) {
+std::optional<Limb> trace_joined(const ObjScene& scene, const Parts& parts, int32_t part) {
   NotATube why;
   return trace_tube(scene, parts.part_faces(part), parts.part_vertices(part), why);
 }
@@ -85,7 +85,7 @@ TEST(LooseFaces, MakeATubeWhateverTheyAre) {
     const Parts parts = joined(scene);
     ASSERT_EQ(parts.count(), 1);
     EXPECT_EQ(parts.vertices.size(), scene.positions.size());
-    const auto limb = trace(scene, parts, 0);
+    const auto limb = trace_joined(scene, parts, 0);
     ASSERT_TRUE(limb);
     ASSERT_EQ(limb->points.size(), 5u);
     EXPECT_LT(glm::distance(limb->points[3], glm::vec3(3, 0, 0)), 1e-6f);
@@ -111,8 +111,8 @@ TEST(LooseFaces, TubesThatTouchAlongAnEdgeStayApart) {
   EXPECT_EQ(parts.part_faces(0).size(), 16u);
   EXPECT_EQ(parts.part_faces(1).size(), 16u);
   EXPECT_EQ(parts.part_faces(1).front(), 16);
-  EXPECT_TRUE(trace(scene, parts, 0));
-  EXPECT_TRUE(trace(scene, parts, 1));
+  EXPECT_TRUE(trace_joined(scene, parts, 0));
+  EXPECT_TRUE(trace_joined(scene, parts, 1));
 }
 
 TEST(LooseFaces, JoinWithinOneGroupOnly) {

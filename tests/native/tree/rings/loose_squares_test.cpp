@@ -198,7 +198,7 @@ void expect_square_tree(const Skeleton& skeleton, const std::string& form) {
   EXPECT_THAT(skeleton.report.branches_per_level, ElementsAre(1, 4));
   EXPECT_THAT(skeleton.report.extra_roots, IsEmpty());
   EXPECT_THAT(skeleton.report.skipped_parts, IsEmpty());
-  EXPECT_THAT(skeleton.report.warnings, Contains(HasSubstr("in no order")));
+  EXPECT_THAT(skeleton.report.warnings, Contains(HasSubstr("in random order")));
   ASSERT_THAT(skeleton.branches, SizeIs(5));
   ASSERT_THAT(skeleton.branches[0].points, SizeIs(9));
   for (int i = 0; i < 9; ++i) {

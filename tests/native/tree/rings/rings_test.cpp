@@ -140,16 +140,6 @@ TEST(Rings, FollowsTubesOfAnySidesAndEnds) {
   }
 }
 
-TEST(Rings, FastPathAndWalkAgree) {
-  const ObjScene scene = build({.sides = 6, .tip_vertex = true, .quads = false});
-  const Parts parts = split_parts(scene);
-  NotATube why;
-  const auto fast = trace_tube(scene, parts.part_faces(0), parts.part_vertices(0), why);
-  const auto walk = trace_tube_by_layers(scene, parts.part_faces(0), parts.part_vertices(0), why);
-  EXPECT_EQ(fast->points, walk->points);
-  EXPECT_EQ(fast->radii, walk->radii);
-}
-
 TEST(Rings, FollowsClosedTubes) {
   for (const int sides : {3, 4, 6, 8}) {
     for (const int cap : {1, 2}) {

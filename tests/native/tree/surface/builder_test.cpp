@@ -11,7 +11,7 @@
 namespace snowbough::tree {
 namespace {
 
-constexpr uint32_t kSeeds = 60;
+constexpr uint32_t kTreeSeeds = 60;
 
 void expect_same(const Surface& a, const Surface& b) {
   EXPECT_EQ(a.vertices, b.vertices);
@@ -32,8 +32,8 @@ void expect_same(const Surface& a, const Surface& b) {
   }
 }
 
-struct Plan {
-  explicit Plan(uint32_t seed)
+struct PlannedTree {
+  explicit PlannedTree(uint32_t seed)
       : skeleton(RandomSkeleton(seed).make()),
         scale(surface_scale(skeleton)),
         paths(limb_paths(skeleton, limb_widths(skeleton, {}), scale)) {}
@@ -44,33 +44,33 @@ struct Plan {
 };
 
 TEST(SurfaceBuilder, BuildsAfterOtherReliefWhatItBuildsAtOnce) {
-  for (uint32_t seed = 0; seed < kSeeds; ++seed) {
+  for (uint32_t seed = 0; seed < kTreeSeeds; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const Plan plan(seed);
+    const PlannedTree plan(seed);
     std::mt19937 random(seed);
     SurfaceBuilder builder(plan.skeleton, plan.paths, plan.scale, {}, 1);
-    std::vector<uint8_t> relief(plan.paths.size(), 0);
-    builder.build(relief);
+    std::vector<uint8_t> narrowing_steps(plan.paths.size(), 0);
+    builder.build(narrowing_steps);
     for (int round = 0; round < 3; ++round) {
-      for (uint8_t& steps : relief) {
+      for (uint8_t& steps : narrowing_steps) {
         steps = random() % 4 == 0 ? static_cast<uint8_t>(random() % 3) : steps;
       }
-      builder.build(relief);
+      builder.build(narrowing_steps);
       expect_same(builder.surface(),
-                  build_surface(plan.skeleton, plan.paths, plan.scale, {}, relief));
+                  build_surface(plan.skeleton, plan.paths, plan.scale, {}, narrowing_steps));
     }
   }
 }
 
 TEST(SurfaceBuilder, DoesNotDependOnTheNumberOfThreads) {
-  for (uint32_t seed = 0; seed < kSeeds; ++seed) {
+  for (uint32_t seed = 0; seed < kTreeSeeds; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const Plan plan(seed);
+    const PlannedTree plan(seed);
     SurfaceBuilder builder(plan.skeleton, plan.paths, plan.scale, {}, 7);
-    const std::vector<uint8_t> relief(plan.paths.size(), 0);
-    builder.build(relief);
+    const std::vector<uint8_t> narrowing_steps(plan.paths.size(), 0);
+    builder.build(narrowing_steps);
     expect_same(builder.surface(),
-                build_surface(plan.skeleton, plan.paths, plan.scale, {}, relief));
+                build_surface(plan.skeleton, plan.paths, plan.scale, {}, narrowing_steps));
   }
 }
 

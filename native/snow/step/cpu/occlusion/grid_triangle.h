@@ -12,20 +12,21 @@
 
 namespace snowbough::snow::cpu {
 
-/// Steps of the grid on which corners lie, a pixel.
+/// Sub-pixel steps per pixel; corners are snapped to them.
 inline constexpr int32_t kSteps = 256;
 static_assert(static_cast<float>(kSteps) == shared::kStepsAPixel);
-/// Local pixels beyond this lie on no tile; floats times kSteps still fit an int32_t.
+/// Clamp for local pixels, beyond every tile; floats times kSteps still fit an int32_t.
 inline constexpr float kFarPixel = 4194304.0f;
 
-/// The first pixel of a row or column whose centre is not before `step`; the last is the one before
-/// the first of the other end, which makes a side belong to the triangle at its right or above it.
+/// The first pixel of a row or column whose centre is not before `step`. The last pixel is the one
+/// before the first of the other end, so that a side belongs to the triangle at its right or above
+/// it.
 inline int32_t first_pixel_from(int32_t step) {
   return (step + kSteps / 2 - 1) >> 8;
 }
 
 /// The pixels of `tile` whose centres lie in the bounds of a triangle with these corners (of the
-/// triangle set-up); empty where one of them is not finite.
+/// triangle set-up); empty if a corner is not finite.
 inline PixelRect covered_pixels(const glm::vec4* corners, const PixelRect& tile) {
   const glm::vec4& a = corners[0];
   const glm::vec4& b = corners[1];

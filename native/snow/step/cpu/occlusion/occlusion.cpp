@@ -10,7 +10,7 @@
 namespace snowbough::snow::cpu {
 namespace {
 
-/// Pixels of a bin among those of the rectangle.
+/// Pixels of a bin within those of the rectangle.
 SeenPixels pixels_of_bin(glm::ivec2 bin, const PixelRect& pixels,
                          std::span<shared::SeenPixel> seen) {
   const glm::ivec2 offset = bin * kBinSize;
@@ -24,7 +24,7 @@ SeenPixels pixels_of_bin(glm::ivec2 bin, const PixelRect& pixels,
 
 }  // namespace
 
-/// Draws the sorted draws from `first` on, over what earlier ones left.
+/// Draws the sorted draws from `first` on, over earlier ones.
 void OcclusionPass::raster(const OcclusionScene& scene, const DrawList& draws, int64_t first,
                            const PixelRect& pixels, std::span<shared::SeenPixel> seen) {
   const glm::ivec2 size = bins_.size();
@@ -37,7 +37,7 @@ void OcclusionPass::raster(const OcclusionScene& scene, const DrawList& draws, i
   base::for_each_item(static_cast<size_t>(size.x * size.y), 1, draw_bin, options_.threads);
 }
 
-/// Sorts and draws [first, end), in halves where all at once take too much memory.
+/// Sorts and draws [first, end), in halves if it would take too much memory at once.
 void OcclusionPass::draw(const OcclusionScene& scene, const DrawList& draws, int64_t first,
                          int64_t end, const PixelRect& pixels, std::span<shared::SeenPixel> seen) {
   if (bins_.sort(
@@ -54,7 +54,7 @@ void OcclusionPass::run(const OcclusionScene& scene, const PixelRect& pixels,
                         std::span<shared::SeenPixel> seen) {
   const glm::ivec2 size = pixels.size();
   if (pixels.empty()) {
-    throw std::invalid_argument("OcclusionPass: a rectangle without pixels");
+    throw std::invalid_argument("OcclusionPass: the rectangle has no pixels");
   }
   if (seen.size() != static_cast<size_t>(size.x) * static_cast<size_t>(size.y)) {
     throw std::invalid_argument("OcclusionPass: room for " + std::to_string(seen.size()) +

@@ -11,25 +11,25 @@
 
 namespace snowbough::snow::cpu {
 
-/// The images that cut holes into triangles, as in the scene's buffers.
+/// The alpha masks that cut holes into triangles, as in the scene's buffers.
 struct AlphaImages {
   std::span<const shared::AlphaTriangle> triangles;
   std::span<const shared::AlphaMaskPlace> masks;
   std::span<const uint32_t> bits;
 };
 
-/// What is drawn to find out what the sky sees.
+/// The triangles to draw for occlusion.
 struct OcclusionScene {
-  /// Three a triangle, of the triangle set-up. A triangle with a corner that is not finite is not
+  /// Three per triangle, of the triangle set-up. A triangle with a corner that is not finite is not
   /// drawn.
   std::span<const glm::vec4> corners;
-  /// Drawn in their order, which decides where two surfaces coincide.
+  /// Drawn in order, which decides between coincident surfaces.
   std::span<const TriangleRange> ranges;
-  /// Read for ranges with alpha only.
+  /// Only read for ranges with alpha.
   AlphaImages alpha;
 };
 
-/// Ranges of triangles one behind the other, in drawing order: a draw is a triangle's number in it.
+/// Triangle ranges one after the other, in drawing order. A draw is an index into the result.
 class DrawList {
  public:
   /// `ranges` live as long as the list.
@@ -39,12 +39,12 @@ class DrawList {
 
   int64_t size() const { return begin_.back(); }
 
-  /// Finds the triangles of draws that ascend.
+  /// Finds the triangles of ascending draws.
   class Cursor {
    public:
     explicit Cursor(const DrawList& list) : list_(&list) {}
 
-    /// Goes on to `draw`, which is less than the list's size and not less than the last one.
+    /// Advances to `draw`, which must be below the list's size and not below the last one.
     void move_to(int64_t draw) {
       if (draw >= list_->begin_[at_ + 1]) skip_to(draw);
       triangle_ = list_->ranges_[at_].first + (draw - list_->begin_[at_]);

@@ -15,12 +15,12 @@ namespace snowbough::snow::cpu {
 namespace {
 
 constexpr int32_t kLanes = 8;
-/// Triangles up to this many pixels a side are tested pixel by pixel in 32 bits, larger ones row by
-/// row.
+/// Triangles up to this many pixels per side are tested pixel by pixel in 32 bits, larger ones row
+/// by row.
 constexpr int32_t kSmallPixels = 64;
 constexpr float kSmall = static_cast<float>(kSmallPixels);
-/// Corners up to this many pixels from the grid's origin are reckoned with in whole steps: products
-/// of two distances in steps fit 62 bits. Beyond, floats lie further apart than that.
+/// Corners up to this many pixels from the grid's origin use exact integer steps: products of two
+/// distances in steps fit 62 bits. Beyond, floats are coarser than a step.
 constexpr float kExactPixel = 1 << 20;
 
 /// The bin's pixels. Vectors may end behind the last one.
@@ -65,7 +65,7 @@ void store_nothing(const SeenPixels& pixels) {
   }
 }
 
-/// A triangle that is being drawn: corners on the grid's steps, in pixels.
+/// The triangle being drawn: corners snapped to the grid's steps, in pixels.
 struct GridTriangle {
   glm::vec3 a;
   glm::vec3 b;
@@ -79,9 +79,9 @@ struct GridTriangle {
         plane(shared::depth_plane(a, b, c, index)) {}
 };
 
-/// Draws into a row's pixels from x on, those where `beyond(k)` is not negative, in whole vectors:
-/// `count` rounded up to kLanes. `offset_y`: of their centres from the plane's corner; `depth` and
-/// `seen`: those of the first.
+/// Draws into a row's pixels from x on where `beyond(k)` is not negative, in whole vectors: `count`
+/// rounded up to kLanes. `offset_y`: of their centres from the plane's corner; `depth` and `seen`:
+/// of the first.
 template <typename Beyond>
 inline void draw_lanes(const shared::DepthPlane& plane, int32_t x, int32_t count, float offset_y,
                        const Beyond& beyond, float* __restrict depth, uint32_t* __restrict seen) {
@@ -98,7 +98,7 @@ inline void draw_lanes(const shared::DepthPlane& plane, int32_t x, int32_t count
   }
 }
 
-/// One side of a small triangle: negative beyond it, at the centre of the first pixel of a row.
+/// One side of a small triangle: negative outside, at the centre of a row's first pixel.
 struct Side {
   int32_t value;
   int32_t right;
@@ -107,7 +107,7 @@ struct Side {
   /// Corners in steps from the first pixel's centre, anticlockwise.
   Side(glm::ivec2 from, glm::ivec2 to) {
     const glm::ivec2 way = to - from;
-    // A centre on the line belongs to the triangle at its right or, if it is level, above it.
+    // A centre on the line belongs to the triangle at its right or, if the line is level, above it.
     const bool holds_line = way.y < 0 || (way.y == 0 && way.x > 0);
     value = way.y * from.x - way.x * from.y - (holds_line ? 0 : 1);
     right = -way.y * kSteps;
@@ -118,11 +118,12 @@ struct Side {
   int32_t at(int32_t k) const { return value + k * right; }
 };
 
-/// Draws one that is at most kSmallPixels wide and high, into the pixels `covered` by its bounds.
+/// Draws a triangle of at most kSmallPixels width and height into the pixels `covered` by its
+/// bounds.
 inline void draw_small(const GridTriangle& triangle, const PixelRect& covered,
                        const PixelRect& rect, BinPixels& bin) {
-  // No vector reaches over the end of the bin's row: one lies where it must, several lie side by
-  // side from its beginning.
+  // No vector crosses the end of the bin's row: a single one is shifted, several start at its
+  // beginning.
   const int32_t column = covered.low.x - rect.low.x;
   const int32_t first_x =
       rect.low.x + (covered.high.x - covered.low.x <= kLanes ? std::min(column, kBinSize - kLanes)
@@ -174,13 +175,14 @@ class LongSide {
     a_step_ = 1.0 / (way_.y * kSteps);
   }
 
-  /// Whether it passes by the centres of a row of pixels.
+  /// Whether it crosses the centres of a row of pixels.
   bool crosses(int32_t row) const {
     const double y = static_cast<double>(row) * kSteps;
     return begin_.y <= y && y < end_y_;
   }
 
-  /// The first pixel of a row that it crosses with its centre not left of it. Between low and high.
+  /// The first pixel of a crossed row with its centre not left of the side, clamped to low and
+  /// high.
   int32_t first_pixel(int32_t row, int32_t low, int32_t high) const {
     const double y = static_cast<double>(row) * kSteps;
     if (!is_exact_) {
@@ -188,7 +190,7 @@ class LongSide {
       return static_cast<int32_t>(
           std::clamp(std::ceil(x), static_cast<double>(low), static_cast<double>(high)));
     }
-    // Rounded up, by an estimate that is at most one off.
+    // Rounded up, from an estimate that is off by at most one.
     const int64_t steps_y = static_cast<int64_t>(way_.y);
     const int64_t numerator =
         static_cast<int64_t>(begin_.x) * steps_y +
@@ -203,7 +205,7 @@ class LongSide {
   }
 
  private:
-  /// In steps; pixel centres lie at multiples of kSteps.
+  /// In steps; pixel centres are at multiples of kSteps.
   glm::dvec2 begin_;
   double end_y_;
   glm::dvec2 way_;
@@ -218,7 +220,7 @@ class RowSpans {
       : sides_{LongSide(triangle.a, triangle.b), LongSide(triangle.b, triangle.c),
                LongSide(triangle.c, triangle.a)} {}
 
-  /// Its pixels [first, second) in a row, between low and high.
+  /// Its pixels [first, second) in a row, clamped to low and high.
   std::pair<int32_t, int32_t> at(int32_t row, int32_t low, int32_t high) const {
     int32_t first = high;
     int32_t end = low;
@@ -250,7 +252,7 @@ inline void draw_large(const GridTriangle& triangle, const PixelRect& covered,
   const RowSpans spans(triangle);
   const int32_t low = covered.low.x;
   const int32_t high = covered.high.x;
-  // Where it fills the first and the last row, it fills those between them.
+  // If it fills the first and the last row, it fills those between.
   const std::pair<int32_t, int32_t> full(low, high);
   const bool is_full =
       spans.at(covered.low.y, low, high) == full && spans.at(covered.high.y - 1, low, high) == full;
@@ -260,7 +262,7 @@ inline void draw_large(const GridTriangle& triangle, const PixelRect& covered,
   }
 }
 
-/// Draws a triangle into which a mask cuts holes.
+/// Draws a triangle with an alpha mask.
 inline void draw_with_holes(const GridTriangle& triangle, const shared::AlphaTriangle& alpha,
                             const AlphaImages& images, const PixelRect& covered,
                             const PixelRect& rect, BinPixels& bin) {

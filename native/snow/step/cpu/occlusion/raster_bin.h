@@ -12,15 +12,14 @@ namespace snowbough::snow::cpu {
 
 /// Pixels to draw into.
 struct SeenPixels {
-  /// That at `rect`'s lower left; rows are `pitch` elements apart.
+  /// Pixel at `rect`'s lower left; rows are `pitch` elements apart.
   shared::SeenPixel* first;
   ptrdiff_t pitch;
   PixelRect rect;
 };
 
 /// Draws `numbers`, ascending and counted from `first_draw`, into the pixels of one bin.
-/// `is_blank`: the pixels hold nothing yet and may be of any content; else drawing goes on over
-/// what they hold.
+/// `is_blank`: the pixels are uninitialised; otherwise drawing adds to their content.
 void raster_bin(const OcclusionScene& scene, const DrawList& draws, int64_t first_draw,
                 std::span<const uint32_t> numbers, const SeenPixels& pixels, bool is_blank);
 

@@ -14,17 +14,17 @@
 namespace snowbough::snow::cpu {
 namespace {
 
-/// Some chunks of draws take longer than others.
+/// Chunks per thread: some take longer than others.
 constexpr int32_t kChunksAThread = 4;
 constexpr int32_t kMostBins = 255;
 
-/// The line through two corners, positive where a triangle lies.
+/// The line through two corners, positive on the triangle's side.
 class EdgeLine {
  public:
   EdgeLine(const glm::dvec3& from, const glm::dvec3& to, double turn)
       : x_(from.x), y_(from.y), dx_(turn * (to.x - from.x)), dy_(turn * (to.y - from.y)) {}
 
-  /// Whether a rectangle lies on its other side.
+  /// Whether a rectangle is on its other side.
   bool leaves_out(const glm::dvec2& low, const glm::dvec2& high) const {
     constexpr double kRounding = 1e-12;
     const double up = dx_ * ((dx_ > 0.0 ? high.y : low.y) - y_);
@@ -39,7 +39,7 @@ class EdgeLine {
   double dy_;
 };
 
-/// Which bins a triangle may show in, more exactly than by its bounds.
+/// The bins in which a triangle may show, more exactly than by its bounds.
 class BinTest {
  public:
   BinTest(const glm::vec4* corners, glm::ivec2 low)
@@ -64,11 +64,11 @@ class BinTest {
   glm::ivec2 low_;
 };
 
-/// Calls `work(x, y)` for the bins [low, high) that the triangle may show in.
+/// Calls `work(x, y)` for the bins [low, high) in which the triangle may show.
 template <typename Work>
 inline void for_bins(const glm::vec4* corners, const PixelRect& pixels, glm::ivec2 low,
                      glm::ivec2 high, const Work& work) {
-  // A triangle that reaches over few is mostly in all of them.
+  // A triangle over few bins usually covers all of them.
   const bool by_bounds = high.x - low.x <= 2 && high.y - low.y <= 2;
   if (by_bounds) {
     for (int32_t y = low.y; y < high.y; ++y) {
@@ -115,7 +115,7 @@ SNOWBOUGH_KERNEL void TriangleBins::count_chunk(const Input& input, size_t chunk
   }
 }
 
-/// Turns counts into places: bin after bin, in each chunk after chunk.
+/// Converts counts to offsets: by bin, then by chunk.
 int64_t TriangleBins::place_chunks(size_t chunks) {
   const auto bins = static_cast<size_t>(size_.x * size_.y);
   bin_begin_.resize(bins + 1);
@@ -152,7 +152,7 @@ bool TriangleBins::sort(const Input& input) {
   if (size_.x > kMostBins || size_.y > kMostBins) {
     throw std::invalid_argument("a tile of " + std::to_string(input.pixels.size().x) + " x " +
                                 std::to_string(input.pixels.size().y) + " pixels: draw at most " +
-                                std::to_string(kMostBins * kBinSize) + " a side at once");
+                                std::to_string(kMostBins * kBinSize) + " per side at once");
   }
   if (input.end - input.first > std::max<int64_t>(input.most_entries, 1)) return false;
   const size_t chunks = chunks_of(input);

@@ -11,36 +11,36 @@
 
 namespace snowbough::snow::cpu {
 
-/// Edge of a bin in pixels: these stay in a core's cache while its triangles are drawn.
+/// Edge of a bin in pixels: its pixels stay in a core's cache while its triangles are drawn.
 inline constexpr int32_t kBinSize = 64;
 
-/// Which triangles may show in which square of kBinSize pixels. Counts, sums up and fills, so that
-/// bins hold their triangles in drawing order whatever the number of threads. Keeps its memory from
-/// one use to the next.
+/// Sorts triangles into the squares of kBinSize pixels in which they may show. Counts, sums up and
+/// fills, so that bins hold their triangles in drawing order for any number of threads. Keeps its
+/// memory between uses.
 class TriangleBins {
  public:
   struct Input {
-    /// Three a triangle, of the triangle set-up.
+    /// Three per triangle, of the triangle set-up.
     std::span<const glm::vec4> corners;
     const DrawList& draws;
-    /// The draws that are sorted: [first, end).
+    /// The draws to sort: [first, end).
     int64_t first;
     int64_t end;
-    /// The rectangle that the bins divide, from its lower left on.
+    /// The rectangle that the bins divide, from its lower left.
     PixelRect pixels;
     int32_t threads;
-    /// Most draws and most entries of all bins, which take four bytes each.
+    /// Maximum number of draws, and of entries of all bins, at four bytes each.
     int64_t most_entries;
   };
 
-  /// Returns false, and sorts none, where that would take more than `most_entries` and there is
+  /// Returns false, and sorts nothing, if that would take more than `most_entries` and there is
   /// more than one draw.
   /// @throws std::invalid_argument for a rectangle of more than 255 bins a side.
   bool sort(const Input& input);
 
   /// In columns and rows.
   glm::ivec2 size() const { return size_; }
-  /// Draws of a bin, counted from `first`, ascending.
+  /// A bin's draws, counted from `first`, ascending.
   std::span<const uint32_t> draws_in(glm::ivec2 bin) const;
 
  private:
@@ -60,9 +60,9 @@ class TriangleBins {
   }
 
   glm::ivec2 size_{0};
-  /// Per draw, where its bounds lie.
+  /// Bounds of each draw, in bins.
   std::vector<Box> boxes_;
-  /// Per chunk of draws and bin: how many, then where the chunk's next one goes.
+  /// Per chunk of draws and bin: the count, then the position of the chunk's next entry.
   std::vector<int64_t> chunk_bins_;
   std::vector<int64_t> bin_begin_;
   std::vector<uint32_t> entries_;

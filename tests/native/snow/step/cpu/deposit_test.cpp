@@ -12,7 +12,7 @@
 #include "snow/step/cpu/kernel.h"
 #include "snow/step/cpu/occlusion/occlusion.h"
 #include "snow/step/cpu/passes.h"
-#include "snow/step/cpu/run_sight.h"
+#include "snow/step/cpu/run_visibility.h"
 #include "snow/texels/texel_order.h"
 
 namespace snowbough::snow {

@@ -11,7 +11,7 @@
 
 #include "native/snow/bench.h"
 #include "snow/step/cpu/occlusion/occlusion.h"
-#include "snow/step/cpu/run_sight.h"
+#include "snow/step/cpu/run_visibility.h"
 
 namespace snowbough::snow {
 namespace {

@@ -13,8 +13,8 @@
 namespace snowbough::snow {
 namespace {
 
-/// A card of 1 m at height z around the origin; u along x, v along y.
-SceneObject card(const std::string& name, float z) {
+/// A alpha_card of 1 m at height z around the origin; u along x, v along y.
+SceneObject alpha_card(const std::string& name, float z) {
   SceneObject object;
   object.description.name = name;
   object.description.receive = false;
@@ -44,7 +44,7 @@ void cut(SceneObject& object, std::shared_ptr<const AlphaMask> mask, float times
 }
 
 /// For every pixel around the cards, row by row: 1 + the object that the sky sees there, 0 = none.
-/// A card is 16 pixels wide; every object has two triangles. `width`: pixels in a row.
+/// A alpha_card is 16 pixels wide; every object has two triangles. `width`: pixels in a row.
 std::vector<int32_t> seen_from_above(const std::vector<SceneObject>& objects,
                                      size_t* width = nullptr) {
   return gpu::GpuThread::shared()->run([&] {
@@ -95,13 +95,14 @@ int64_t count_of(const std::vector<int32_t>& shown, int32_t what) {
 }
 
 TEST(OcclusionAlpha, AnOpaqueCardHidesAllThatLiesBelow) {
-  const std::vector<int32_t> shown = seen_from_above({card("a", 1.0f), card("b", 0.0f)});
+  const std::vector<int32_t> shown =
+      seen_from_above({alpha_card("a", 1.0f), alpha_card("b", 0.0f)});
   EXPECT_EQ(count_of(shown, 1), 256);
   EXPECT_EQ(count_of(shown, 2), 0);
 }
 
 TEST(OcclusionAlpha, TheSkySeesTheGroundThroughAHole) {
-  std::vector<SceneObject> objects = {card("a", 1.0f), card("b", 0.0f)};
+  std::vector<SceneObject> objects = {alpha_card("a", 1.0f), alpha_card("b", 0.0f)};
   cut(objects[0], left_half());
   const std::vector<int32_t> shown = seen_from_above(objects);
   EXPECT_EQ(count_of(shown, 1), 128);
@@ -109,7 +110,7 @@ TEST(OcclusionAlpha, TheSkySeesTheGroundThroughAHole) {
 }
 
 TEST(OcclusionAlpha, AHoleIsWhereTheImageHasIt) {
-  std::vector<SceneObject> objects = {card("a", 1.0f), card("b", 0.0f)};
+  std::vector<SceneObject> objects = {alpha_card("a", 1.0f), alpha_card("b", 0.0f)};
   cut(objects[0], left_half());
   size_t width = 0;
   const std::vector<int32_t> shown = seen_from_above(objects, &width);
@@ -124,23 +125,24 @@ TEST(OcclusionAlpha, AHoleIsWhereTheImageHasIt) {
 }
 
 TEST(OcclusionAlpha, AnImageRepeatsMirrorsExtendsOrEndsBeyondItsEdge) {
-  // The card shows u from 0 to 2: there, hole, and then once more, turned, drawn out, or nothing.
+  // The alpha_card shows u from 0 to 2: there, hole, and then once more, turned, drawn out, or
+  // nothing.
   const std::pair<uint32_t, int64_t> expected[] = {{shared::kAlphaRepeat, 128},
                                                    {shared::kAlphaMirror, 128},
                                                    {shared::kAlphaExtend, 64},
                                                    {shared::kAlphaClip, 32}};
   for (const auto& [extension, pixels] : expected) {
-    std::vector<SceneObject> objects = {card("a", 1.0f)};
+    std::vector<SceneObject> objects = {alpha_card("a", 1.0f)};
     cut(objects[0], left_half(extension), 2.0f);
     EXPECT_EQ(count_of(seen_from_above(objects), 1), pixels) << extension;
   }
-  std::vector<SceneObject> far_off = {card("a", 1.0f)};
+  std::vector<SceneObject> far_off = {alpha_card("a", 1.0f)};
   cut(far_off[0], left_half(shared::kAlphaExtend), 1.0f, -5.0f);
   EXPECT_EQ(count_of(seen_from_above(far_off), 1), 256);
 }
 
 TEST(OcclusionAlpha, OnlyTrianglesWithAnImageHaveHoles) {
-  std::vector<SceneObject> objects = {card("a", 1.0f)};
+  std::vector<SceneObject> objects = {alpha_card("a", 1.0f)};
   cut(objects[0], std::make_shared<const AlphaMask>(make_alpha_mask(1, 1, 0, {0})));
   objects[0].description.alpha.mask = {-1, 0};
   // The diagonal's pixel centres belong to one of the two triangles.
@@ -148,7 +150,8 @@ TEST(OcclusionAlpha, OnlyTrianglesWithAnImageHaveHoles) {
 }
 
 TEST(OcclusionAlpha, EachObjectUsesItsOwnImages) {
-  std::vector<SceneObject> objects = {card("a", 2.0f), card("b", 1.0f), card("c", 0.0f)};
+  std::vector<SceneObject> objects = {alpha_card("a", 2.0f), alpha_card("b", 1.0f),
+                                      alpha_card("c", 0.0f)};
   cut(objects[0], std::make_shared<const AlphaMask>(make_alpha_mask(1, 1, 0, {0})));
   cut(objects[2], left_half());
   EXPECT_EQ(count_of(seen_from_above(objects), 2), 256);
@@ -162,8 +165,8 @@ TEST(OcclusionAlpha, EachObjectUsesItsOwnImages) {
 TEST(OcclusionAlpha, MemoryCountsAMaskThatTwoObjectsShareOnce) {
   const auto mask = std::make_shared<const AlphaMask>(
       make_alpha_mask(1024, 1024, 0, std::vector<uint8_t>(1 << 20, 255)));
-  SceneObject a = card("a", 1.0f);
-  SceneObject b = card("b", 0.0f);
+  SceneObject a = alpha_card("a", 1.0f);
+  SceneObject b = alpha_card("b", 0.0f);
   const int64_t opaque = estimate_memory({&a, &b}, 64).geometry;
   cut(a, mask);
   cut(b, mask);
@@ -178,7 +181,7 @@ TEST(AlphaMask, WhatDoesNotFitIsRefused) {
   EXPECT_THROW(make_alpha_mask(0, 1, 0, {}), std::invalid_argument);
   EXPECT_THROW(make_alpha_mask(2, 2, 0, {0, 0, 0}), std::invalid_argument);
   EXPECT_THROW(alpha_extension("repeat"), std::invalid_argument);
-  SceneObject object = card("a", 0.0f);
+  SceneObject object = alpha_card("a", 0.0f);
   cut(object, left_half());
   EXPECT_NO_THROW(check_alpha(object.description.alpha, 2));
   EXPECT_THROW(check_alpha(object.description.alpha, 3), std::invalid_argument);

@@ -1,4 +1,4 @@
-// Smoother where snow ends in a bank.
+// Smoother where snow ends in a feet.
 #include <gtest/gtest.h>
 
 #include <algorithm>

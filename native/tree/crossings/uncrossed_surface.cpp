@@ -1,4 +1,4 @@
-#include "tree/crossings/relief.h"
+#include "tree/crossings/uncrossed_surface.h"
 
 #include <algorithm>
 
@@ -9,13 +9,13 @@ namespace snowbough::tree {
 namespace {
 
 constexpr int kRounds = 6;
-/// Junctions that did not improve for this many rounds will not.
-constexpr int kPatience = 2;
+/// Number of rounds without improvement after which the search stops.
+constexpr int kRoundsWithoutGain = 2;
 
-/// Raises the relief of the branches that cross: of two, the one further from the trunk; in later
-/// rounds both, unless it is the limb that the junction is on.
-void relieve(const Surface& surface, const JunctionCrossings& crossings, int round,
-             std::vector<uint8_t>& relief, std::vector<uint8_t>& changed) {
+/// Adds a narrowing step to branches that intersect: of two, the one farther from the trunk; in
+/// later rounds both, except the junction's own limb.
+void narrow_crossing(const Surface& surface, const JunctionCrossings& crossings, int round,
+                     std::vector<uint8_t>& narrowing_steps, std::vector<uint8_t>& changed) {
   for (size_t j = 0; j < crossings.size(); ++j) {
     for (const auto& [f, g] : crossings[j]) {
       const int32_t a = surface.origins[f].branch, b = surface.origins[g].branch;
@@ -28,12 +28,12 @@ void relieve(const Surface& surface, const JunctionCrossings& crossings, int rou
       }
     }
   }
-  for (size_t b = 0; b < relief.size(); ++b) {
-    relief[b] = static_cast<uint8_t>(relief[b] + changed[b]);
+  for (size_t b = 0; b < narrowing_steps.size(); ++b) {
+    narrowing_steps[b] = static_cast<uint8_t>(narrowing_steps[b] + changed[b]);
   }
 }
 
-/// Branches whose faces lie elsewhere once `changed` have been relieved: they and their parents.
+/// Branches whose faces move when `changed` are narrowed: they and their parents.
 std::vector<uint8_t> moved_limbs(const Skeleton& skeleton, const std::vector<uint8_t>& changed) {
   std::vector<uint8_t> moved(changed);
   for (size_t b = 0; b < changed.size(); ++b) {
@@ -44,7 +44,7 @@ std::vector<uint8_t> moved_limbs(const Skeleton& skeleton, const std::vector<uin
   return moved;
 }
 
-/// Junctions at either end of a branch that moved, and their neighbours on the same limb.
+/// Junctions at either end of a moved branch, and their neighbours on the same limb.
 std::vector<uint8_t> affected(const Surface& surface, const std::vector<uint8_t>& moved) {
   std::vector<uint8_t> only;
   only.reserve(surface.junctions.size());
@@ -54,7 +54,7 @@ std::vector<uint8_t> affected(const Surface& surface, const std::vector<uint8_t>
   return only;
 }
 
-/// Adds the parents of what is in `only`, their parents and so on.
+/// Adds all ancestors of the branches in `only`.
 void add_ancestors(const Skeleton& skeleton, std::vector<uint8_t>& only) {
   for (size_t b = only.size(); b-- > 0;) {
     if (only[b] != 0 && skeleton.branches[b].parent >= 0) {
@@ -63,11 +63,10 @@ void add_ancestors(const Skeleton& skeleton, std::vector<uint8_t>& only) {
   }
 }
 
-/// The part of the surface that has all faces near the junctions affected.
+/// The part of the surface with all faces near the affected junctions.
 Surface surface_around(const SurfaceBuilder& builder, const Skeleton& skeleton,
                        const std::vector<uint8_t>& moved) {
-  // Their children, the children of those, and those beside them on their parents: seldom does a
-  // junction's neighbourhood reach further.
+  // Their children, grandchildren and siblings: a junction's neighbourhood rarely reaches further.
   std::vector<uint8_t> only(moved);
   for (size_t b = 0; b < moved.size(); ++b) {
     if (moved[b] != 0 && skeleton.branches[b].parent >= 0) {
@@ -110,29 +109,30 @@ UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
                                          const std::vector<LimbPath>& paths,
                                          const SurfaceScale& scale, const SurfaceOptions& options,
                                          const base::Execution& execution) {
-  std::vector<uint8_t> relief(paths.size(), 0);
+  std::vector<uint8_t> narrowing_steps(paths.size(), 0);
   UncrossedSurface best;
   SurfaceBuilder builder(skeleton, paths, scale, options, execution.threads);
-  builder.build(relief);
+  builder.build(narrowing_steps);
   best.surface = builder.surface();
   base::report_progress(execution.progress, 0.3f);
   CrossingMemo memo(paths.size());
   JunctionCrossings crossings = find_crossings(best.surface, {}, execution.part(0.3f, 0.7f), &memo);
   best.crossing = crossing_children(best.surface, crossings);
-  std::vector<uint8_t> best_relief = relief;
+  std::vector<uint8_t> best_narrowing = narrowing_steps;
 
   Surface around;
   int idle = 0;
-  for (int round = 0; round < kRounds && idle < kPatience && !best.crossing.empty(); ++round) {
+  for (int round = 0; round < kRounds && idle < kRoundsWithoutGain && !best.crossing.empty();
+       ++round) {
     const float share = 0.7f + 0.2f * static_cast<float>(round) / kRounds;
     base::report_progress(execution.progress, share);
-    std::vector<uint8_t> changed(relief.size(), 0);
-    relieve(round == 0 ? best.surface : around, crossings, round, relief, changed);
+    std::vector<uint8_t> changed(narrowing_steps.size(), 0);
+    narrow_crossing(round == 0 ? best.surface : around, crossings, round, narrowing_steps, changed);
     const std::vector<uint8_t> moved = moved_limbs(skeleton, changed);
-    builder.build(relief);
+    builder.build(narrowing_steps);
     around = surface_around(builder, skeleton, moved);
-    // On a limb without room for all that leave it, knuckles shift along the whole of it when one
-    // is relieved: nothing is known again then, and no longer looked for.
+    // On a limb without enough room, narrowing one child shifts knuckles along all of it: the memo
+    // is useless then and not consulted.
     CrossingMemo* const known = round == 0 || memo.hits() > 0 ? &memo : nullptr;
     crossings =
         find_crossings(around, affected(around, moved), execution.part(share, share), known);
@@ -141,17 +141,17 @@ UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
     if (still.size() < best.crossing.size()) {
       idle = 0;
       best.crossing = std::move(still);
-      best_relief = relief;
+      best_narrowing = narrowing_steps;
     }
   }
-  for (size_t b = 0; b < best_relief.size(); ++b) {
-    if (best_relief[b] > 0) {
+  for (size_t b = 0; b < best_narrowing.size(); ++b) {
+    if (best_narrowing[b] > 0) {
       best.narrowed.push_back(static_cast<int32_t>(b));
     }
   }
   if (!best.narrowed.empty()) {
     base::report_progress(execution.progress, 0.9f);
-    builder.build(best_relief);
+    builder.build(best_narrowing);
     best.surface = builder.surface();
   }
   return best;

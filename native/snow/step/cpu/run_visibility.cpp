@@ -1,4 +1,4 @@
-#include "snow/step/cpu/run_sight.h"
+#include "snow/step/cpu/run_visibility.h"
 
 #include <algorithm>
 #include <array>
@@ -9,9 +9,9 @@
 namespace snowbough::snow::cpu {
 namespace {
 
-/// Half the distance between a float of 1 and the next.
+/// Half the distance between 1 and the next float.
 constexpr double kRounding = 1.0 / 16777216.0;
-/// Wider runs are left to their samples; and no float is off by more than a pixel there.
+/// Wider runs are evaluated per sample; within this size no float is off by more than a pixel.
 constexpr double kWidest = 4096.0;
 constexpr double kFarthest = 1e6;
 constexpr int32_t kLanes = 8;
@@ -26,7 +26,7 @@ struct Range {
   }
 };
 
-/// Where samples lie, and how deep their planes are at local pixel (0, 0).
+/// Bounds of the samples, and of their planes' depth at local pixel (0, 0).
 struct Extent {
   Range x;
   Range y;
@@ -34,7 +34,7 @@ struct Extent {
   Range plane;
 };
 
-/// Of the corners of what the weights' bounds leave of the triangle's plane.
+/// From the corners of the part of the triangle's plane within the weights' bounds.
 Extent extent_of(const RunPlane& run) {
   Extent extent;
   const auto include = [&](double b, double c) {
@@ -61,15 +61,14 @@ double length_of(float corner, float edge_b, float edge_c) {
   return std::abs(double{corner}) + std::abs(double{edge_b}) + std::abs(double{edge_c});
 }
 
-/// The largest of a run's coordinates, which decides about roundings.
+/// The largest of a run's coordinates, which determines rounding errors.
 double farthest(const RunPlane& run) {
   return std::max(length_of(run.corner.x, run.edge_b.x, run.edge_c.x),
                   length_of(run.corner.y, run.edge_b.y, run.edge_c.y));
 }
 
-/// By how much the samples' arithmetic and the loops below may be off, in metres of depth: of a
-/// sample's place (5 roundings) and depth (4), of what it holds against the pixels (8), and of the
-/// loops (8).
+/// Bound of the rounding errors in metres of depth: of a sample's position (5 roundings) and depth
+/// (4), of its comparison with the pixels (8), and of the loops below (8).
 double rounding_of(const RunPlane& run, double pixels) {
   const double depth = length_of(run.corner.z, run.edge_b.z, run.edge_c.z);
   const double slope = std::abs(double{run.gradient.x}) + std::abs(double{run.gradient.y});
@@ -77,14 +76,14 @@ double rounding_of(const RunPlane& run, double pixels) {
          (20.0 * (depth + double{run.reach}) + slope * (6.0 * farthest(run) + 8.0 * pixels + 16.0));
 }
 
-/// A plane over a rectangle of the tile's pixels.
+/// A plane above a rectangle of the tile's pixels.
 struct Threshold {
   double at_zero;
   glm::vec2 gradient;
-  /// It is nowhere deeper.
+  /// Its largest depth.
   float most;
 
-  /// At the centre of a local pixel.
+  /// Depth at the centre of a local pixel.
   float at(glm::ivec2 pixel) const {
     return static_cast<float>(at_zero + gradient.x * (pixel.x + 0.5) +
                               gradient.y * (pixel.y + 0.5));
@@ -97,7 +96,7 @@ struct Pixels {
   ptrdiff_t pitch;
 };
 
-/// Whether no pixel lies in front of the threshold.
+/// Whether no pixel is in front of the threshold.
 SNOWBOUGH_KERNEL bool all_behind(const Pixels& pixels, const Threshold& threshold) {
   const int32_t width = pixels.rect.size().x;
   const int32_t end = (width + kLanes - 1) / kLanes * kLanes;
@@ -114,7 +113,7 @@ SNOWBOUGH_KERNEL bool all_behind(const Pixels& pixels, const Threshold& threshol
   return true;
 }
 
-/// Whether all pixels lie in front of the threshold.
+/// Whether all pixels are in front of the threshold.
 SNOWBOUGH_KERNEL bool all_before(const Pixels& pixels, const Threshold& threshold) {
   const int32_t width = pixels.rect.size().x;
   const int32_t end = (width + kLanes - 1) / kLanes * kLanes;
@@ -137,24 +136,24 @@ int32_t floor_of(double value) {
 
 }  // namespace
 
-Sight sight_of(const RunPlane& run, const Tile& tile, const shared::SeenPixel* seen) {
+RunVisibility visibility_of(const RunPlane& run, const Tile& tile, const shared::SeenPixel* seen) {
   const Extent extent = extent_of(run);
   const double wide = std::max(extent.x.most - extent.x.least, extent.y.most - extent.y.least);
-  // Written so that what is no number fails.
-  if (!(wide <= kWidest && farthest(run) <= kFarthest)) return Sight::kUnknown;
+  // Written so that NaN fails.
+  if (!(wide <= kWidest && farthest(run) <= kFarthest)) return RunVisibility::kUnknown;
   const double off = 6.0 * kRounding * farthest(run);
   const PixelRect own{{floor_of(extent.x.least - off), floor_of(extent.y.least - off)},
                       {floor_of(extent.x.most + off) + 1, floor_of(extent.y.most + off) + 1}};
   const PixelRect& rect = tile.pixels;
   if (own.high.x <= rect.low.x || own.high.y <= rect.low.y || own.low.x >= rect.high.x ||
       own.low.y >= rect.high.y) {
-    return Sight::kElsewhere;
+    return RunVisibility::kElsewhere;
   }
   if (own.low.x < rect.low.x || own.low.y < rect.low.y || own.high.x > rect.high.x ||
       own.high.y > rect.high.y) {
-    return Sight::kUnknown;
+    return RunVisibility::kUnknown;
   }
-  // A sample looks at the four pixels whose centres lie around it.
+  // A sample reads the four pixels whose centres surround it.
   const PixelRect around{
       {floor_of(extent.x.least - 0.5 - off), floor_of(extent.y.least - 0.5 - off)},
       {floor_of(extent.x.most - 0.5 + off) + 2, floor_of(extent.y.most - 0.5 + off) + 2}};
@@ -163,15 +162,15 @@ Sight sight_of(const RunPlane& run, const Tile& tile, const shared::SeenPixel* s
   const glm::ivec2 offset = around.low - shown.low;
   const Pixels pixels{around, seen + offset.y * pitch + offset.x, pitch};
   const double spare = rounding_of(run, wide + kLanes);
-  const double open = extent.plane.most - run.hair + spare;
+  const double open = extent.plane.most - run.depth_bias + spare;
   const Threshold behind{open, run.gradient, 0.0f};
   if (pixels.first->depth >= behind.at(around.low)) {
-    return all_behind(pixels, behind) ? Sight::kOpen : Sight::kMixed;
+    return all_behind(pixels, behind) ? RunVisibility::kOpen : RunVisibility::kMixed;
   }
   const double hidden = double{run.reach} + spare;
   const Threshold before{extent.plane.least - hidden, run.gradient,
                          static_cast<float>(extent.depth.least - hidden)};
-  return all_before(pixels, before) ? Sight::kHidden : Sight::kMixed;
+  return all_before(pixels, before) ? RunVisibility::kHidden : RunVisibility::kMixed;
 }
 
 }  // namespace snowbough::snow::cpu

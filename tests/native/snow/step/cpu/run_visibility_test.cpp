@@ -1,4 +1,4 @@
-#include "snow/step/cpu/run_sight.h"
+#include "snow/step/cpu/run_visibility.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 namespace snowbough::snow {
 namespace {
 
-using cpu::Sight;
+using cpu::RunVisibility;
 
 /// A tile of 32 x 32 pixels, its lower left one local pixel (100, 200), that shows a level surface.
 struct Shown {
@@ -27,7 +27,7 @@ cpu::RunPlane level(float low_x, float low_y, float high_x, float high_y) {
   run.corner = {low_x, low_y, 5.0f};
   run.edge_b = {high_x - low_x, 0.0f, 0.0f};
   run.edge_c = {0.0f, high_y - low_y, 0.0f};
-  run.hair = 0.001f;
+  run.depth_bias = 0.001f;
   run.reach = 0.01f;
   run.most_b = run.most_c = 1.0f;
   run.most_sum = 2.0f;
@@ -37,31 +37,31 @@ cpu::RunPlane level(float low_x, float low_y, float high_x, float high_y) {
 TEST(RunSight, AnOpenRunSeesAllOfTheSky) {
   Shown shown(5.0f);
   const cpu::RunPlane run = level(110.6f, 210.6f, 120.0f, 220.0f);
-  EXPECT_EQ(sight_of(run, shown.tile, shown.seen.data()), Sight::kOpen);
+  EXPECT_EQ(visibility_of(run, shown.tile, shown.seen.data()), RunVisibility::kOpen);
   // Those around its samples are (110, 210) to (120, 220).
   shown.at(109, 215).depth = 1.0f;
   shown.at(121, 215).depth = 1.0f;
   shown.at(115, 221).depth = 1.0f;
-  EXPECT_EQ(sight_of(run, shown.tile, shown.seen.data()), Sight::kOpen);
+  EXPECT_EQ(visibility_of(run, shown.tile, shown.seen.data()), RunVisibility::kOpen);
   shown.at(120, 220).depth = 4.9995f;
-  EXPECT_EQ(sight_of(run, shown.tile, shown.seen.data()), Sight::kOpen);
+  EXPECT_EQ(visibility_of(run, shown.tile, shown.seen.data()), RunVisibility::kOpen);
   shown.at(120, 220).depth = 4.998f;
-  EXPECT_EQ(sight_of(run, shown.tile, shown.seen.data()), Sight::kMixed);
+  EXPECT_EQ(visibility_of(run, shown.tile, shown.seen.data()), RunVisibility::kMixed);
 }
 
 TEST(RunSight, WhatIsTooCloseToCallIsLeftToTheSamples) {
   Shown shown(4.999f);
-  EXPECT_EQ(sight_of(level(110.5f, 210.5f, 120.0f, 220.0f), shown.tile, shown.seen.data()),
-            Sight::kMixed);
+  EXPECT_EQ(visibility_of(level(110.5f, 210.5f, 120.0f, 220.0f), shown.tile, shown.seen.data()),
+            RunVisibility::kMixed);
 }
 
 TEST(RunSight, AHiddenRunSeesNothing) {
   Shown shown(4.9f);
   const cpu::RunPlane run = level(110.5f, 210.5f, 120.0f, 220.0f);
-  EXPECT_EQ(sight_of(run, shown.tile, shown.seen.data()), Sight::kHidden);
+  EXPECT_EQ(visibility_of(run, shown.tile, shown.seen.data()), RunVisibility::kHidden);
   // Near enough to be the surface's own.
   shown.at(112, 213).depth = 4.995f;
-  EXPECT_EQ(sight_of(run, shown.tile, shown.seen.data()), Sight::kMixed);
+  EXPECT_EQ(visibility_of(run, shown.tile, shown.seen.data()), RunVisibility::kMixed);
 }
 
 TEST(RunSight, FollowsASlope) {
@@ -74,34 +74,34 @@ TEST(RunSight, FollowsASlope) {
   cpu::RunPlane run = level(110.5f, 210.5f, 120.0f, 220.0f);
   run.edge_b.z = 0.25f * 9.5f;
   run.gradient.x = 0.25f;
-  EXPECT_EQ(sight_of(run, shown.tile, shown.seen.data()), Sight::kOpen);
+  EXPECT_EQ(visibility_of(run, shown.tile, shown.seen.data()), RunVisibility::kOpen);
   // A plane that does not hold its own samples is nothing to go by.
   run.gradient.x = 0.0f;
-  EXPECT_EQ(sight_of(run, shown.tile, shown.seen.data()), Sight::kMixed);
+  EXPECT_EQ(visibility_of(run, shown.tile, shown.seen.data()), RunVisibility::kMixed);
 }
 
 TEST(RunSight, TellsWhichTileSamplesLieIn) {
   const Shown shown(5.0f);
   const auto sight = [&](float low, float high) {
-    return sight_of(level(low, 210.0f, high, 212.0f), shown.tile, shown.seen.data());
+    return visibility_of(level(low, 210.0f, high, 212.0f), shown.tile, shown.seen.data());
   };
-  EXPECT_EQ(sight(90.0f, 99.9f), Sight::kElsewhere);
-  EXPECT_EQ(sight(132.1f, 140.0f), Sight::kElsewhere);
-  EXPECT_EQ(sight(99.0f, 101.0f), Sight::kUnknown);
-  EXPECT_EQ(sight(131.0f, 133.0f), Sight::kUnknown);
-  EXPECT_EQ(sight(100.1f, 131.9f), Sight::kOpen);
+  EXPECT_EQ(sight(90.0f, 99.9f), RunVisibility::kElsewhere);
+  EXPECT_EQ(sight(132.1f, 140.0f), RunVisibility::kElsewhere);
+  EXPECT_EQ(sight(99.0f, 101.0f), RunVisibility::kUnknown);
+  EXPECT_EQ(sight(131.0f, 133.0f), RunVisibility::kUnknown);
+  EXPECT_EQ(sight(100.1f, 131.9f), RunVisibility::kOpen);
 }
 
 TEST(RunSight, OfWhatIsNoNumberNothingIsKnown) {
   const Shown shown(5.0f);
   cpu::RunPlane run = level(110.5f, 210.5f, 120.0f, 220.0f);
   run.edge_b.x = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_EQ(sight_of(run, shown.tile, shown.seen.data()), Sight::kUnknown);
+  EXPECT_EQ(visibility_of(run, shown.tile, shown.seen.data()), RunVisibility::kUnknown);
   run.edge_b.x = std::numeric_limits<float>::infinity();
-  EXPECT_EQ(sight_of(run, shown.tile, shown.seen.data()), Sight::kUnknown);
+  EXPECT_EQ(visibility_of(run, shown.tile, shown.seen.data()), RunVisibility::kUnknown);
   run = level(110.5f, 210.5f, 120.0f, 220.0f);
   run.gradient.y = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_EQ(sight_of(run, shown.tile, shown.seen.data()), Sight::kMixed);
+  EXPECT_EQ(visibility_of(run, shown.tile, shown.seen.data()), RunVisibility::kMixed);
 }
 
 }  // namespace

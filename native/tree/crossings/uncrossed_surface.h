@@ -9,17 +9,17 @@ namespace snowbough::tree {
 
 struct UncrossedSurface {
   Surface surface;
-  /// Children whose junction still has faces that cross each other.
+  /// Children whose junction still has intersecting faces.
   std::vector<int32_t> crossing;
-  /// Branches whose base had to be narrowed to get clear of others.
+  /// Branches whose base was narrowed to avoid others.
   std::vector<int32_t> narrowed;
 };
 
-/// build_surface, repeated for the few junctions whose faces cross each other: the branches that
-/// cross there are narrowed at their base, their first ring is moved out, and rings that cut their
-/// neighbours are left out, a step further each round, until nothing crosses, two rounds in a row
-/// bring nothing, or six are over. The round with the fewest crossings wins. Only the branches
-/// around those junctions are built anew in each round.
+/// Runs build_surface repeatedly for the few junctions with intersecting faces: each round narrows
+/// the bases of the branches that intersect there, moves their first ring out, and drops rings that
+/// cut their neighbours, one step further. It stops when nothing intersects, after two rounds
+/// without improvement, or after six rounds; the round with the fewest intersections wins. Only the
+/// branches around those junctions are rebuilt in each round.
 /// @throws Cancelled when execution's progress says stop.
 UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
                                          const std::vector<LimbPath>& paths,
