@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from .. import native
-from ..cache.files import SURFACE_FACES, SURFACE_POINTS, frame_file, write_bytes
+from ..cache.files import SURFACE_FACES, SURFACE_POINTS, frame_file
 from ..cache.folder import baked_frames
 from ..cache.manifest import read_manifest
 from ..names import SNOW_UV
@@ -132,7 +132,7 @@ def _write_maps(scene, obj, folder, stem, options, warnings):
         paths.append(path)
     else:
         warnings.append(
-            f"the bake of '{obj.name}' has no normal maps: switch on Write Normals and bake again"
+            f"the bake of '{obj.name}' has no normal maps: switch on Normal Maps and bake again"
         )
     return said, paths
 
