@@ -109,7 +109,7 @@ from snow_meshes import grid
 try:
     native.Engine("GL").info
 except RuntimeError as error:
-    assert "libEGL.so.1 cannot be loaded" in str(error), error
+    assert "libEGL.so.1, which cannot be loaded" in str(error), error
 else:
     raise SystemExit("EGL is there")
 positions, triangles, uv = grid()
