@@ -14,7 +14,7 @@
 #include <typeindex>
 
 #include "base/process.h"
-#include "gpu/egl_context.h"
+#include "gpu/gl_context.h"
 
 namespace snowbough::gpu {
 
@@ -23,7 +23,7 @@ namespace snowbough::gpu {
 /// thread (Blender's main thread with Blender's own context) sees no GL call.
 class GpuThread {
  public:
-  /// The process's thread for `device` (see EglContext); made on first use and ended with the last
+  /// The process's thread for `device` (see GlContext); made on first use and ended with the last
   /// owner, so that simulations share one context. @throws std::runtime_error when there is none.
   static std::shared_ptr<GpuThread> shared(const std::string& device = "");
   /// The same without waiting for the context: whether there is one, `info` tells.

@@ -23,7 +23,7 @@ void refuse_unmade_objects(const pybind11::module_& module) {
 }  // namespace
 
 // The table of contents: one bind function a topic.
-PYBIND11_MODULE(snowbough_native, module) {
+PYBIND11_MODULE(SNOWBOUGH_MODULE, module) {
   module.doc() = "Snowbough's native core: trees from OBJ, and snow that stays where it fell.";
   module.attr("__version__") = SNOWBOUGH_VERSION;
   // pybind11 looks NumPy up when the first array is made and lets other threads run meanwhile: one

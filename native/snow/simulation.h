@@ -51,7 +51,7 @@ struct SimulationSettings {
   int32_t tile_size = 2048;
   /// Which engine does the passes; see EngineChoice.
   EngineKind engine = EngineKind::kAuto;
-  /// Which EGL device, see gpu::EglContext.
+  /// Which EGL device, see gpu::GlContext.
   std::string device;
   /// Whether the constructor waits for the engine and throws where there is none; else the first
   /// call that needs it does, and objects come in while the driver is still being loaded.

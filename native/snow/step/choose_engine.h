@@ -24,7 +24,7 @@ class EngineChoice {
   struct Wish {
     EngineKind kind = EngineKind::kAuto;
     gl::DepositMapping mapping = gl::DepositMapping::kCompute;
-    /// Which EGL device, see gpu::EglContext. Where one is named, here or in the environment, AUTO
+    /// Which EGL device, see gpu::GlContext. Where one is named, here or in the environment, AUTO
     /// is GL.
     std::string device = {};
   };

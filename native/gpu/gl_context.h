@@ -24,22 +24,25 @@ bool is_software(std::string_view renderer);
 /// Whether that of the current context does. GPU thread.
 bool renders_in_software();
 
+/// The same of the current context. GPU thread.
+GpuInfo read_info(const std::string& device);
+
 /// Why no context on graphics hardware can be had, as far as that is known without making one: no
 /// EGL or OpenGL library, or only software devices. Empty: there may be one.
 std::string why_no_hardware();
 
 /// An off-screen OpenGL 4.5 core context without a surface, current on the thread that made it.
 /// Creating and destroying it leaves every other context of the process alone.
-class EglContext {
+class GlContext {
  public:
   /// Which device: "" = the environment variable SNOWBOUGH_EGL_DEVICE, else the first that works
   /// (real GPUs before software); "0", "1", ...: that EGL device; "software": Mesa's llvmpipe;
   /// "/dev/dri/...": the device with that file; "surfaceless": EGL's surfaceless platform.
   /// @throws std::runtime_error naming the step that failed on each device tried, and what to do.
-  explicit EglContext(const std::string& device);
-  ~EglContext();
-  EglContext(const EglContext&) = delete;
-  EglContext& operator=(const EglContext&) = delete;
+  explicit GlContext(const std::string& device);
+  ~GlContext();
+  GlContext(const GlContext&) = delete;
+  GlContext& operator=(const GlContext&) = delete;
 
   const GpuInfo& info() const { return info_; }
 
