@@ -45,6 +45,10 @@ __version__ = _module.__version__
 '''
 
 
+def say_made(path):
+    print(path.relative_to(ROOT) if path.is_relative_to(ROOT) else path)
+
+
 def write_zip(target, files):
     """files: {name inside: bytes}"""
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -56,14 +60,18 @@ def write_zip(target, files):
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, files[name])
     partial.replace(target)
-    print(target.relative_to(ROOT) if target.is_relative_to(ROOT) else target)
+    say_made(target)
 
 
 def version_of(manifest):
     version = re.search(r'^version = "([^"]+)"', manifest, re.MULTILINE).group(1)
-    in_python = re.search(r'"version": \((\d+), (\d+), (\d+)\)', (ADDON / "__init__.py").read_text(encoding="utf-8"))
+    in_python = re.search(
+        r'"version": \((\d+), (\d+), (\d+)\)', (ADDON / "__init__.py").read_text(encoding="utf-8")
+    )
     if ".".join(in_python.groups()) != version:
-        sys.exit(f"package: blender_manifest.toml says {version}, bl_info in __init__.py {in_python.groups()}")
+        sys.exit(
+            f"package: blender_manifest.toml says {version}, bl_info in __init__.py {in_python.groups()}"
+        )
     return version
 
 
@@ -85,7 +93,9 @@ def modules_of(system, version):
     folder = ROOT / "build" / system / "modules"
     found = sorted(folder.glob(f"snowbough_native_{version.replace('.', '_')}.*{SYSTEMS[system][2]}"))
     if not found:
-        sys.exit(f"package: no modules of version {version} in {folder}; run ./tools/build_modules.sh {system} first")
+        sys.exit(
+            f"package: no modules of version {version} in {folder}; run ./tools/build_modules.sh {system} first"
+        )
     return {path.name: path.read_bytes() for path in found}
 
 
@@ -128,7 +138,10 @@ def develop(folder, target):
     if not native:
         sys.exit(f"package: no snowbough_native in {folder}; run ./tools/setup.sh first")
     files = addon_files() | below("lib", {path.name: path.read_bytes() for path in native})
-    write_zip(Path(target).resolve() if target else ROOT / "build" / f"snowbough-{version}.zip", below("snowbough", files))
+    write_zip(
+        Path(target).resolve() if target else ROOT / "build" / f"snowbough-{version}.zip",
+        below("snowbough", files),
+    )
 
 
 def release(systems):
@@ -148,13 +161,16 @@ def release(systems):
             flags=re.MULTILINE,
         )
         name = f"snowbough-{version}-{blender.replace('-', '_')}.zip"
-        files = addon_files() | {"blender_manifest.toml": own.encode(), f"wheels/{wheel.name}": wheel.read_bytes()}
+        files = addon_files() | {
+            "blender_manifest.toml": own.encode(),
+            f"wheels/{wheel.name}": wheel.read_bytes(),
+        }
         write_zip(PACKAGES / "repository" / name, files)
         listed.append(entry(manifest, blender, PACKAGES / "repository" / name))
     write_zip(PACKAGES / f"snowbough-{version}-legacy.zip", below("snowbough", legacy))
     index = {"version": "v1", "blocklist": [], "data": listed}
     (PACKAGES / "repository" / "index.json").write_text(json.dumps(index, indent=2) + "\n", encoding="utf-8")
-    print((PACKAGES / "repository" / "index.json").relative_to(ROOT))
+    say_made(PACKAGES / "repository" / "index.json")
 
 
 def entry(manifest, platform, archive):

@@ -66,7 +66,9 @@ def _load_file(path):
 def _missing():
     machine, version = _machine()
     if version not in PACKAGED_PYTHONS:
-        return f"This Blender has {machine}, for which Snowbough has no module. Use another version of Blender"
+        return (
+            f"This Blender has {machine}, for which Snowbough has no module. Use another version of Blender"
+        )
     return (
         f"Snowbough's module for {machine} is not installed. Install the add-on's zip for this system, "
         "or run ./tools/setup.sh in the checkout"

@@ -32,13 +32,9 @@ def package(tmp_path, monkeypatch):
         return {name.format(python): f"{system} {python}".encode() for python in PYTHONS}
 
     monkeypatch.setattr(package, "modules_of", modules_of)
-    monkeypatch.setattr(package, "ROOT", ROOT)
-    monkeypatch.setattr(package, "PACKAGES", ROOT / "build" / "packages-of-test" / tmp_path.name)
+    monkeypatch.setattr(package, "PACKAGES", tmp_path)
     monkeypatch.setattr(package, "LICENCES", {})
-    yield package
-    for path in sorted(package.PACKAGES.rglob("*"), reverse=True):
-        path.rmdir() if path.is_dir() else path.unlink()
-    package.PACKAGES.rmdir()
+    return package
 
 
 def bytes_below(folder):
@@ -56,7 +52,9 @@ def test_the_legacy_zip_holds_the_modules_of_the_pythons_before_blender_4_2(pack
     package.release(["linux", "windows", "macos"])
     (legacy,) = package.PACKAGES.glob("*-legacy.zip")
     with zipfile.ZipFile(legacy) as archive:
-        lib = [archive.read(name).decode() for name in archive.namelist() if name.startswith("snowbough/lib/")]
+        lib = [
+            archive.read(name).decode() for name in archive.namelist() if name.startswith("snowbough/lib/")
+        ]
     assert sorted(lib) == sorted(f"{system} {python}" for system in SUFFIXES for python in ("310", "311"))
 
 
@@ -107,5 +105,7 @@ def test_the_version_is_that_of_the_manifest_everywhere(package):
     version = package.version_of((ROOT / "addon" / "snowbough" / "blender_manifest.toml").read_text())
     assert version not in (ROOT / "CMakeLists.txt").read_text() + (ROOT / "pyproject.toml").read_text()
     tree = ast.parse((ROOT / "addon" / "snowbough" / "__init__.py").read_text())
-    (info,) = [node.value for node in tree.body if isinstance(node, ast.Assign) and node.targets[0].id == "bl_info"]
+    (info,) = [
+        node.value for node in tree.body if isinstance(node, ast.Assign) and node.targets[0].id == "bl_info"
+    ]
     assert ".".join(map(str, ast.literal_eval(info)["version"])) == version
