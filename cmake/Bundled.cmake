@@ -97,3 +97,19 @@ else()
   target_link_libraries(epoxy PUBLIC ${CMAKE_DL_LIBS})
 endif()
 add_library(PkgConfig::epoxy ALIAS epoxy)
+
+# A thread that Python ends while it ends itself is unwound by glibc with the system's libgcc_s (python/released_gil.h
+# holds it up). The frames of the module must belong to the same unwinder, and not to the one that zig would link
+# statically, so the module takes its functions from libgcc_s.so.1, which is wherever glibc is. What is linked here is
+# a list of their names.
+if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
+  set(unwinder "")
+  foreach(name Backtrace DeleteException FindEnclosingFunction ForcedUnwind GetCFA GetDataRelBase GetGR GetIP GetIPInfo
+               GetLanguageSpecificData GetRegionStart GetTextRelBase RaiseException Resume Resume_or_Rethrow SetGR SetIP)
+    string(APPEND unwinder "void _Unwind_${name}(void) {}\n")
+  endforeach()
+  file(CONFIGURE OUTPUT "${CMAKE_BINARY_DIR}/unwinder.c" CONTENT "${unwinder}" @ONLY)
+  add_library(unwinder SHARED "${CMAKE_BINARY_DIR}/unwinder.c")
+  set_target_properties(unwinder PROPERTIES NO_SONAME ON C_VISIBILITY_PRESET default)
+  target_link_options(unwinder PRIVATE -nostdlib -Wl,-soname,libgcc_s.so.1)
+endif()

@@ -47,6 +47,9 @@ foreach(name_and_command "cc|cc -target ${target}" "c++|c++ -target ${target}" "
 endforeach()
 set(CMAKE_C_COMPILER "${wrappers}/cc")
 set(CMAKE_CXX_COMPILER "${wrappers}/c++")
+# zig adds debug information unless it is told not to.
+set(CMAKE_C_FLAGS_INIT -g0)
+set(CMAKE_CXX_FLAGS_INIT -g0)
 set(CMAKE_AR "${wrappers}/ar" CACHE FILEPATH "")
 set(CMAKE_RANLIB "${wrappers}/ranlib" CACHE FILEPATH "")
 set(CMAKE_RC_COMPILER "${wrappers}/rc")

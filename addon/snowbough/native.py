@@ -91,7 +91,7 @@ def load():
         raise NativeModuleMissing(f"Snowbough needs the Python module {error.name}: install it") from error
     except ImportError as error:
         raise NativeModuleMissing(
-            f"Snowbough's module does not load: {error}. docs/troubleshooting.md of Snowbough says what helps"
+            f"Snowbough's module does not load: {error}. docs/install.md of Snowbough says what helps"
         ) from error
 
 
