@@ -31,8 +31,8 @@ def bake():
 
     import addon_utils  # isort: skip: bpy brings it
 
-    if getattr(bpy.app, "module", False):  # which starts with the factory's preferences
-        bpy.ops.preferences.addon_enable(module="bl_ext.user_default.snowbough")
+    if not bpy.app.binary_path:  # a module, which starts with the factory's preferences
+        addon_utils.enable("bl_ext.user_default.snowbough", default_set=True)
     name = next(name for name in bpy.context.preferences.addons.keys() if name.endswith("snowbough"))
     assert addon_utils.check(name) == (True, True), f"{name} is not enabled after the restart"
     native = sys.modules[f"{name}.native"]
