@@ -179,6 +179,8 @@ def entry(manifest, platform, archive):
     plain = ("schema_version", "id", "name", "tagline", "version", "type", "maintainer", "license")
     described = {name: field(manifest, name) for name in (*plain, "blender_version_min", "tags")}
     described |= {"platforms": [platform], "permissions": {"files": field(manifest, "files")}}
+    # What the wheel's tag py3 says.
+    described["python_versions"] = ["3"]
     described["archive_url"] = f"./{archive.name}"
     described["archive_size"] = len(content)
     described["archive_hash"] = f"sha256:{hashlib.sha256(content).hexdigest()}"
