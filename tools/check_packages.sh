@@ -30,6 +30,31 @@ rm -rf "$venv/repository" "$venv/split"
 for zip in "$packages"/repository/*.zip; do
   /usr/bin/python3 "$blender_ext" validate "$zip"
 done
+# Blender splits the add-on and the wheels of all systems into zips of the same names.
+/usr/bin/python3 - "$venv/split" "$packages"/repository/*.zip <<'PYTHON'
+import re
+import sys
+import zipfile
+from pathlib import Path
+
+split, platforms, wheels = Path(sys.argv[1]), [], []
+for name in sys.argv[2:]:
+    with zipfile.ZipFile(name) as archive:
+        archive.extractall(split / "source")
+        manifest = archive.read("blender_manifest.toml").decode()
+    platforms += re.findall(r'^platforms = \[(".*")\]', manifest, re.MULTILINE)
+    wheels += re.findall(r'^wheels = \[(".*")\]', manifest, re.MULTILINE)
+for key, values in (("platforms", platforms), ("wheels", wheels)):
+    manifest = re.sub(rf"^{key} = .*$", f"{key} = [{', '.join(values)}]", manifest, flags=re.MULTILINE)
+(split / "source" / "blender_manifest.toml").write_text(manifest)
+(split / "built").mkdir()
+PYTHON
+/usr/bin/python3 "$blender_ext" build --split-platforms --source-dir="$venv/split/source" --output-dir="$venv/split/built"
+if [ "$(ls "$venv/split/built")" != "$(cd "$packages/repository" && ls ./*.zip | sed 's|^\./||')" ] &&
+  [ "$(ls "$packages"/repository/*.zip | wc -l)" -gt 1 ]; then
+  echo "check_packages: Blender splits the add-on into other zips: $(ls "$venv/split/built")" >&2
+  exit 1
+fi
 # Blender writes the same index of the same zips.
 mkdir -p "$venv/repository"
 cp "$packages"/repository/*.zip "$venv/repository"
