@@ -92,6 +92,7 @@ target_compile_definitions(epoxy PUBLIC EGL_NO_X11 EPOXY_PUBLIC=extern)
 target_include_directories(epoxy SYSTEM PUBLIC "${sources}/libepoxy/include" "${epoxy_built}/include"
   PRIVATE "${sources}/libepoxy/src" "${epoxy_built}/src")
 if(WIN32)
+  # Its DllMain becomes that of the module: without it, it has no memory for the functions of a thread's context.
   target_link_libraries(epoxy PUBLIC opengl32 gdi32)
 else()
   target_link_libraries(epoxy PUBLIC ${CMAKE_DL_LIBS})
