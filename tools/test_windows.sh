@@ -30,6 +30,11 @@ as_windows() {
   printf 'Z:%s' "${1//\//\\}"
 }
 export WINEPREFIX="$PWD/build/wine/prefix" WINEARCH=win64 WINEDEBUG=-all
+# OpenGL on Windows needs a window, and so a screen.
+screen=()
+if command -v xvfb-run >/dev/null; then
+  screen=(xvfb-run -a)
+fi
 # A pipe, since wine gives its programs no file as their output. The other tests are about this checkout's tools.
-PYTHONDONTWRITEBYTECODE=1 PYTHONUTF8=1 wine "$python" -m pytest tests/python/native tests/python/addon -v -rfEs \
+PYTHONDONTWRITEBYTECODE=1 PYTHONUTF8=1 "${screen[@]}" wine "$python" -m pytest tests/python/native tests/python/addon -v -rfEs \
   -p no:cacheprovider -o junit_family=xunit2 --junitxml="$(as_windows "$report")" "$@" </dev/null | cat

@@ -83,9 +83,11 @@ std::string why_no_hardware() {
 
 GlContext::GlContext(const std::string& device) {
   const char* variable = std::getenv("SNOWBOUGH_EGL_DEVICE");
-  if (!device.empty() || (variable != nullptr && *variable != '\0')) {
-    throw std::runtime_error(
-        "Windows offers no choice of OpenGL devices: name none, also not in SNOWBOUGH_EGL_DEVICE");
+  const std::string wanted = !device.empty() ? device : variable != nullptr ? variable : "";
+  if (!wanted.empty()) {
+    throw std::runtime_error("no OpenGL device matches '" + wanted +
+                             "': Windows chooses it, so name none, also not in "
+                             "SNOWBOUGH_EGL_DEVICE");
   }
   const HWND window = make_window();
   display_ = window;
