@@ -27,6 +27,8 @@ on_linux = pytest.mark.skipif(
 @pytest.fixture
 def own_context():
     """An EGL context of the test's own, current on this thread: (egl, gl, handle)."""
+    if os.name == "nt":
+        pytest.skip("Windows has no EGL")
     egl, gl = ctypes.CDLL("libEGL.so.1"), ctypes.CDLL("libGL.so.1")
     for name in ("eglGetPlatformDisplay", "eglCreateContext", "eglGetCurrentContext"):
         getattr(egl, name).restype = ctypes.c_void_p
