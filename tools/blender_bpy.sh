@@ -1,30 +1,43 @@
 #!/usr/bin/env bash
 # Runs tests/blender in the official build of Blender as a Python module, PyPI's `bpy` for this Python.
 #
-#   tools/blender_bpy.sh REPORT.xml [pytest arguments]
+#   tools/blender_bpy.sh REPORT.xml [=VERSION] [pytest arguments]
 #
-# Installs it into the virtual environment build/blender-bpy (kept, about 1 GB). If PyPI has none for this Python, the
-# report contains a skip.
+# Installs it into the virtual environment build/blender-bpy-<version> (kept, about 1 GB). With a version the add-on is
+# the package that people install (tools/package.sh release linux), else that of build/python. Where PyPI serves no bpy
+# for this Python, the report says so as a skip.
 set -euo pipefail
 report="$(realpath -m "$1")"
 shift
 cd "$(dirname "$0")/.."
-python=build/blender-bpy/bin/python
+version=
+case "${1-tests}" in
+  '' | =*)
+    version="${1#=}"
+    shift
+    ;;
+esac
+venv="build/blender-bpy${version:+-$version}"
+python="$venv/bin/python"
 
 skip() {
   echo "bpy: skipped: $1"
-  /usr/bin/python3 tools/skip_report.py "$report" "bpy from PyPI" "$1"
+  /usr/bin/python3 tools/skip_report.py "$report" "bpy${version:+ $version} from PyPI" "$1"
   exit 0
 }
 
 if ! [ -x "$python" ] || ! "$python" -c "import bpy, pytest" 2>/dev/null; then
-  rm -rf build/blender-bpy
-  /usr/bin/python3 -m venv build/blender-bpy || skip "no virtual environment could be made (package python3-venv)"
-  echo "bpy: fetching bpy from PyPI (about 400 MB)"
-  "$python" -m pip install --quiet --only-binary :all: bpy pytest ||
-    skip "PyPI has no bpy for $(/usr/bin/python3 --version) on this machine"
+  rm -rf "$venv"
+  /usr/bin/python3 -m venv "$venv" || skip "no virtual environment could be made (package python3-venv)"
+  echo "bpy: fetching bpy${version:+ $version} from PyPI (about 400 MB)"
+  "$python" -m pip install --quiet --only-binary :all: "bpy${version:+==$version}" pytest ||
+    skip "PyPI has no bpy${version:+ $version} for $(/usr/bin/python3 --version) on this machine"
   "$python" -c "import bpy" || skip "PyPI's bpy does not load on this machine"
 fi
 echo "bpy: Blender $("$python" -c "import bpy; print(bpy.app.version_string)" | tail -n 1)"
-zip=$(tools/package.sh)
+if [ -n "$version" ]; then
+  zip=$(tools/package.sh release linux | grep 'linux_x64\.zip$')
+else
+  zip=$(tools/package.sh)
+fi
 "$python" tests/blender/run.py --bpy --zip "$zip" --junitxml "$report" "$@"

@@ -4,7 +4,8 @@
 #   ./tools/test.sh                        all layers
 #   ./tools/test.sh native|python|blender|ui [...]   only these
 #   ./tools/test.sh --blender 4.3|5.2      tests/blender in Debian trixie's or sid's Blender (made under build/)
-#   ./tools/test.sh --blender bpy          tests/blender in PyPI's official bpy for this Python
+#   ./tools/test.sh --blender bpy[=VERSION]   tests/blender in PyPI's official bpy; with a version, on the package
+#   ./tools/test.sh --platform windows     tests/python on the wheel for Windows, under wine
 #
 # The last lines give the reasons for skips and `N passed, N failed, N skipped`; the exit code is 0 only if nothing
 # failed. SNOWBOUGH_SETUP=0 skips the set-up.
@@ -14,16 +15,21 @@ cd "$(dirname "$0")/.."
 results="$PWD/build/tests"
 
 usage() {
-  sed -n '2,10s/^# \{0,1\}//p' "$0"
+  sed -n '2,11s/^# \{0,1\}//p' "$0"
 }
 
 layers=()
 blender=
+platform=
 while [ $# -gt 0 ]; do
   case "$1" in
     native | python | blender | ui) layers+=("$1") ;;
     --blender)
       blender="${2:-}"
+      shift
+      ;;
+    --platform)
+      platform="${2:-}"
       shift
       ;;
     -h | --help)
@@ -40,7 +46,7 @@ while [ $# -gt 0 ]; do
 done
 case "$blender" in
   '') [ ${#layers[@]} -gt 0 ] || layers=(native python blender ui) ;;
-  4.3 | 5.2 | bpy)
+  4.3 | 5.2 | bpy | bpy=[0-9]*)
     if [ "${layers[*]:-blender}" != blender ]; then
       echo "test: --blender $blender runs the layer blender only" >&2
       exit 2
@@ -48,7 +54,21 @@ case "$blender" in
     layers=(blender)
     ;;
   *)
-    echo "test: --blender takes 4.3 (Debian trixie), 5.2 (Debian sid) or bpy (PyPI), not '$blender'" >&2
+    echo "test: --blender takes 4.3 (Debian trixie), 5.2 (Debian sid) or bpy[=VERSION] (PyPI), not '$blender'" >&2
+    exit 2
+    ;;
+esac
+case "$platform" in
+  '') ;;
+  windows)
+    if [ -n "$blender" ] || { [ "${layers[*]}" != "native python blender ui" ] && [ "${layers[*]}" != python ]; }; then
+      echo "test: --platform windows runs the layer python only" >&2
+      exit 2
+    fi
+    layers=(python)
+    ;;
+  *)
+    echo "test: --platform takes windows, not '$platform'" >&2
     exit 2
     ;;
 esac
@@ -63,6 +83,10 @@ run_native() {
 }
 
 run_python() {
+  if [ "$platform" = windows ]; then
+    tools/test_windows.sh "$results/python.xml"
+    return
+  fi
   PYTHONPATH=build/python /usr/bin/python3 -m pytest tests/python -v -rfE \
     -o junit_family=xunit2 --junitxml="$results/python.xml"
 }
@@ -70,7 +94,7 @@ run_python() {
 run_blender() {
   case "$blender" in
     4.3 | 5.2) tools/blender_debian.sh "$blender" "$results/blender.xml" ;;
-    bpy) tools/blender_bpy.sh "$results/blender.xml" ;;
+    bpy*) tools/blender_bpy.sh "$results/blender.xml" "${blender#bpy}" ;;
     *) /usr/bin/python3 tests/blender/run.py --blender /usr/bin/blender --junitxml "$results/blender.xml" ;;
   esac
 }

@@ -10,7 +10,7 @@ layout(std140, binding = 0) uniform SnowAtlas {
   float frame;         // which frame, counted from 0 in the list; between two of them both are mixed
   float open_depth;    // openDepths of that frame
   float last_depth;    // lastDepth
-  float limb_width;    // how thick the limbs are that carry snow, in metres: 0 lets most of it show
+  float limb_width;    // how thick the limbs are that carry snow, in metres; 0: not known, most of it shows
 };
 #include "snow_rule.glsl"
 

@@ -229,10 +229,10 @@ SnowPoint on_carrier(const SnowPoint place_of, float thickness, float depth) {
   return made;
 }
 
-/// The same point on a round limb of that width in metres.
+/// The same point on a round limb of that width in metres; 0: as if the limb were flat, and so thin that most shows.
 SnowPoint on_limb(const SnowPoint place_of, float width, float depth) {
   SnowPoint made = on_carrier(place_of, width, depth);
-  made.convexity = 2.0f / max(width, 1e-5f);
+  made.convexity = width > 0.0f ? 2.0f / width : 0.0f;
   return made;
 }
 

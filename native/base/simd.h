@@ -4,6 +4,10 @@
 #include <cmath>
 #include <cstdint>
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 /// Marks a function whose loops gain from wide registers: it is compiled for AVX2 and for the
 /// baseline, and chosen at run time. Without fused multiply-add both give the same bits.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
@@ -64,7 +68,7 @@ inline float smallest(const Float4& v) {
 /// For lanes that are not negative.
 inline Float4 square_root(const Float4& v) {
 #ifdef __SSE2__
-  return __builtin_ia32_sqrtps(v);
+  return _mm_sqrt_ps(v);
 #else
   Float4 root{};
   for (int k = 0; k < 4; ++k) root[k] = std::sqrt(v[k]);

@@ -1,5 +1,3 @@
-#include "gpu/egl_context.h"
-
 #include <dlfcn.h>
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
@@ -11,6 +9,8 @@
 #include <mutex>
 #include <stdexcept>
 #include <vector>
+
+#include "gpu/gl_context.h"
 
 namespace snowbough::gpu {
 namespace {
@@ -186,24 +186,6 @@ EGLContext make_context(EGLDisplay display, std::string& failure) {
   return context;
 }
 
-std::string gl_string(GLenum name) {
-  const auto* text = reinterpret_cast<const char*>(glGetString(name));
-  return text == nullptr ? "" : text;
-}
-
-GpuInfo read_info(const std::string& label) {
-  GpuInfo info{gl_string(GL_VENDOR), gl_string(GL_RENDERER), gl_string(GL_VERSION), label};
-  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &info.max_texture_size);
-  glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &info.max_array_layers);
-  GLint viewport[2] = {0, 0};
-  glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
-  info.max_viewport = std::min(viewport[0], viewport[1]);
-  GLint64 bytes = 0;
-  glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
-  info.max_storage_buffer_bytes = bytes;
-  return info;
-}
-
 }  // namespace
 
 std::string why_no_hardware() {
@@ -221,16 +203,7 @@ std::string why_no_hardware() {
   return lists_devices && !has_hardware ? "EGL lists no graphics hardware" : "";
 }
 
-bool is_software(std::string_view renderer) {
-  return renderer.find("llvmpipe") != std::string_view::npos ||
-         renderer.find("softpipe") != std::string_view::npos;
-}
-
-bool renders_in_software() {
-  return is_software(gl_string(GL_RENDERER));
-}
-
-EglContext::EglContext(const std::string& device) {
+GlContext::GlContext(const std::string& device) {
   require_libraries();
   const char* variable = std::getenv("SNOWBOUGH_EGL_DEVICE");
   const std::string wanted = !device.empty() ? device : variable != nullptr ? variable : "";
@@ -258,7 +231,7 @@ EglContext::EglContext(const std::string& device) {
       "choose a device with SNOWBOUGH_EGL_DEVICE");
 }
 
-EglContext::~EglContext() {
+GlContext::~GlContext() {
   eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   eglDestroyContext(display_, context_);
   close_display(display_);

@@ -90,7 +90,7 @@ void GpuThread::enqueue(std::function<void()> task) {
 }
 
 void GpuThread::loop(const std::string& device, std::promise<GpuInfo> started) {
-  std::optional<EglContext> context;
+  std::optional<GlContext> context;
   try {
     context.emplace(device);
   } catch (...) {

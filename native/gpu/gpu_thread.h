@@ -12,7 +12,7 @@
 #include <type_traits>
 
 #include "base/process.h"
-#include "gpu/egl_context.h"
+#include "gpu/gl_context.h"
 
 namespace snowbough::gpu {
 
@@ -21,7 +21,7 @@ namespace snowbough::gpu {
 /// thread with Blender's own context) makes no GL call.
 class GpuThread {
  public:
-  /// The process's thread for `device` (see EglContext): created on first use and ended with its
+  /// The process's thread for `device` (see GlContext): created on first use and ended with its
   /// last owner, so that simulations share one context. @throws std::runtime_error if no context
   /// can be made.
   static std::shared_ptr<GpuThread> shared(const std::string& device = "");

@@ -1,14 +1,11 @@
 #include "image/atomic_file.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <atomic>
 #include <cerrno>
-#include <cstdio>
 #include <stdexcept>
 #include <system_error>
+
+#include "image/open_file.h"
 
 namespace snowbough::image {
 namespace {
@@ -20,24 +17,24 @@ namespace {
 
 std::string temporary_name(const std::string& path) {
   static std::atomic<unsigned> counter{0};
-  return path + "." + std::to_string(::getpid()) + "." + std::to_string(counter++) + ".tmp";
+  return path + "." + std::to_string(process_number()) + "." + std::to_string(counter++) + ".tmp";
 }
 
 }  // namespace
 
 AtomicFile::AtomicFile(const std::string& path) : path_(path), temporary_(temporary_name(path)) {
-  descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  descriptor_ = create_file(temporary_);
   if (descriptor_ < 0) fail("write", path_, errno);
 }
 
 AtomicFile::~AtomicFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-  if (!renamed_) ::unlink(temporary_.c_str());
+  if (descriptor_ >= 0) close_file(descriptor_);
+  if (!renamed_) remove_file(temporary_);
 }
 
 void AtomicFile::write(std::string_view bytes) {
   while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+    const int64_t written = write_some(descriptor_, bytes);
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) fail("write", path_, errno);
     // A full disk may also report 0 bytes written.
@@ -48,8 +45,7 @@ void AtomicFile::write(std::string_view bytes) {
 
 void AtomicFile::overwrite(uint64_t offset, std::string_view bytes) {
   while (!bytes.empty()) {
-    const ssize_t written =
-        ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    const int64_t written = write_some_at(descriptor_, offset, bytes);
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) fail("write", path_, errno);
     if (written == 0) fail("write", path_, ENOSPC);
@@ -59,12 +55,12 @@ void AtomicFile::overwrite(uint64_t offset, std::string_view bytes) {
 }
 
 void AtomicFile::publish() {
-  if (::fsync(descriptor_) != 0) fail("write", path_, errno);
-  const int closed = ::close(descriptor_);
+  if (!flush_file(descriptor_)) fail("write", path_, errno);
+  const bool closed = close_file(descriptor_);
   descriptor_ = -1;
   // Network file systems may report a full disk only on close.
-  if (closed != 0) fail("write", path_, errno);
-  if (std::rename(temporary_.c_str(), path_.c_str()) != 0) fail("write", path_, errno);
+  if (!closed) fail("write", path_, errno);
+  if (!rename_over(temporary_, path_)) fail("write", path_, errno);
   renamed_ = true;
 }
 
@@ -75,26 +71,23 @@ void atomic_write(const std::string& path, std::string_view bytes) {
 }
 
 std::string read_file(const std::string& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int descriptor = open_file(path);
   if (descriptor < 0) fail("read", path, errno);
   std::string bytes;
-  struct stat info {};
-  if (::fstat(descriptor, &info) == 0 && info.st_size > 0) {
-    bytes.reserve(static_cast<size_t>(info.st_size));
-  }
+  bytes.reserve(static_cast<size_t>(file_size(descriptor)));
   char block[1 << 16];
   while (true) {
-    const ssize_t count = ::read(descriptor, block, sizeof(block));
+    const int64_t count = read_some(descriptor, block, sizeof(block));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) {
       const int error = errno;
-      ::close(descriptor);
+      close_file(descriptor);
       fail("read", path, error);
     }
     if (count == 0) break;
     bytes.append(block, static_cast<size_t>(count));
   }
-  ::close(descriptor);
+  close_file(descriptor);
   return bytes;
 }
 

@@ -24,7 +24,7 @@ void refuse_unmade_objects(const pybind11::module_& module) {
 }  // namespace
 
 // One bind function per topic.
-PYBIND11_MODULE(snowbough_native, module) {
+PYBIND11_MODULE(SNOWBOUGH_MODULE, module) {
   module.doc() =
       R"(Snowbough's native core: trees from OBJ files, and snow that accumulates on moving objects.)";
   module.attr("__version__") = SNOWBOUGH_VERSION;

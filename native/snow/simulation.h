@@ -51,7 +51,7 @@ struct SimulationSettings {
   int32_t tile_size = 2048;
   /// Engine that runs the passes; see EngineChoice.
   EngineKind engine = EngineKind::kAuto;
-  /// EGL device, see gpu::EglContext.
+  /// EGL device, see gpu::GlContext.
   std::string device;
   /// True: the constructor waits for the engine and throws if there is none. False: the first call
   /// that needs the engine does so, and objects can be added while the driver loads.

@@ -41,10 +41,10 @@ SNOWBOUGH_SHARED_FUNCTION SnowPoint on_carrier(KERNEL_CONST_REF(SnowPoint) point
   return made;
 }
 
-/// The same point on a round limb of that width in metres.
+/// The same point on a round limb of that width in metres; 0: as if the limb were flat, and so thin that most shows.
 SNOWBOUGH_SHARED_FUNCTION SnowPoint on_limb(KERNEL_CONST_REF(SnowPoint) point, float width, float depth) {
   SnowPoint made = on_carrier(point, width, depth);
-  made.convexity = 2.0f / max(width, 1e-5f);
+  made.convexity = width > 0.0f ? 2.0f / width : 0.0f;
   return made;
 }
 

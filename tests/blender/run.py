@@ -129,4 +129,7 @@ if __name__ == "__main__":
     code = main()
     sys.stdout.flush()
     sys.stderr.flush()
+    if "bpy" in sys.modules and not sys.modules["bpy"].app.binary_path:
+        # Blender as a module may crash or wait for ever in its own handler at exit: 4.2.23 and 4.5.15 do.
+        os._exit(code)
     sys.exit(code)

@@ -345,6 +345,7 @@ def test_without_egl_the_native_module_has_no_opengl(native, without_egl):
     """What the tests around this one stand on."""
     program = (
         "import importlib.util, sys\n"
+        f"sys.path.insert(0, {os.path.dirname(native.__file__)!r})\n"
         f"spec = importlib.util.spec_from_file_location('snowbough_native', {native.__file__!r})\n"
         "module = importlib.util.module_from_spec(spec)\n"
         "spec.loader.exec_module(module)\n"

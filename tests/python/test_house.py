@@ -37,7 +37,11 @@ def test_every_dependency_says_what_it_is_for():
 
 @pytest.mark.parametrize(
     "arguments, complaint",
-    [(["nonsense"], "unknown argument 'nonsense'"), (["--blender", "2.79"], "not '2.79'")],
+    [
+        (["nonsense"], "unknown argument 'nonsense'"),
+        (["--blender", "2.79"], "not '2.79'"),
+        (["--platform", "beos"], "not 'beos'"),
+    ],
 )
 def test_test_script_refuses_unknown_arguments(arguments, complaint):
     ended = subprocess.run(

@@ -16,13 +16,20 @@ except ImportError:  # Windows
     fcntl = None
     import msvcrt
 
+# On Windows nobody can read a byte that another process has locked: this one is far behind the text.
+_LOCKED_BYTE = 1 << 30
+
 
 def _try_lock(descriptor):
     try:
         if fcntl:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         else:
-            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+            os.lseek(descriptor, _LOCKED_BYTE, os.SEEK_SET)
+            try:
+                msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+            finally:
+                os.lseek(descriptor, 0, os.SEEK_SET)
     except OSError:
         return False
     return True
@@ -54,14 +61,16 @@ class FolderLock:
             return self._path.read_bytes() == self._text
         except FileNotFoundError:
             return False
-        except PermissionError:  # Windows lets nobody read what is locked, nor remove it
-            return True
 
     def release(self):
-        if self._is_held():
+        held = self._is_held()
+        if not fcntl:  # Windows removes no file that is open; one that the next bake holds stays, too
+            os.close(self._descriptor)
+        if held:
             with contextlib.suppress(OSError):
                 self._path.unlink()
-        os.close(self._descriptor)
+        if fcntl:
+            os.close(self._descriptor)
 
 
 @contextlib.contextmanager
@@ -73,7 +82,7 @@ def lock_folder(folder):
     path = Path(folder) / LOCK
     while True:
         try:
-            descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
         except OSError as error:
             raise CacheError(f"{path} could not be opened: {error.strerror}") from error
         if not _try_lock(descriptor):

@@ -131,9 +131,7 @@ def _write_maps(scene, obj, folder, stem, options, warnings):
         said["normal"] = {"uri": path.name, "space": "tangent, OpenGL (+Y up), of texCoord"}
         paths.append(path)
     else:
-        warnings.append(
-            f"the bake of '{obj.name}' has no normal maps: switch on Normal Maps and bake again"
-        )
+        warnings.append(f"the bake of '{obj.name}' has no normal maps: switch on Normal Maps and bake again")
     return said, paths
 
 

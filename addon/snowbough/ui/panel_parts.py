@@ -4,7 +4,7 @@ settings of one receiver, and wrapped text."""
 
 import blf
 
-from .. import compat, session
+from .. import compat, native, session
 from ..bake import changes_since_bake
 from ..bake import state as bake_state
 from ..names import unit_of
@@ -37,6 +37,13 @@ def draw_text(column, context, text, icon, reserved=0):
 
     for index, line in enumerate(wrapped(text, fits)):
         column.label(text=line, icon=icon if index == 0 else "BLANK1")
+
+
+def draw_problem(layout, context):
+    """One line where the native module cannot be had."""
+    text = native.problem()
+    if text:
+        draw_text(layout.column(align=True), context, text, "ERROR")
 
 
 def draw_bake(layout, context):

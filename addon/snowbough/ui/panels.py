@@ -44,6 +44,7 @@ class SNOWBOUGH_PT_scene(_ScenePanel, bpy.types.Panel):
 
     def draw(self, context):
         scene = context.scene
+        panel_parts.draw_problem(self.layout, context)
         if state.state_of(scene) == "EMPTY":
             column = self.layout.column()
             panel_parts.draw_text(column, context, "There are no receivers. Select objects, then:", "INFO")
@@ -155,6 +156,7 @@ class SNOWBOUGH_PT_sidebar(_SidebarPanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         settings = context.scene.snowbough
+        panel_parts.draw_problem(layout, context)
         column = layout.column()
         column.enabled = session.bake is None
         column.operator("snowbough.add_receivers", icon="ADD")
@@ -195,6 +197,7 @@ class SNOWBOUGH_PT_tree(_SidebarPanel, bpy.types.Panel):
     bl_label = "Tree"
 
     def draw(self, context):
+        panel_parts.draw_problem(self.layout, context)
         column = self.layout.column()
         column.enabled = session.bake is None
         column.operator("import_scene.xfrog_tree", text="Import Xfrog Tree", icon="IMPORT")

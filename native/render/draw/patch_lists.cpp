@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "gpu/egl_context.h"
+#include "gpu/gl_context.h"
 #include "shaders/lib/tree_shared.h"
 
 namespace snowbough::render {

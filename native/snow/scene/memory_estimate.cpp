@@ -1,8 +1,6 @@
 #include "snow/scene/memory_estimate.h"
 
 #include <algorithm>
-#include <fstream>
-#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -30,19 +28,6 @@ std::string mebibytes(int64_t bytes) {
 }
 
 }  // namespace
-
-int64_t machine_memory() {
-  std::ifstream file("/proc/meminfo");
-  std::string key;
-  int64_t kibibytes = 0;
-  while (file >> key >> kibibytes) {
-    if (key == "MemAvailable:") {
-      return kibibytes << 10;
-    }
-    file.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
-  }
-  return 0;
-}
 
 std::string MemoryEstimate::text() const {
   return mebibytes(total()) + " MiB (maps " + mebibytes(maps) + ", texels " + mebibytes(texels) +

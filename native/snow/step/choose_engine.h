@@ -20,7 +20,7 @@ enum class EngineKind {
 struct EngineRequest {
   EngineKind kind = EngineKind::kAuto;
   gl::DepositMapping mapping = gl::DepositMapping::kCompute;
-  /// EGL device, see gpu::EglContext. With a device named here or in the environment, AUTO means
+  /// EGL device, see gpu::GlContext. With a device named here or in the environment, AUTO means
   /// GL.
   std::string device = {};
 };

@@ -12,6 +12,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "base/file_path.h"
 #include "tree/obj/text.h"
 #include "tree/obj/texture_files.h"
 
@@ -84,16 +85,16 @@ TextureStatement read_texture_statement(std::string_view rest) {
 
 /// Text after "is missing" for a name outside the allowed folders.
 std::string where_it_may_be(const fs::path& root, const std::string& name) {
-  const fs::path path(name);
+  const fs::path path = base::as_path(name);
   const bool leads_out =
       path.is_absolute() || std::find(path.begin(), path.end(), fs::path("..")) != path.end();
   if (root.empty() || !leads_out) return "";
-  return " below " + root.string() + " (files elsewhere are only read with outside_files)";
+  return " below " + base::as_text(root) + " (files elsewhere are only read with outside_files)";
 }
 
 /// Whether one of a file name's words marks a normal map, or its last one is n.
 bool is_normal_map(const std::string& path) {
-  const std::string stem = lower_case(fs::path(path).stem().string()) + ".";
+  const std::string stem = lower_case(base::as_text(base::as_path(path).stem())) + ".";
   if (stem.size() > 2 && (stem.ends_with("_n.") || stem.ends_with("-n."))) return true;
   std::string word;
   for (const char c : stem) {
@@ -123,14 +124,14 @@ class MaterialReader {
         warnings_(warnings) {}
 
   void read(const fs::path& file) {
-    std::ifstream bytes(file, std::ios::binary);
+    std::ifstream bytes(base::openable(file), std::ios::binary);
     std::string text{std::istreambuf_iterator<char>(bytes), {}};
     end_lines_by_newline(text.data(), text.data() + text.size());
     std::istringstream stream(std::move(text));
     std::string line;
     current_ = nullptr;
     for (int number = 1; std::getline(stream, line); ++number) {
-      place_ = file.filename().string() + ":" + std::to_string(number) + ": ";
+      place_ = base::as_text(file.filename()) + ":" + std::to_string(number) + ": ";
       std::string_view rest(line);
       const std::string keyword = lower_case(next_token(rest));
       rest = trim(rest);
@@ -204,8 +205,9 @@ class MaterialReader {
     if (!found.path.empty()) return found;
     found.path = find_converted_texture(folders, statement.name, root_);
     // A missing file is reported once, independent of path and case.
-    if (missing_.insert(lower_case(fs::path(statement.name).filename().string())).second) {
-      const std::string instead = fs::path(found.path).filename().string();
+    if (missing_.insert(lower_case(base::as_text(base::as_path(statement.name).filename())))
+            .second) {
+      const std::string instead = base::as_text(base::as_path(found.path).filename());
       warnings_.push_back("texture '" + statement.name + "' of material '" + current_->name +
                           "' is missing" + where_it_may_be(root_, statement.name) +
                           (found.path.empty() ? "" : ": '" + instead + "' is used instead"));
@@ -244,14 +246,14 @@ std::vector<fs::path> find_libraries(const fs::path& folder, const fs::path& roo
     const fs::path found = find_below(folder, relative);
     return found.empty() || !lies_below(root, found) ? fs::path() : found;
   };
-  fs::path file = find(fs::path(name).relative_path());
-  if (file.empty()) file = find(fs::path(name).filename());
+  fs::path file = find(base::as_path(name).relative_path());
+  if (file.empty()) file = find(base::as_path(name).filename());
   if (!file.empty()) return {file};
   std::vector<fs::path> files;
   std::string_view rest(statement);
   while (!trim(rest).empty()) {
     const std::string_view token = next_token(rest);
-    file = token.empty() ? fs::path() : find(fs::path(token));
+    file = token.empty() ? fs::path() : find(base::as_path(token));
     if (!file.empty()) files.push_back(file);
   }
   return files;
@@ -265,7 +267,7 @@ std::map<std::string, ObjMaterial> read_materials(const std::string& obj_path,
                                                   bool outside_files,
                                                   std::vector<std::string>& warnings) {
   std::map<std::string, ObjMaterial> materials;
-  fs::path folder = fs::path(obj_path).parent_path();
+  fs::path folder = base::as_path(obj_path).parent_path();
   if (folder.empty()) folder = ".";
   const fs::path root = outside_files ? fs::path() : folder_to_stay_in(folder);
   MaterialReader reader(folder, root, used, materials, warnings);
@@ -281,7 +283,7 @@ std::map<std::string, ObjMaterial> read_materials(const std::string& obj_path,
   }
   // The OBJ was renamed, or does not name its library.
   fs::path own;
-  if (!any) own = find_below(folder, fs::path(obj_path).stem().concat(".mtl"));
+  if (!any) own = find_below(folder, base::as_path(obj_path).stem().concat(".mtl"));
   if (!own.empty() && lies_below(root, own)) {
     reader.read(own);
     return materials;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/file_path.h"
 #include "base/parallel_for.h"
 #include "tree/obj/obj_assembler.h"
 #include "tree/obj/obj_fragment.h"
@@ -147,15 +148,16 @@ ObjScene read_obj(std::istream& stream, const std::string& name, const ObjReadOp
 
 ObjScene read_obj_file(const std::string& path, ObjReadOptions options) {
   std::error_code error;
-  if (std::filesystem::is_directory(path, error)) {
+  const std::filesystem::path file = base::openable(base::as_path(path));
+  if (std::filesystem::is_directory(file, error)) {
     throw std::invalid_argument(path + ": is a directory, not an OBJ file");
   }
   std::ifstream stream;
   // Disables the stream's own buffer.
   stream.rdbuf()->pubsetbuf(nullptr, 0);
-  stream.open(path, std::ios::binary);
+  stream.open(file, std::ios::binary);
   if (!stream) throw std::invalid_argument(path + ": cannot be opened");
-  const auto size = std::filesystem::file_size(path, error);
+  const auto size = std::filesystem::file_size(file, error);
   options.total_size = error ? 0 : static_cast<size_t>(size);
   if (!error) options.buffer_size = std::min(options.buffer_size, options.total_size + 2);
   return read_obj(stream, path, options);

@@ -4,6 +4,7 @@
 #include <array>
 #include <set>
 
+#include "base/file_path.h"
 #include "tree/obj/text.h"
 
 namespace snowbough::tree {
@@ -27,12 +28,12 @@ fs::path find_any_below(const fs::path& folder, const fs::path& relative) {
       at /= step;
       continue;
     }
-    const std::string wanted = lower_case(step.string());
+    const std::string wanted = lower_case(base::as_text(step));
     fs::path found;
     for (const fs::directory_entry& entry : fs::directory_iterator(at, error)) {
       // The smallest of several that differ only in case: independent of the folder's order.
       const fs::path name = entry.path().filename();
-      if (lower_case(to_utf8(name.string())) == wanted && (found.empty() || name < found))
+      if (lower_case(to_utf8(base::as_text(name))) == wanted && (found.empty() || name < found))
         found = name;
     }
     if (found.empty()) return {};
@@ -68,7 +69,7 @@ std::vector<fs::path> texture_folders(const std::vector<fs::path>& folders, cons
   };
   // Paths outside may access another computer on the network.
   if (path.is_absolute() && is_inside(root, path.lexically_normal())) {
-    add("/", path.parent_path().relative_path());
+    add(path.root_path(), path.parent_path().relative_path());
   }
   for (const fs::path& folder : folders) {
     add(folder, path.parent_path().relative_path());
@@ -82,7 +83,7 @@ std::vector<fs::path> texture_folders(const std::vector<fs::path>& folders, cons
   // Subfolders of a texture folder: Textures/Bark, say.
   for (const fs::path& folder : folders) {
     for (const fs::path& beside : folders_in(folder)) {
-      const std::string called = lower_case(beside.filename().string());
+      const std::string called = lower_case(base::as_text(beside.filename()));
       const bool holds = std::find(kTextureFolders.begin(), kTextureFolders.end(), called) !=
                          kTextureFolders.end();
       if (!holds) continue;
@@ -93,11 +94,11 @@ std::vector<fs::path> texture_folders(const std::vector<fs::path>& folders, cons
 }
 
 std::string plain_path(const fs::path& path) {
-  return fs::absolute(path).lexically_normal().string();
+  return base::as_text(fs::absolute(path).lexically_normal());
 }
 
 bool is_image(const fs::path& path) {
-  const std::string ending = lower_case(path.extension().string());
+  const std::string ending = lower_case(base::as_text(path.extension()));
   return std::find(kImages.begin(), kImages.end(), ending) != kImages.end();
 }
 
@@ -119,7 +120,7 @@ bool lies_below(const fs::path& root, const fs::path& file) {
 
 std::string find_texture(const std::vector<fs::path>& folders, const std::string& name,
                          const fs::path& root) {
-  const fs::path path(name);
+  const fs::path path = base::as_path(name);
   for (const fs::path& folder : texture_folders(folders, path, root)) {
     const fs::path found = find_below(folder, path.filename());
     if (!found.empty() && lies_below(root, found)) return plain_path(found);
@@ -129,15 +130,15 @@ std::string find_texture(const std::vector<fs::path>& folders, const std::string
 
 std::string find_converted_texture(const std::vector<fs::path>& folders, const std::string& name,
                                    const fs::path& root) {
-  const fs::path path(name);
-  const std::string stem = lower_case(path.stem().string());
+  const fs::path path = base::as_path(name);
+  const std::string stem = lower_case(base::as_text(path.stem()));
   std::set<std::string> found;
   for (const fs::path& folder : texture_folders(folders, path, root)) {
     std::error_code error;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
       const fs::path& file = entry.path();
       if (entry.is_regular_file(error) && is_image(file) && lies_below(root, file) &&
-          lower_case(to_utf8(file.stem().string())) == stem) {
+          lower_case(to_utf8(base::as_text(file.stem()))) == stem) {
         found.insert(plain_path(file));
       }
     }

@@ -161,7 +161,7 @@ def _imports_in(package, names, importer, path):
     def walk(node, on_load):
         for child in ast.iter_child_nodes(node):
             if isinstance(child, (ast.Import, ast.ImportFrom)):
-                place = f"{path.relative_to(package)}:{child.lineno}"
+                place = f"{path.relative_to(package).as_posix()}:{child.lineno}"
                 for target in targets(child):
                     if target != importer:
                         yield Import(importer, target, place, on_load)

@@ -159,12 +159,13 @@ def test_a_killed_bake_blocks_nobody(tmp_path):
         f"held = lock.lock_folder({str(tmp_path / 'a')!r}); held.__enter__(); os.kill(os.getpid(), 9)"
     )
     environment = {**os.environ, "PYTHONPATH": str(Path(snowbough.__file__).parent.parent)}
-    assert subprocess.run([sys.executable, "-c", program], env=environment).returncode == -9
+    assert subprocess.run([sys.executable, "-c", program], env=environment).returncode in (-9, 9)
     assert (tmp_path / "a" / "lock").exists()
     with lock.lock_folder(tmp_path / "a"):
         pass
 
 
+@pytest.mark.skipif(os.name != "posix", reason="Windows removes no lock file that is open")
 def test_a_lock_that_was_removed_or_replaced_is_noticed_and_the_other_ones_stays(tmp_path):
     with lock.lock_folder(tmp_path / "a") as held:
         held.check()

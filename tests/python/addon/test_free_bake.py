@@ -20,7 +20,9 @@ def baked(path, cache="me", frames=(1, 2)):
 
 def left(root):
     return sorted(
-        str(path.relative_to(root)) for path in root.rglob("*") if not path.is_dir() or path.is_symlink()
+        path.relative_to(root).as_posix()
+        for path in root.rglob("*")
+        if not path.is_dir() or path.is_symlink()
     )
 
 

@@ -6,7 +6,6 @@ What crashed or hung once runs in a child process, which a crash ends and nothin
 
 import copy
 import os
-import resource
 import struct
 import subprocess
 import sys
@@ -199,6 +198,14 @@ def test_a_branch_takes_numbers_only(part, value):
 # -- files ---------------------------------------------------------------------------------------------
 
 
+try:
+    import resource
+except ImportError:  # Windows
+    resource = None
+
+sees_memory = pytest.mark.skipif(resource is None, reason="this system does not tell the peak of memory")
+
+
 def peak_memory(program):
     """MiB that a child needs more for a program than without."""
     return int(
@@ -235,6 +242,7 @@ def exr(width, height, attributes=b""):
     )
 
 
+@sees_memory
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
@@ -273,6 +281,7 @@ def bare_checkpoint(tmp_path):
     return str(path)
 
 
+@sees_memory
 def test_a_checkpoint_of_other_maps_takes_no_memory(bare_checkpoint):
     with pytest.raises(ValueError, match="'ground' with 8192 texels per side, which is not among receivers"):
         native.read_checkpoint(bare_checkpoint, {"ground": 64})
@@ -283,6 +292,7 @@ def test_a_checkpoint_of_other_maps_takes_no_memory(bare_checkpoint):
     assert taken < 40
 
 
+@sees_memory
 def test_a_simulation_checks_a_checkpoint_before_it_takes_memory_for_its_maps(bare_checkpoint):
     with stepped() as simulation:
         before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss

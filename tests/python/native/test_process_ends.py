@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 import snowbough_native as native
 
+needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
+
 START = """
 import os, sys, threading, time
 import numpy as np
@@ -46,6 +48,7 @@ def run(program):
     return done.stdout.split("\n")[:-1]
 
 
+@needs_fork
 def test_a_forked_process_refuses_opengl_and_ends():
     printed = run(
         "live = simulation('GL')\n"
@@ -66,6 +69,7 @@ def test_a_forked_process_refuses_opengl_and_ends():
     assert printed == ["True"] * 4 + ["the parent goes on"]
 
 
+@needs_fork
 def test_a_forked_process_may_drop_what_it_was_handed():
     assert run(
         "live = [simulation('GL'), simulation('CPU'), native.Renderer(), native.Engine('GL')]\n"
@@ -75,6 +79,7 @@ def test_a_forked_process_may_drop_what_it_was_handed():
     ) == ["True"]
 
 
+@needs_fork
 def test_a_forked_process_computes_on_the_processor():
     assert run(
         "live = simulation('CPU')\n"

@@ -192,7 +192,7 @@ def test_progress_runs_from_0_to_1(small):
 
 
 INTERRUPTED_READ = """
-import os, signal, sys, threading, time
+import signal, sys, threading, time
 import snowbough_native
 
 sent = []
@@ -200,7 +200,7 @@ sent = []
 def press():
     time.sleep(0.05)
     sent.append(time.perf_counter())
-    os.kill(os.getpid(), signal.SIGINT)
+    signal.raise_signal(signal.SIGINT)
 
 threading.Thread(target=press).start()
 try:

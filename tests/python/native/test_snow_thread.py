@@ -19,9 +19,16 @@ EGL_PLATFORM_SURFACELESS = 0x31DD
 GL_VIEWPORT, GL_CURRENT_PROGRAM, GL_FRAMEBUFFER_BINDING = 0x0BA2, 0x8B8D, 0x8CA6
 
 
+on_linux = pytest.mark.skipif(
+    not os.path.exists("/proc/self/task"), reason="looks into /proc, or names an EGL device"
+)
+
+
 @pytest.fixture
 def own_context():
     """An EGL context of the test's own, current on this thread: (egl, gl, handle)."""
+    if os.name == "nt":
+        pytest.skip("Windows has no EGL")
     egl, gl = ctypes.CDLL("libEGL.so.1"), ctypes.CDLL("libGL.so.1")
     for name in ("eglGetPlatformDisplay", "eglCreateContext", "eglGetCurrentContext"):
         getattr(egl, name).restype = ctypes.c_void_p
@@ -117,6 +124,7 @@ def test_simulations_on_several_threads_give_the_same_bits():
     assert not np.array_equal(results[0], results[1])
 
 
+@on_linux
 def test_the_environment_chooses_the_device_and_an_unknown_one_is_an_error():
     module = Path(native.__file__).parent
     code = "import snowbough_native as n; n.gpu_info()"
@@ -128,6 +136,7 @@ def test_the_environment_chooses_the_device_and_an_unknown_one_is_an_error():
     assert again.returncode == 0, again.stderr
 
 
+@on_linux
 def test_a_simulation_takes_over_the_context_of_a_gpu_that_is_held():
     def tasks():
         return set(os.listdir("/proc/self/task"))
@@ -163,6 +172,7 @@ def test_a_simulation_without_a_gpu_says_so_at_once_or_when_it_is_needed():
             sim.step({"it": positions}, 0.1)
 
 
+@on_linux
 def test_a_gpu_that_nobody_holds_any_more_is_released():
     before = set(os.listdir("/proc/self/task"))
     for _ in range(3):
@@ -173,6 +183,7 @@ def test_a_gpu_that_nobody_holds_any_more_is_released():
         assert set(os.listdir("/proc/self/task")) == before
 
 
+@on_linux
 def test_many_simulations_leave_no_memory_behind():
     def resident():
         return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")

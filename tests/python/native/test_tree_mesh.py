@@ -294,7 +294,7 @@ def test_what_progress_raises_comes_through_the_mesh():
 
 
 INTERRUPTED_BUILD = """
-import os, signal, sys
+import signal, sys
 import snowbough_native
 
 skeleton = snowbough_native.read_tree(sys.argv[1])
@@ -303,7 +303,7 @@ asked = []
 def press(share):
     asked.append(share)
     if len(asked) == 3:
-        os.kill(os.getpid(), signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
 try:
     snowbough_native.build_tree_mesh(skeleton, progress=press)
     print("finished")

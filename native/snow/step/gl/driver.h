@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "gpu/egl_context.h"
+#include "gpu/gl_context.h"
 
 namespace snowbough::snow {
 

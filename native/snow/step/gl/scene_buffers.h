@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "gpu/egl_context.h"
+#include "gpu/gl_context.h"
 #include "gpu/resources.h"
 #include "shaders/lib/snow_shared.h"
 #include "snow/scene/map_plan.h"

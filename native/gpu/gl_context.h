@@ -24,22 +24,24 @@ bool is_software(std::string_view renderer);
 /// The same for the current context. GPU thread.
 bool renders_in_software();
 
+GpuInfo read_info(const std::string& device);
+
 /// Why no hardware context is possible, as far as can be known without creating one: no EGL or
 /// OpenGL library, or only software devices. Empty: there may be one.
 std::string why_no_hardware();
 
 /// An off-screen OpenGL 4.5 core context without a surface, current on the thread that creates it.
 /// Creating and destroying it does not affect other contexts of the process.
-class EglContext {
+class GlContext {
  public:
   /// Device: "" = the environment variable SNOWBOUGH_EGL_DEVICE, else the first that works
   /// (hardware before software); "0", "1", ...: that EGL device; "software": Mesa's llvmpipe;
   /// "/dev/dri/...": the device with that file; "surfaceless": EGL's surfaceless platform.
   /// @throws std::runtime_error naming the step that failed on each device tried, and advice.
-  explicit EglContext(const std::string& device);
-  ~EglContext();
-  EglContext(const EglContext&) = delete;
-  EglContext& operator=(const EglContext&) = delete;
+  explicit GlContext(const std::string& device);
+  ~GlContext();
+  GlContext(const GlContext&) = delete;
+  GlContext& operator=(const GlContext&) = delete;
 
   const GpuInfo& info() const { return info_; }
 

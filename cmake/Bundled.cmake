@@ -1,0 +1,116 @@
+# The libraries as static parts of the module, compiled from what tools/third_party.sh has fetched. Nothing of theirs
+# is visible outside the module.
+set(third_party "${CMAKE_SOURCE_DIR}/build/third_party")
+if(NOT EXISTS "${third_party}/sources/zlib/zlib.h")
+  message(FATAL_ERROR "SNOWBOUGH_BUNDLED needs the libraries' sources: run ./tools/third_party.sh first")
+endif()
+enable_language(C)
+find_package(Threads REQUIRED)
+set(sources "${third_party}/sources")
+set(BUILD_SHARED_LIBS OFF)
+set(CMAKE_C_VISIBILITY_PRESET hidden)
+
+# snowbough_bundled(NAME FOLDERS... ): headers only, which are other people's.
+function(snowbough_bundled_headers name)
+  add_library(${name} INTERFACE IMPORTED GLOBAL)
+  target_include_directories(${name} SYSTEM INTERFACE ${ARGN})
+endfunction()
+snowbough_bundled_headers(glm::glm "${sources}/glm")
+snowbough_bundled_headers(Eigen3::Eigen "${sources}/eigen3")
+snowbough_bundled_headers(pybind11::headers "${third_party}/pybind11/pybind11/include")
+
+file(GLOB zlib_files "${sources}/zlib/*.c")
+list(FILTER zlib_files EXCLUDE REGEX "/gz[a-z]*\\.c$")
+add_library(zlib STATIC ${zlib_files})
+target_compile_options(zlib PRIVATE -w)
+target_include_directories(zlib SYSTEM PUBLIC "${sources}/zlib")
+add_library(ZLIB::ZLIB ALIAS zlib)
+
+# OpenMesh: the half-edge mesh without its file formats.
+file(GLOB openmesh_files "${sources}/openmesh/src/OpenMesh/Core/Mesh/*.cc"
+  "${sources}/openmesh/src/OpenMesh/Core/Utils/*.cc" "${sources}/openmesh/src/OpenMesh/Core/System/*.cc")
+add_library(OpenMeshCore STATIC ${openmesh_files})
+target_compile_options(OpenMeshCore PRIVATE -w)
+target_compile_definitions(OpenMeshCore PUBLIC OM_STATIC_BUILD _USE_MATH_DEFINES)
+target_include_directories(OpenMeshCore SYSTEM PUBLIC "${sources}/openmesh/src")
+
+# OpenEXR and Imath have builds of their own.
+set(IMATH_INSTALL OFF)
+set(IMATH_INSTALL_PKG_CONFIG OFF)
+set(OPENEXR_INSTALL OFF)
+set(OPENEXR_INSTALL_TOOLS OFF)
+set(OPENEXR_INSTALL_PKG_CONFIG OFF)
+set(OPENEXR_BUILD_TOOLS OFF)
+set(BUILD_TESTING OFF)
+set(CMAKE_POLICY_DEFAULT_CMP0077 NEW)
+add_subdirectory("${sources}/imath" imath EXCLUDE_FROM_ALL SYSTEM)
+# The subproject's own build directory is where OpenEXR's find_package would look for it.
+file(WRITE "${CMAKE_BINARY_DIR}/find/FindImath.cmake" "set(Imath_FOUND TRUE)\n")
+list(PREPEND CMAKE_MODULE_PATH "${CMAKE_BINARY_DIR}/find")
+add_subdirectory("${sources}/openexr" openexr EXCLUDE_FROM_ALL SYSTEM)
+foreach(library Imath OpenEXR OpenEXRCore Iex IlmThread)
+  target_compile_options(${library} PRIVATE -w)
+endforeach()
+
+# libepoxy: its dispatch is written by a script of its own. It finds EGL and OpenGL when they are first called.
+find_package(Python COMPONENTS Interpreter REQUIRED)
+set(epoxy_kinds gl)
+if(WIN32)
+  list(APPEND epoxy_kinds wgl)
+elseif(NOT APPLE)
+  list(APPEND epoxy_kinds egl)
+endif()
+set(epoxy_built "${CMAKE_BINARY_DIR}/epoxy")
+set(epoxy_files "${sources}/libepoxy/src/dispatch_common.c")
+foreach(kind IN LISTS epoxy_kinds)
+  if(NOT EXISTS "${epoxy_built}/src/${kind}_generated_dispatch.c")
+    file(MAKE_DIRECTORY "${epoxy_built}/include/epoxy" "${epoxy_built}/src")
+    execute_process(
+      COMMAND "${Python_EXECUTABLE}" "${sources}/libepoxy/src/gen_dispatch.py" --source --header
+              "--srcdir=${epoxy_built}/src" "--includedir=${epoxy_built}/include/epoxy"
+              "${sources}/libepoxy/registry/${kind}.xml"
+      COMMAND_ERROR_IS_FATAL ANY)
+  endif()
+  list(APPEND epoxy_files "${epoxy_built}/src/${kind}_generated_dispatch.c")
+  if(EXISTS "${sources}/libepoxy/src/dispatch_${kind}.c")
+    list(APPEND epoxy_files "${sources}/libepoxy/src/dispatch_${kind}.c")
+  endif()
+endforeach()
+set(has_egl 0)
+if(egl IN_LIST epoxy_kinds)
+  set(has_egl 1)
+  # The one header that libepoxy takes from elsewhere (Debian's libegl-dev); it is the same for all systems.
+  foreach(header EGL/eglplatform.h KHR/khrplatform.h)
+    configure_file("/usr/include/${header}" "${epoxy_built}/include/${header}" COPYONLY)
+  endforeach()
+endif()
+file(CONFIGURE OUTPUT "${epoxy_built}/src/config.h" CONTENT
+  "#define ENABLE_EGL @has_egl@\n#define ENABLE_GLX 0\n#define ENABLE_X11 0\n#define EPOXY_PUBLIC extern\n" @ONLY)
+add_library(epoxy STATIC ${epoxy_files})
+target_compile_options(epoxy PRIVATE -w -fno-strict-aliasing)
+target_compile_definitions(epoxy PUBLIC EGL_NO_X11 EPOXY_PUBLIC=extern)
+target_include_directories(epoxy SYSTEM PUBLIC "${sources}/libepoxy/include" "${epoxy_built}/include"
+  PRIVATE "${sources}/libepoxy/src" "${epoxy_built}/src")
+if(WIN32)
+  # Its DllMain becomes that of the module: without it, it has no memory for the functions of a thread's context.
+  target_link_libraries(epoxy PUBLIC opengl32 gdi32)
+else()
+  target_link_libraries(epoxy PUBLIC ${CMAKE_DL_LIBS})
+endif()
+add_library(PkgConfig::epoxy ALIAS epoxy)
+
+# A thread that Python ends while it ends itself is unwound by glibc with the system's libgcc_s (python/released_gil.h
+# holds it up). The frames of the module must belong to the same unwinder, and not to the one that zig would link
+# statically, so the module takes its functions from libgcc_s.so.1, which is wherever glibc is. What is linked here is
+# a list of their names.
+if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
+  set(unwinder "")
+  foreach(name Backtrace DeleteException FindEnclosingFunction ForcedUnwind GetCFA GetDataRelBase GetGR GetIP GetIPInfo
+               GetLanguageSpecificData GetRegionStart GetTextRelBase RaiseException Resume Resume_or_Rethrow SetGR SetIP)
+    string(APPEND unwinder "void _Unwind_${name}(void) {}\n")
+  endforeach()
+  file(CONFIGURE OUTPUT "${CMAKE_BINARY_DIR}/unwinder.c" CONTENT "${unwinder}" @ONLY)
+  add_library(unwinder SHARED "${CMAKE_BINARY_DIR}/unwinder.c")
+  set_target_properties(unwinder PROPERTIES NO_SONAME ON C_VISIBILITY_PRESET default)
+  target_link_options(unwinder PRIVATE -nostdlib -Wl,-soname,libgcc_s.so.1)
+endif()

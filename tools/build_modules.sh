@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Builds the native modules that packages hold: self-contained, one a Python, in build/<system>/modules.
+#
+#   ./tools/build_modules.sh linux|windows|macos [...]
+#
+# Runs on any x86-64 Debian 12 with the packages of tools/dependencies.txt. Each system is checked by
+# tools/check_modules.py.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+tools/third_party.sh "$@"
+launcher=()
+if command -v ccache >/dev/null; then
+  export CCACHE_COMPILERTYPE=clang
+  launcher=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+fi
+for system in "$@"; do
+  cmake -S . -B "build/$system" -G Ninja --toolchain cmake/Zig.cmake "${launcher[@]}" -DCMAKE_BUILD_TYPE=Release \
+    -DSNOWBOUGH_SYSTEM="$system" -DSNOWBOUGH_BUNDLED=ON -DSNOWBOUGH_TESTS=OFF \
+    -DSNOWBOUGH_PYTHON_DIR="$PWD/build/$system/modules" -DPython_EXECUTABLE=/usr/bin/python3
+  cmake --build "build/$system" --target snowbough_native
+done
