@@ -200,7 +200,8 @@ def test_a_tree_with_snow_is_closed_to_the_bit(renderer, maple):
     found = renderer.triangles("tree", large, even)
     assert found.shape == bare.shape and closed(found)
     risen = np.linalg.norm(found - bare, axis=2)
-    assert 0.015 < np.median(risen) < 0.025 and risen.max() < 0.04
+    # Half of the lumps' 40 mm, less on thin limbs, around which a layer needs less height for its volume.
+    assert 0.01 < np.median(risen) < 0.02 and risen.max() < 0.04
 
 
 def test_a_trees_arrays_say_where_its_snow_lies(renderer, maple):
