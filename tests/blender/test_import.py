@@ -251,7 +251,7 @@ def test_wood_that_is_left_out_is_reported_with_its_share(addon, tmp_path):
     path.write_text(MAPLE.read_text() + "\ng bark_sheet\nv 9 9 9\nv 9 8 9\nv 8 8 9\nv 8 9 9\nf -4 -3 -2 -1\n")
     report = _report(_import(path, foliage=False))
     (line,) = addon("tree.import_tree").warning_lines({**report, "warnings": []})
-    assert line.startswith("bark_sheet was left out: a single plane, no limb: ")
+    assert line.startswith("bark_sheet was left out: a single plane, not a limb: ")
     assert line.endswith(" % of the wood's area")
 
 
