@@ -109,7 +109,7 @@ bool FrameQueue::claim_pump() {
 void FrameQueue::fail(std::exception_ptr error) {
   const std::scoped_lock lock(mutex_);
   pump_waits_ = false;
-  // The first of several is their cause.
+  // Keep only the first error: it causes the others.
   if (error_ == nullptr) error_ = std::move(error);
 }
 

@@ -9,11 +9,11 @@ namespace {
 
 using glm::vec3;
 
-/// How far a pose may take a tree out of its box at rest, in radii.
+/// Radius that contains a tree in any pose, as a factor on the radius of its box at rest.
 constexpr float kRoomToMove = 1.25f;
 
-/// Whether a box is that of ground: it casts no shadows worth texels of the shadow map, which would
-/// have to cover all of it.
+/// True if a box is flat like ground. Ground would enlarge the shadow map's area, but its own
+/// shadows do not justify that.
 bool is_flat(const Box& box) {
   constexpr float kFlat = 0.02f;
   const vec3 size = box.size();

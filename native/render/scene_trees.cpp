@@ -86,7 +86,7 @@ Scene::Tree& Scene::tree_with_places(const std::string& name) const {
 void Scene::set_snow(const std::string& name, const TreeSnow& snow) {
   ++revision_;
   Tree& of = tree_with_places(name);
-  // A bare tree is drawn by the shaders without snow.
+  // Trees without snow use the shaders without snow.
   const bool is_bare = std::all_of(snow.values.begin(), snow.values.end(),
                                    [](float height) { return height == 0.0f; });
   if (is_bare) return of.buffers.set_snow(nullptr, snow.depths);

@@ -23,9 +23,8 @@ void check_range(const char* name, double value, double low, double high) {
   }
 }
 
-/// The six half spaces in which clip coordinates are within -w and w, with unit normals.
-/// Source: G. Gribb, K. Hartmann, Fast Extraction of Viewing Frustum Planes from the
-/// World-View-Projection Matrix, 2001.
+/// Sets the six clipping planes, with unit normals, from the clip matrix: clip coordinates lie
+/// between -w and w.
 void put_planes(const mat4& clip, shared::TreeView& view) {
   const mat4 rows = glm::transpose(clip);
   for (int k = 0; k < 6; ++k) {
@@ -68,8 +67,8 @@ void look_from_eye(const Camera& camera, const Bounds& bounds, shared::TreeView&
   view.eye = vec4(camera.eye, pixels);
 }
 
-/// How far away, in radii of the scene, the eye of an orthographic camera is put: the passes know
-/// distances only, and from there they hardly differ.
+/// Distance of an orthographic camera's eye in radii of the scene. The passes use distances only,
+/// which hardly differ from so far away.
 constexpr float kOrthographicEye = 1e3f;
 
 void look_through_matrices(const Camera& camera, const Bounds& bounds, shared::TreeView& view) {

@@ -18,8 +18,8 @@ using glm::vec2;
 using glm::vec3;
 using glm::vec4;
 
-/// Triangles of a piece: their corners take 48 MiB, and software renderers' storage blocks hold
-/// 128.
+/// Most triangles of a piece. Their corners take 48 MiB; storage blocks of software renderers hold
+/// 128 MiB.
 constexpr size_t kPieceTriangles = size_t{1} << 19;
 
 void require(bool right, const std::string& what) {
@@ -53,7 +53,7 @@ void check(const MeshSource& source) {
   }
 }
 
-/// Per vertex, means of its triangles' normals by their areas.
+/// Normals of the vertices: area-weighted means over their triangles.
 std::vector<vec3> smooth_normals(const MeshSource& source) {
   std::vector<vec3> normals(source.vertices.size(), vec3(0.0f));
   for (const auto& triangle : source.triangles) {
@@ -66,7 +66,7 @@ std::vector<vec3> smooth_normals(const MeshSource& source) {
   return normals;
 }
 
-/// Triangles by material, as many together as a piece holds.
+/// Triangles by material, in groups that fit into a piece.
 std::vector<std::pair<int32_t, std::vector<int32_t>>> pieces_of(const MeshSource& source) {
   std::vector<std::vector<int32_t>> by_material(source.materials.size());
   for (size_t i = 0; i < source.triangles.size(); ++i) {

@@ -11,13 +11,13 @@ namespace {
 using glm::dvec3;
 using glm::vec4;
 
-/// Edge in metres of the box around the eye in which flakes are drawn.
+/// Edge length of the box around the eye in which flakes are drawn, in metres.
 constexpr double kBox = 12.0;
-/// Lying snow that a flake of a metre's radius would make, m3: a loose heap is mostly air.
+/// Volume of lying snow from a flake with a radius of 1 m, in m3. Fresh snow is mostly air.
 constexpr double kLaidVolume = 4.18879 * 0.5;
-/// Swings a second of a fluttering flake.
+/// Frequency of a flake's flutter, in swings per second.
 constexpr float kSwings = 0.7f;
-/// Least share of its speed with which a flake sinks, however slanting the fall.
+/// Least downward speed of a flake as a fraction of its speed, for slanting falls.
 constexpr double kLeastSinking = 0.01;
 
 void require(bool right, const char* what) {
@@ -43,7 +43,7 @@ shared::FlakeFall flake_fall(const Snowfall& fall) {
   const double flakes = fall.rate / (sinking * laid) * kBox * kBox * kBox;
   dvec3 drift = along * static_cast<double>(fall.speed) * static_cast<double>(fall.time);
   drift -= kBox * glm::floor(drift / kBox);
-  // A swing of this width has the angle of flutter where it is steepest.
+  // At this width, the path's steepest part has the angle of flutter.
   const double aside = fall.speed * std::tan(static_cast<double>(fall.flutter)) /
                        (2.0 * 3.14159265 * static_cast<double>(kSwings));
   shared::FlakeFall made{};

@@ -21,10 +21,10 @@ using glm::vec2;
 using glm::vec3;
 using glm::vec4;
 
-/// How far bark coordinates may differ and still be the same place, in turns of the limb.
+/// Greatest difference of equal bark coordinates, in turns around the limb.
 constexpr float kSameUv = 1e-4f;
-/// Most that bark gains in height per metre from where it has none, and most rounds in which that
-/// spreads from vertex to vertex.
+/// Greatest increase of the bark's amplitude per metre of distance from places without bark, and
+/// the greatest number of rounds in which this limit spreads from vertex to vertex.
 constexpr float kBarkSlope = 0.25f;
 constexpr int kBarkRounds = 64;
 
@@ -72,7 +72,7 @@ shared::TreeSection to_shared(const LimbSection& section) {
           vec4(section.begin_radius, section.end_radius, std::max(round_from, 1e-30f), 0.0f)};
 }
 
-/// Whether two places on the bark are one, whole turns aside.
+/// True if two bark coordinates are equal up to whole turns.
 bool same_bark(const vec2& a, const vec2& b) {
   const float turns = a.x - b.x;
   return std::abs(turns - std::round(turns)) < kSameUv && std::abs(a.y - b.y) < kSameUv;
@@ -186,7 +186,7 @@ class PatchBuilder {
     }
   }
 
-  /// Means of the faces' normals by their area, without the caps'.
+  /// Sets the vertex normals: area-weighted means over the faces, without caps.
   void add_normals() {
     std::vector<vec3> sums(made_.vertices.size(), vec3(0.0f)), caps = sums;
     for (const shared::TreePatch& patch : made_.patches) {
@@ -203,7 +203,7 @@ class PatchBuilder {
     }
   }
 
-  /// A side of a quad, by its lower vertex first.
+  /// A side of a quad, from its lower to its higher vertex index.
   struct Side {
     int32_t a, b, quad, corner;
     bool operator<(const Side& other) const {
@@ -239,7 +239,7 @@ class PatchBuilder {
     return source_.snow_uv.empty() ? std::array<vec2, 4>{} : source_.snow_uv[quad];
   }
 
-  /// Coordinates of a side, from its lower vertex to the other, out of those of its quad's corners.
+  /// Coordinates at the ends of a side, lower vertex index first, from those at the quad's corners.
   std::array<vec2, 2> along(const Side& side, const std::array<vec2, 4>& uv) const {
     const bool reversed = source_.quads[side.quad][side.corner] != side.a;
     const vec2 from = uv[side.corner], to = uv[(side.corner + 1) % 4];
@@ -304,8 +304,8 @@ class PatchBuilder {
     }
   }
 
-  /// Bark that ended beside the rim of a child's hole would be a step there. An inset's outer side
-  /// can be much nearer to the rim than its corners are to one another.
+  /// Limits the bark near the rims of children's holes, where it would otherwise end in a step. The
+  /// outer side of an inset can be much nearer to the rim than its corners are to each other.
   void limit_bark() {
     for (size_t f = 0; f < made_.patches.size(); ++f) {
       if (source_.kind[f] != QuadKind::kInset) continue;

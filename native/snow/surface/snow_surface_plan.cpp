@@ -144,7 +144,7 @@ void SnowSurface::find_carriers(const SurfaceSource& source) {
   }
   if (source.shading.empty()) return;
   // Half of Phong tessellation: T. Boubekeur, M. Alexa, Phong Tessellation, SIGGRAPH Asia 2008.
-  // Corners of one number share a normal.
+  // Corners with the same shading number share a normal.
   std::vector<glm::vec3> normal(
       static_cast<size_t>(
           std::max(*std::max_element(source.shading.begin(), source.shading.end()), 0)) +
