@@ -20,7 +20,7 @@ struct Renderer::Drawing {
   }
   /// @throws std::runtime_error if the creation failed.
   Scene& made_scene() {
-    if (!reader) throw std::runtime_error("the renderer could not be made: see the error before");
+    if (!reader) throw std::runtime_error("the renderer was not created: see the previous error");
     return *scene;
   }
   void destroy() {
@@ -114,7 +114,7 @@ void Renderer::set_snow(const std::string& tree, const TreeSnow& snow) {
       snow.values.size() == static_cast<size_t>(snow.width) * static_cast<size_t>(snow.height);
   if (!is_whole || std::max(snow.width, snow.height) > 16384) {
     throw std::invalid_argument(
-        "set_snow: a map must have height x width values, 1 to 16384 a side");
+        "set_snow: a map must have height x width values and sides from 1 to 16384");
   }
   check(snow.depths);
   change([tree, snow](Scene& scene) { scene.set_snow(tree, snow); });

@@ -9,7 +9,7 @@ namespace {
 
 using glm::vec3;
 
-/// Radius that contains a tree in any pose, as a factor on the radius of its box at rest.
+/// Margin of the sphere around the shadow casters, as a factor on its radius.
 constexpr float kRoomToMove = 1.25f;
 
 /// True if a box is flat like ground. Ground would enlarge the shadow map's area, but its own
@@ -30,7 +30,7 @@ MeshBuffers& Scene::mesh(const std::string& name) const {
 
 void Scene::require_new(const std::string& name) const {
   if (trees_.count(name) + meshes_.count(name) != 0) {
-    throw std::invalid_argument("'" + name + "' is there already: remove it first");
+    throw std::invalid_argument("'" + name + "' already exists: remove it first");
   }
 }
 
@@ -52,7 +52,7 @@ void Scene::set_mesh_snow(const std::string& name, const MeshSnow& snow) {
 void Scene::remove(const std::string& name) {
   ++revision_;
   if (trees_.erase(name) + meshes_.erase(name) == 0) {
-    throw std::invalid_argument("there is nothing named '" + name + "'");
+    throw std::invalid_argument("there is no tree or mesh named '" + name + "'");
   }
 }
 

@@ -105,10 +105,11 @@ void check(const Camera& camera, const RenderSettings& settings) {
   check_range("snow_factor", settings.snow_factor, 0.0, 1e9);
   check_range("shadow_resolution", settings.shadow_resolution, 0, 8192);
   if (camera.far != 0.0f && !(camera.far > camera.near)) {
-    throw std::invalid_argument("far must be larger than near, or 0");
+    throw std::invalid_argument("far must be greater than near, or 0");
   }
   if (camera.view.has_value() != camera.projection.has_value()) {
-    throw std::invalid_argument("a camera has both a view and a projection matrix, or neither");
+    throw std::invalid_argument(
+        "a camera must have both a view and a projection matrix, or neither");
   }
   if (camera.view) {
     check_matrix("view", *camera.view);
@@ -117,7 +118,8 @@ void check(const Camera& camera, const RenderSettings& settings) {
   const vec3 forward = camera.target - camera.eye;
   if (!camera.view && !(glm::length(glm::cross(forward, camera.up)) >
                         1e-6f * glm::length(forward) * glm::length(camera.up))) {
-    throw std::invalid_argument("eye and target must be apart, and up must not point along them");
+    throw std::invalid_argument(
+        "eye and target must differ, and up must not be parallel to the line between them");
   }
   if (!(glm::length(settings.sun_direction) > 0.0f)) {
     throw std::invalid_argument("sun_direction must not be zero");

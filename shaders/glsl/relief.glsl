@@ -1,7 +1,7 @@
 // Bump mapping from a height per pixel.
 
-/// Least cosine between the normal and the view direction that the gradient uses. At grazing angles the differences
-/// between pixels would otherwise outweigh the normal.
+/// Least cosine between the normal and the drawn face's normal that the gradient uses. At smaller cosines the
+/// differences between pixels would outweigh the normal.
 const float kLeastFacing = 0.2;
 
 /// Source: M. S. Mikkelsen, Bump Mapping Unparametrized Surfaces on the GPU, 2010.

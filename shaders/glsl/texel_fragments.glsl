@@ -3,7 +3,7 @@
 #include "../lib/texel_surface.h"
 
 KERNEL_VIEW_R32UI(fragment_begin);
-/// One Fragment per texel of the buffer.
+/// One Fragment per element.
 KERNEL_VIEW_RGBA32UI(fragments);
 
 /// Sums over a texel's fragments.

@@ -33,22 +33,22 @@ vec3 unit(const vec3& v) {
 
 void check(const MeshSource& source) {
   const size_t triangles = source.triangles.size();
-  require(!source.materials.empty(), "it needs a material");
+  require(!source.materials.empty(), "it needs at least one material");
   require((source.normals.empty() || source.normals.size() == 3 * triangles) &&
               (source.uv.empty() || source.uv.size() == 3 * triangles),
-          "normals and uv need three entries a triangle, or none");
+          "normals and uv must have three entries per triangle, or be empty");
   require(source.material.empty() || source.material.size() == triangles,
-          "material needs one entry a triangle, or none");
+          "material must have one entry per triangle, or be empty");
   for (const auto& triangle : source.triangles) {
     for (const int32_t v : triangle) {
       require(v >= 0 && v < static_cast<int32_t>(source.vertices.size()),
-              "a triangle names vertex " + std::to_string(v) + " of " +
+              "vertex index " + std::to_string(v) + " of a triangle must be at least 0 and below " +
                   std::to_string(source.vertices.size()));
     }
   }
   for (const int32_t m : source.material) {
     require(m >= 0 && m < static_cast<int32_t>(source.materials.size()),
-            "a triangle names material " + std::to_string(m) + " of " +
+            "material index " + std::to_string(m) + " of a triangle must be at least 0 and below " +
                 std::to_string(source.materials.size()));
   }
 }
@@ -125,10 +125,10 @@ void MeshBuffers::set_snow(const MeshSnow& snow) {
   if (snow.heights.empty()) return;
   require(snow.width > 0 && snow.height > 0 &&
               snow.heights.size() == static_cast<size_t>(snow.width) * snow.height,
-          "a snow map must have height x width heights");
+          "a snow map must have height x width values");
   size_t triangles = 0;
   for (const Piece& piece : pieces_) triangles += piece.triangles.size();
-  require(snow.uv.size() == 3 * triangles, "snow needs three uv entries a triangle");
+  require(snow.uv.size() == 3 * triangles, "snow must have three uv entries per triangle");
   for (Piece& piece : pieces_) {
     std::vector<vec2> corners;
     corners.reserve(3 * piece.triangles.size());

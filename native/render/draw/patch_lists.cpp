@@ -44,8 +44,8 @@ PatchList::PatchList(size_t patches)
       commands(bytes_of(2 + patches / software_patches(kHighestLevel),
                         sizeof(shared::TreeDrawCommand))) {
   if (patch_groups(patches) > kMostGroups) {
-    throw std::invalid_argument("an object of " + std::to_string(patches) +
-                                " patches is more than one draw holds: add it in parts");
+    throw std::invalid_argument("an object has " + std::to_string(patches) +
+                                " patches, more than one draw can hold: add it in parts");
   }
 }
 

@@ -28,15 +28,19 @@ void require(bool right, const char* what) {
 
 shared::FlakeFall flake_fall(const Snowfall& fall) {
   const dvec3 direction(fall.direction);
-  require(fall.rate >= 0.0f && std::isfinite(fall.rate), "snowfall: rate must not be negative");
+  require(fall.rate >= 0.0f && std::isfinite(fall.rate),
+          "snowfall: rate must be 0 or more, and finite");
   require(glm::length(direction) > 0.0 && direction.z <= 0.0,
           "snowfall: direction must point downwards");
-  require(fall.speed > 0.0f && fall.speed < 100.0f, "snowfall: speed must be over 0, to 100 m/s");
-  require(fall.radius > 0.0f && fall.radius < 0.1f, "snowfall: radius must be over 0, to 0.1 m");
+  require(fall.speed > 0.0f && fall.speed < 100.0f,
+          "snowfall: speed must be over 0 and below 100 m/s");
+  require(fall.radius > 0.0f && fall.radius < 0.1f,
+          "snowfall: radius must be over 0 and below 0.1 m");
   require(fall.flutter >= 0.0f && fall.flutter <= 0.7854f,
           "snowfall: flutter must be from 0 to pi / 4");
   require(fall.shutter >= 0.0f && fall.shutter <= 1.0f, "snowfall: shutter must be from 0 to 1 s");
-  require(fall.metre > 0.0f && std::isfinite(fall.metre), "snowfall: metre must be over 0");
+  require(fall.metre > 0.0f && std::isfinite(fall.metre),
+          "snowfall: metre must be over 0, and finite");
   const dvec3 along = glm::normalize(direction);
   const double sinking = fall.speed * std::max(-along.z, kLeastSinking);
   const double laid = kLaidVolume * std::pow(static_cast<double>(fall.radius), 3.0);

@@ -221,7 +221,7 @@ std::vector<glm::vec3> point_normals(const std::vector<glm::vec3>& points,
   std::vector<glm::vec3> normals(points.size(), glm::vec3(0.0f));
   for (const glm::ivec3& t : triangles) {
     if (std::min({t.x, t.y, t.z}) < 0 || std::max({t.x, t.y, t.z}) >= count) {
-      throw std::invalid_argument("triangles must name rows of points");
+      throw std::invalid_argument("each index in triangles must be a row of points");
     }
     const glm::vec3 cross = glm::cross(points[t.y] - points[t.x], points[t.z] - points[t.x]);
     for (int k = 0; k < 3; ++k) normals[t[k]] += cross;

@@ -31,7 +31,7 @@ void check(const SurfaceSource& source, const std::vector<float>& map) {
   const auto texels = static_cast<size_t>(source.topology.resolution) * source.topology.resolution;
   if (source.topology.resolution < 2 || map.size() != texels) {
     throw std::invalid_argument(
-        "a height map must have as many texels as the receiver's resolution says");
+        "a height map must have resolution x resolution texels, at least 2 x 2");
   }
   if (source.positions.size() < static_cast<size_t>(source.topology.vertex_count)) {
     throw std::invalid_argument("positions must have a row for each vertex");
