@@ -6,7 +6,7 @@
 #include "lib/mesh_corner.h"
 
 layout(std430) readonly buffer MeshCorners { MeshCorner mesh_corners[]; };
-/// Three rows of a matrix per place.
+/// Three matrix rows per place.
 layout(std430) readonly buffer MeshPlaces { vec4 place_rows[]; };
 out vec2 image_uv;
 #ifdef SNOW

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How snow of a known thickness looks. Written by tools/engine_rule.py from shaders/lib: change it there. Metres;
-// `up` is the upward part of a normal, whichever axis is up.
+// The look of snow of a known thickness. tools/engine_rule.py writes this file from shaders/lib: change it there.
+// Lengths are in metres; `up` is the upward component of a normal, whichever axis is up.
 
 // Gradient noise on a lattice, for C++ and GLSL. A hash of the lattice point gives the gradient, so that both languages
 // give the same noise without a table.
@@ -127,27 +127,6 @@ static const float kMostSag = 1.4f;
 static const float kRelief = 0.13f;
 static const float kBumps = 0.08f;
 static const float kMostRelief = 0.11f;
-
-// At rims. Lengths are fractions of the height behind the rim.
-/// Position in the zone, from 0 at the rim to 1, where the front ends and the top begins.
-static const float kFrontPart = 0.5f;
-/// Fraction of the far zone at which the hem closes; points beyond it lie inside the receiver.
-static const float kTucked = 0.68f;
-static const float kTuck = 0.002f;
-/// Height of the outermost point of the front.
-static const float kBelly = 0.38f;
-static const float kShoulder = 0.8f;
-/// Gaps wider than this fraction of the snow's height stay open; gaps narrower than the second fraction are bridged.
-static const float kBridgedGap = 0.7f;
-static const float kSurelyBridged = 0.55f;
-/// A bridge lies lower than the snow by the first fraction, and lower by the second in its middle. Each side reaches
-/// beyond the middle by the third.
-static const float kBridgeSag = 0.04f;
-static const float kBridgeDip = 0.28f;
-static const float kBridgeOverlap = 0.2f;
-static const float kUpperExponent = 2.3f;
-static const float kLowerExponent = 2.1f;
-static const float kEaveExponent = 3.0f;
 
 /// Smooth step from 0 at `from` to 1 at `to`. `to` may be less than `from`.
 float eased(float x, float from, float to) {

@@ -38,7 +38,7 @@ class Scene {
   Picture render(const Camera& camera, const RenderSettings& settings);
   LightPicture render_light(const Camera& camera, const RenderSettings& settings, int32_t samples);
   DepthPicture render_depth(const Camera& camera, const RenderSettings& settings);
-  /// Whether a frame draws the shadow map.
+  /// When a frame draws the shadow map.
   enum class Shadows : uint8_t {
     kDraw,
     /// Draws it only if its inputs have changed since the last frame.

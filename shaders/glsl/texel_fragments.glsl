@@ -9,7 +9,7 @@ KERNEL_VIEW_RGBA32UI(fragments);
 /// Sums over a texel's fragments.
 struct FragmentSum {
   TexelSurface surface;
-  /// Whether fragments face the snowfall with their front, or with their back.
+  /// True if any fragment faces the snowfall with its front, or with its back.
   bool faces_front;
   bool faces_back;
 };

@@ -128,7 +128,7 @@ vec2 patch_snow_uv(TreePatch of, vec2 at) {
   return patch_uv(of.snow_uv_01, of.snow_uv_23, at);
 }
 
-/// A point within a patch.
+/// A point within a patch, not on its edges.
 SurfacePoint inner_point(TreePatch of, vec2 at) {
   const float round_share = of.place.w == 0 ? 0.0 : of.place.w == 1 ? 1.0 : 1.0 - at.y;
   const vec2 s = vec2(mix(at.x, chord_share(at.x), round_share), at.y);
@@ -161,7 +161,7 @@ SurfacePoint inner_point(TreePatch of, vec2 at) {
   return on_bark(rest);
 }
 
-/// The point of a patch at the tessellator's coordinates.
+/// The point of a patch at the tessellator's coordinates: a vertex, a point of an edge, or an inner point.
 SurfacePoint patch_point(TreePatch of, vec2 at) {
   const bool left = at.x <= 0.0;
   const bool right = at.x >= 1.0;

@@ -52,7 +52,8 @@ constexpr float kBends = 0.12f;
 constexpr std::array<float, 9> kSupportCuts{0.05f, 0.12f, 0.2f, 0.29f, 0.39f,
                                             0.5f,  0.63f, 0.8f, 1.0f};
 constexpr std::array<float, 5> kFarCuts{-0.15f, -0.32f, -0.5f, -0.68f, -1.0f};
-/// The cuts for small receivers, whose edge lengths exceed the default by this factor.
+/// Factor on the depth-based edge lengths, on small receivers, above which only these cuts are
+/// made.
 constexpr float kCoarse = 2.0f;
 constexpr std::array<float, 4> kCoarseSupportCuts{0.12f, 0.29f, 0.5f, 1.0f};
 constexpr std::array<float, 2> kCoarseFarCuts{-0.32f, -0.68f};
@@ -266,7 +267,7 @@ class Refiner {
       const RimZones::Zone& b = zones[q];
       if (a.place.is_far_off || b.place.is_far_off) continue;
       if (std::abs(a.share) > 1.02f || std::abs(b.share) > 1.02f) continue;
-      // Skip edges from cut to cut: they follow from the edges on the cuts.
+      // Halve only edges on one cut. The edges between the cuts follow from them.
       if (std::abs(a.share - b.share) > kOneCut) continue;
       const glm::vec3 axis = glm::cross(a.place.out, a.place.support);
       const float along = std::abs(glm::dot(mesh_.position[q] - mesh_.position[p], axis));

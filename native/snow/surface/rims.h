@@ -60,8 +60,9 @@ class Rims {
   RimPlace place(const glm::vec3& point, const glm::vec3& normal, int32_t part,
                  float softness) const;
 
-  /// Metres from a point of a face with that normal to the nearest rim whose carrying or, if
-  /// `far_too`, far face it may lie on; the reach where none is nearer.
+  /// Distance in metres from a point to the nearest rim on the same face, or `reach` if no rim is
+  /// nearer. `normal`: unit normal of the face that holds the point. The face may be the rim's
+  /// supporting face or, if `far_too`, its far face.
   float distance(const glm::vec3& point, const glm::vec3& normal, int32_t part, bool far_too) const;
 
   /// Free width of the supporting face behind `place.foot` in metres: the distance to the middle

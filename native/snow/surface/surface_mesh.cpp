@@ -60,7 +60,7 @@ struct SplitTriangle {
   std::array<glm::vec3, 6> normal;
 };
 
-/// Appends parts of split triangles.
+/// Appends the parts of a split triangle to a mesh.
 class Parts {
  public:
   explicit Parts(SurfaceMesh& mesh) : mesh_(mesh) {}
