@@ -52,8 +52,7 @@ constexpr float kBends = 0.12f;
 constexpr std::array<float, 9> kSupportCuts{0.05f, 0.12f, 0.2f, 0.29f, 0.39f,
                                             0.5f,  0.63f, 0.8f, 1.0f};
 constexpr std::array<float, 5> kFarCuts{-0.15f, -0.32f, -0.5f, -0.68f, -1.0f};
-/// Factor on the depth-based edge lengths, on small receivers, above which only these cuts are
-/// made.
+/// If SurfaceDensity::scale exceeds this factor, as on small receivers, only these cuts are made.
 constexpr float kCoarse = 2.0f;
 constexpr std::array<float, 4> kCoarseSupportCuts{0.12f, 0.29f, 0.5f, 1.0f};
 constexpr std::array<float, 2> kCoarseFarCuts{-0.32f, -0.68f};
