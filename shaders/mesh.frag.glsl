@@ -1,6 +1,6 @@
 // A pixel of a mesh, lit from both sides.
 //
-// SNOW: white where its map says that snow lies. IS_SNOW: it is the surface of snow.
+// SNOW: white where the map has snow. IS_SNOW: the mesh is a snow surface.
 #include "glsl/image_fragment.glsl"
 #ifndef SHADOW
 #ifndef WIRE
@@ -12,12 +12,12 @@ in vec2 snow_uv;
 #ifdef IS_SNOW
 #include "glsl/snow_shading.glsl"
 in vec3 own_place;
-/// Metres from which on snow has all of its relief and glints.
+/// Depth in metres at which snow has its full bumps and glints.
 const float kDeepSnow = 0.1;
 
-/// A pixel of the snow's surface, whose normal always points out of it. At its outline triangles are seen whose
-/// corners' normals point away from the eye: mirrored they would be dark specks, so they are turned until they are seen
-/// on edge.
+/// A pixel of a snow surface, whose normal always points outwards. At silhouettes, some visible triangles have vertex
+/// normals that point away from the eye. Flipped normals would show as dark specks, so these normals are rotated until
+/// they are perpendicular to the view direction.
 vec3 lit_surface() {
   const vec3 to_eye = normalize(view.eye.xyz - world);
   const vec3 normal = normalize(smooth_normal);
@@ -31,7 +31,7 @@ vec3 lit_image(vec3 albedo) {
 #else
   vec3 face = cross(dFdx(world), dFdy(world));
   face *= dot(face, view.eye.xyz - world) < 0.0 ? -1.0 : 1.0;
-  // Screen derivatives of a triangle seen edge-on are undefined.
+  // Screen-space derivatives of a triangle seen edge-on are undefined.
   vec3 normal = normalize(smooth_normal);
   const float size = length(face);
   face = size > 0.0 ? face / size : normal;

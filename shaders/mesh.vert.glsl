@@ -1,12 +1,12 @@
-// A mesh without tessellation, once per place in the world.
+// A mesh without tessellation, one instance per place in the world.
 //
-// SHADOW: the sun's picture, of depth alone. SNOW: with coordinates on the map of its snow. IS_SNOW: with its place in
-// its own space, where grains of snow stay.
+// SHADOW: shadow map, depth only. SNOW: passes coordinates on the snow map. IS_SNOW: passes the position in the mesh's
+// own space, to which the grains of snow are fixed.
 #include "glsl/tree_view.glsl"
 #include "lib/mesh_corner.h"
 
 layout(std430) readonly buffer MeshCorners { MeshCorner mesh_corners[]; };
-/// Three rows of a matrix per place.
+/// Three matrix rows per place.
 layout(std430) readonly buffer MeshPlaces { vec4 place_rows[]; };
 out vec2 image_uv;
 #ifdef SNOW
@@ -39,8 +39,8 @@ void main() {
 #ifdef IS_SNOW
   own_place = p;
 #endif
-  // By the matrix of cofactors, which keeps normals upright whatever the place's scale; it turns those of a mirrored
-  // place inwards.
+  // Transform normals by the cofactor matrix, so that they stay perpendicular at any scale of the place. It flips the
+  // normals of mirrored places.
   const vec3 n = at.normal.xyz * (dot(cross(x, y), z) < 0.0 ? -1.0 : 1.0);
   smooth_normal = vec3(dot(cross(y, z), n), dot(cross(z, x), n), dot(cross(x, y), n));
 #endif

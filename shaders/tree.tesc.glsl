@@ -1,5 +1,5 @@
-// Tessellation levels of a patch: the outer ones from its edges' records, each inner one the higher of two opposite
-// ones.
+// Tessellation levels of a patch. The outer ones come from the records of its edges; each inner one is the higher of
+// two opposite outer ones.
 #include "lib/tree_shared.h"
 
 layout(vertices = 1) out;
@@ -13,7 +13,7 @@ void main() {
   const ivec4 edges = patches[patch_index].edges;
   const vec4 levels = vec4(edge_levels[edges.x >> 1], edge_levels[edges.y >> 1], edge_levels[edges.z >> 1],
                            edge_levels[edges.w >> 1]);
-  // Edges are at v = 0, u = 1, v = 1 and u = 0; OpenGL starts at u = 0.
+  // The patch's edges are at v = 0, u = 1, v = 1 and u = 0; OpenGL starts at u = 0.
   gl_TessLevelOuter[0] = levels.w;
   gl_TessLevelOuter[1] = levels.x;
   gl_TessLevelOuter[2] = levels.y;

@@ -1,5 +1,5 @@
-// Sorts patches into dropped (outside the picture, of a level that is too far away, or smaller than some pixels), plain
-// (all edges at level 1) and tessellated, and counts the latter two per work group.
+// Classifies patches as dropped (outside the picture, of a branch level that is too far away, or smaller than the
+// minimum number of pixels), plain (all edges at level 1) or tessellated. Counts the last two per work group.
 #include "glsl/tree_view.glsl"
 #include "glsl/count_classes.glsl"
 #include "lib/snow_point.h"

@@ -1,6 +1,6 @@
-// The tessellation level of each edge, once, so that both of its faces have the same.
+// Computes the tessellation level of each edge once, so that both of its faces use the same level.
 //
-// SNOW: the thesis's metric has a level for the snow, too.
+// SNOW: the thesis's metric also has a level for snow.
 #include "glsl/tree_view.glsl"
 #include "lib/tessellation.h"
 
@@ -12,8 +12,8 @@ layout(std430) writeonly buffer EdgeLevels { float edge_levels[]; };
 uniform int count;
 
 #ifdef SNOW
-/// The thesis's level of the snow on the faces of an edge from a to b: of a rectangle of their mean area beside it that
-/// lies as the edge's ends do.
+/// The thesis's level for snow on the faces of an edge from a to b. It uses a rectangle beside the edge with the mean
+/// area of the faces and the orientation of the edge's ends.
 float snow_level(TreeEdge edge, PosedVertex a, PosedVertex b) {
   const vec3 along = b.position.xyz - a.position.xyz;
   const vec3 normal = normalize(a.normal.xyz + b.normal.xyz);

@@ -1,4 +1,4 @@
-// Two triangles of a patch without tessellation, six vertices each.
+// Draws a patch without tessellation as two triangles of three vertices each.
 #include "glsl/tree_view.glsl"
 #include "glsl/tree_outputs.glsl"
 

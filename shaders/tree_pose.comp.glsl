@@ -1,6 +1,6 @@
 // Poses the vertices of the base and adds bark.
 //
-// SNOW: also adds snow: the mean over the vertex's places on the map.
+// SNOW: also adds snow, from the mean of the map's heights at the vertex's coordinates.
 #include "glsl/bark.glsl"
 #include "glsl/tree_view.glsl"
 

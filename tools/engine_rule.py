@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes docs/engines/snow_rule.glsl and .hlsl: how snow looks, from the headers that Snowbough itself compiles.
+"""Writes docs/engines/snow_rule.glsl and .hlsl: the look of snow, from the headers that Snowbough compiles.
 
     python3 tools/engine_rule.py
 
-Engines take files that stand alone. Limbs of trees are round and have no rims, so what is about rims is left out.
+Engines need self-contained files. Limbs of trees are round and have no rims, so the parts about rims are left out.
 """
 
 import re
@@ -13,22 +13,22 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 HEADERS = ("snow_noise.h", "snow_surface.h", "snow_point.h")
 FOLDER = ROOT / "docs" / "engines"
-# Parts about rims: where each begins, and where what follows it begins.
+# Parts about rims: the text at the start of each, and the text after its end.
 RIMS = (
     ("/// Constants of a point near a rim.", "// Away from rims."),
-    ("// At rims; lengths", "/// 0 at `from`"),
+    ("// At rims. Lengths", "/// Smooth step from 0"),
     ("/// A quarter of a superellipse", "#ifndef SNOWBOUGH_GLSL\n}"),
 )
 HEAD = """// SPDX-License-Identifier: GPL-3.0-or-later
-// How snow of a known thickness looks. Written by tools/engine_rule.py from shaders/lib: change it there. Metres;
-// `up` is the upward part of a normal, whichever axis is up.
+// The look of snow of a known thickness. tools/engine_rule.py writes this file from shaders/lib: change it there.
+// Lengths are in metres; `up` is the upward component of a normal, whichever axis is up.
 """
 HLSL_WORDS = (
     (r"\bvec([234])\(([^(),]+)\)", r"((float\1)(\2))"),
     (r"\bvec([234])\b", r"float\1"),
     (r"\bmix\b", "lerp"),
     (r"^const float", "static const float"),
-    # A word of the language's own.
+    # A reserved word of HLSL.
     (r"\bpoint\b", "place_of"),
     (r"return (SnowEdge)\((.*?)\);", r"const \1 made = {\2};\n  return made;"),
 )

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How snow of a known thickness looks. Written by tools/engine_rule.py from shaders/lib: change it there. Metres;
-// `up` is the upward part of a normal, whichever axis is up.
+// The look of snow of a known thickness. tools/engine_rule.py writes this file from shaders/lib: change it there.
+// Lengths are in metres; `up` is the upward component of a normal, whichever axis is up.
 
-// Gradient noise on a lattice whose gradients come from a hash of its points, so that C++ and GLSL need no table and
-// agree. For C++ and GLSL.
+// Gradient noise on a lattice, for C++ and GLSL. A hash of the lattice point gives the gradient, so that both languages
+// give the same noise without a table.
 //
 // Sources: K. Perlin, Improving Noise, SIGGRAPH 2002 (gradient noise, the fade of degree five); M. Jarzynski,
 // M. Olano, Hash Functions for GPU Rendering, JCGT 9 (3), 2020 (pcg3d).
 
-/// A unit vector for a point of the lattice.
+/// The unit gradient at a lattice point.
 vec3 lattice_gradient(vec3 at) {
-  // Through int: a negative float has no unsigned value.
+  // The conversion goes through int, because a negative float has no unsigned value.
   uint x = uint(int(at.x)) * 1664525u + 1013904223u;
   uint y = uint(int(at.y)) * 1664525u + 1013904223u;
   uint z = uint(int(at.z)) * 1664525u + 1013904223u;
@@ -31,7 +31,7 @@ float lattice_share(vec3 cell, vec3 in_cell, vec3 corner) {
   return dot(lattice_gradient(cell + corner), in_cell - corner);
 }
 
-/// From about -1 to 1, with a mean of 0; one wave is about 1 long.
+/// Noise from about -1 to 1 with a mean of 0. The wavelength is about 1.
 float gradient_noise(vec3 position) {
   const vec3 cell = floor(position);
   const vec3 f = position - cell;
@@ -50,8 +50,9 @@ float gradient_noise(vec3 position) {
   return 1.6f * (along_z[0] + w.z * (along_z[1] - along_z[0]));
 }
 
-/// Three octaves of it, scaled so that they vary as much as one; a wave of 0 is left out. `waves`: their lengths in
-/// the unit of `position`; `gain`: what each is worth beside the one before.
+/// Three octaves of gradient noise, scaled to the variance of one octave. `waves`: wavelengths in the unit of
+/// `position`; an octave with wavelength 0 is skipped. `gain`: ratio of an octave's amplitude to that of the octave
+/// before.
 float layered_noise(vec3 position, vec3 waves, float gain) {
   float sum = gradient_noise(position * (1.0f / waves.x));
   float squares = 1.0f;
@@ -66,15 +67,16 @@ float layered_noise(vec3 position, vec3 waves, float gain) {
   return sum / sqrt(squares);
 }
 
-// How snow of a known thickness looks: the one rule for Blender's mesh, the live preview, Snowbough Realtime and the
-// exporters. A point of the surface is its carrier on the receiver plus an offset; away from rims the offset goes along
-// the normal (thin_snow, sagging), near a rim it follows a profile: upright, a round shoulder, an overhang, a drop
-// (front_offset). All lengths are metres, all vectors are in the pose that the surface was planned in.
+// The look of snow of a known thickness: the one formula for Blender's mesh, the live preview, Snowbough Realtime and
+// the exporters. A point of the surface is its carrier on the receiver plus an offset. Away from rims the offset
+// follows the normal (thin_snow, sagging). Near a rim it follows a profile of an upright face, a round shoulder, an
+// overhang and a drop (front_offset). All lengths are in metres. All vectors are in the pose for which the surface was
+// planned.
 //
-// Sources: superellipses, A. H. Barr, Superquadrics and Angle-Preserving Transformations, IEEE CG&A 1 (1), 1981; how
-// snow ends in round lips and cornices, P. Fearing, Computer Modelling of Fallen Snow, SIGGRAPH 2000, section 3.
+// Sources: superellipses, A. H. Barr, Superquadrics and Angle-Preserving Transformations, IEEE CG&A 1 (1), 1981; round
+// lips and cornices at the edges of snow, P. Fearing, Computer Modelling of Fallen Snow, SIGGRAPH 2000, section 3.
 
-/// What an artist sets; 1 is snow as it usually lies.
+/// The artist's settings; 1 is the default look.
 struct SnowStyle {
   float overhang;
   float hem_variation;
@@ -84,39 +86,41 @@ struct SnowStyle {
 
 /// Constants of a point away from rims.
 struct SnowPoint {
-  /// Noise, from about -1 to 1: of the thickness below which no snow shows, of lips and sagging, of the relief, of bumps.
+  /// Noise, from about -1 to 1: of the thickness below which no snow shows, of lips and sagging, of the surface noise,
+  /// and of bumps.
   float patches;
   float hem;
   float relief;
   float bumps;
-  /// How far below the receiver's surface bare parts may lie.
+  /// Greatest depth of bare parts below the receiver's surface.
   float deepest;
-  /// By how much more the surface's area grows with each metre along its normals, in 1/m; 0 where it is flat or hollow.
+  /// Relative growth of the surface's area per metre along its normals, in 1/m; 0 on flat or concave places.
   float convexity;
-  /// 0 on wide ground, 1 on tops and twigs so narrow that snow is thin there for want of room, not for shelter.
+  /// 0 on wide ground, 1 on tops and twigs so narrow that the snow is thin for lack of room, not because of shelter.
   float narrow;
 };
 
 // Away from rims.
-/// From this upward part of the normal on a surface is level, to this one it is steep.
+/// Upward components of the normal: a surface is level above the first and steep below the second.
 const float kLevel = 0.93f;
 const float kSteep = 0.45f;
-/// Part of the open depth that does not show on steep places and where shelter thins the snow, times 0.22 + 0.85 noise.
+/// Thickness that does not show, as a fraction of the open depth, on steep places and where shelter thins the snow;
+/// multiplied by 0.22 + 0.85 noise.
 const float kSteepShare = 0.65f;
 const float kShelterShare = 0.10f;
-/// Of these shares, what narrow places do without.
+/// Reduction of these fractions on narrow places.
 const float kNarrowKeeps = 0.85f;
-/// Walls, of a smaller upward part of the normal, show no snow thinner than this part of the open depth: what has just
-/// slid over a rim, or what comes through a map's gutter from the chart beside it.
+/// Walls are surfaces with a smaller upward component of the normal. They show no snow thinner than this fraction of
+/// the open depth: such snow has just slid over a rim, or comes from the neighbouring chart through the map's gutter.
 const float kWall = 0.15f;
 const float kWallShare = 0.1f;
-/// Thinner snow, in metres and as a part of the open depth, is frost and does not show.
+/// Snow thinner than this, in metres and as a fraction of the open depth, is frost and does not show.
 const float kFrost = 0.0025f;
 const float kFrostShare = 0.05f;
-/// Height of the lip in which snow ends, as part of the open depth.
+/// Height of the lip at the edge of the snow, as a fraction of the open depth.
 const float kLip = 0.22f;
 const float kSink = 0.004f;
-/// Parts of the thickness.
+/// Fractions of the thickness.
 const float kSag = 0.6f;
 const float kSagVariation = 0.5f;
 const float kMostSag = 1.4f;
@@ -124,7 +128,7 @@ const float kRelief = 0.13f;
 const float kBumps = 0.08f;
 const float kMostRelief = 0.11f;
 
-/// 0 at `from`, 1 at `to`, which may be the smaller one.
+/// Smooth step from 0 at `from` to 1 at `to`. `to` may be less than `from`.
 float eased(float x, float from, float to) {
   const float t = clamp((x - from) / (to - from), 0.0f, 1.0f);
   return t * t * (3.0f - 2.0f * t);
@@ -132,17 +136,17 @@ float eased(float x, float from, float to) {
 
 float steepness(float up) { return eased(up, kLevel, kSteep); }
 
-/// Where snow ends.
+/// Shape of the snow's border.
 struct SnowEdge {
   /// Thickness below which no snow shows.
   float threshold;
   float lip;
-  /// How far below the receiver's surface bare parts lie.
+  /// Depth of bare parts below the receiver's surface.
   float sink;
 };
 
-/// `thickness`: what the map holds here, `open_depth`: what lies on open level ground in this frame; `up`: upward part
-/// of the normal.
+/// `thickness`: thickness from the map at this point; `open_depth`: snow depth on open level ground in this frame;
+/// `up`: upward component of the normal.
 SnowEdge snow_edge(const SnowPoint point, float thickness, float open_depth,
                                              float up) {
   const float depth = max(open_depth, 1e-5f);
@@ -157,11 +161,11 @@ SnowEdge snow_edge(const SnowPoint point, float thickness, float open_depth,
   return SnowEdge(threshold, lip, sink);
 }
 
-/// Most that shows of a thickness, relief aside.
+/// Greatest shown height for a thickness, without the surface noise.
 float most_shown(float thickness) { return 1.5f * thickness + 0.004f; }
 
-/// Height of the shown snow's surface above the receiver's, negative where none shows, so that snow ends where two
-/// surfaces intersect. Its slope is bounded by smoothing it afterwards over the surface.
+/// Height of the shown snow above the receiver's surface. It is negative where no snow shows, so that the snow ends
+/// where two surfaces intersect. The caller smooths it over the surface to limit its slope.
 float thin_snow(const SnowEdge edge, float thickness) {
   const float x = thickness - edge.threshold;
   if (x < 0.0f) return -edge.sink * (1.0f - exp(x / (0.25f * edge.sink + 0.1f * edge.lip + 1e-6f)));
@@ -170,21 +174,21 @@ float thin_snow(const SnowEdge edge, float thickness) {
   return min(lip + kept, most_shown(thickness));
 }
 
-/// Height of a layer that lies on a convex surface and holds as much snow as one of `height` on a flat surface: the
-/// layer's area grows with its height.
+/// Height of a layer on a convex surface with the same volume of snow as a layer of `height` on a flat surface. The
+/// area of the layer grows with its height.
 float swept_height(const SnowPoint point, float height) {
   if (height <= 0.0f || point.convexity * height < 1e-4f) return height;
   return (sqrt(1.0f + 2.0f * point.convexity * height) - 1.0f) / point.convexity;
 }
 
-/// What relief adds to a height.
+/// Height of the surface noise.
 float surface_relief(const SnowPoint point, const SnowStyle style,
                                                float height, float open_depth) {
   const float wave = clamp(kRelief * point.relief + kBumps * point.bumps, -kMostRelief, kMostRelief);
   return style.relief * wave * min(max(height, 0.0f), open_depth);
 }
 
-/// How far snow that ends on a steep place hangs down the slope.
+/// Distance that snow hangs down the slope at its border on a steep place.
 float sagging(const SnowPoint point, const SnowStyle style,
                                         const SnowEdge edge, float thickness, float height, float up) {
   const float x = max(thickness - edge.threshold, 0.0f);
@@ -193,16 +197,16 @@ float sagging(const SnowPoint point, const SnowStyle style,
          eased(up, -0.2f, 0.2f);
 }
 
-// The constants of a point of the snow's surface, from its place and from how thick that is which carries it.
+// The constants of a point of the snow surface, from its position and the thickness of its carrier.
 
-/// Part of the thickness below a point that bare places may sink into.
+/// Greatest depth of bare places below the receiver's surface, as a fraction of the carrier's thickness.
 const float kSinkPart = 0.45f;
-/// What is thicker than the first part of the depth is wide, what is thinner than the second narrow.
+/// A carrier thicker than the first fraction of the snow depth is wide; one thinner than the second fraction is narrow.
 const float kWide = 0.8f;
 const float kNarrow = 0.3f;
 
-/// The noise of a point, without its bumps. `place`: in parts of the depth at the shot's end, so that noise is the same
-/// at any scale.
+/// The noise of a point, without its bumps. `place`: position divided by the snow depth at the shot's end, so that the
+/// noise is the same at any scale.
 SnowPoint point_noise(vec3 place) {
   SnowPoint point;
   point.patches = layered_noise(place + 50.0f, vec3(2.2f, 1.0f, 0.45f), 0.8f);
@@ -215,12 +219,13 @@ SnowPoint point_noise(vec3 place) {
   return point;
 }
 
-/// Noise of bumps; `place`: of the shown surface, as above.
+/// Noise of the bumps. `place`: position on the shown surface, in the same unit as for point_noise.
 float bump_noise(vec3 place) {
   return layered_noise(place + 70.0f, vec3(1.1f, 0.5f, 0.0f), 0.6f);
 }
 
-/// The same point on something that is `thickness` thick, under snow that is `depth` deep at the shot's end. Metres.
+/// Adds the carrier's constants to a point. `thickness`: thickness of the carrier; `depth`: snow depth at the shot's
+/// end, both in metres.
 SnowPoint on_carrier(const SnowPoint point, float thickness, float depth) {
   SnowPoint made = point;
   made.deepest = max(kSinkPart * thickness, 1e-5f);
@@ -228,22 +233,23 @@ SnowPoint on_carrier(const SnowPoint point, float thickness, float depth) {
   return made;
 }
 
-/// The same point on a round limb of that width in metres; 0: as if the limb were flat, and so thin that most shows.
+/// Adds the constants of a round limb to a point. `width`: width of the limb in metres. At 0 the limb counts as flat
+/// and as narrow, so that most snow shows.
 SnowPoint on_limb(const SnowPoint point, float width, float depth) {
   SnowPoint made = on_carrier(point, width, depth);
   made.convexity = width > 0.0f ? 2.0f / width : 0.0f;
   return made;
 }
 
-/// Height of the snow that shows on a limb, 0 where none does.
+/// Height of the shown snow on a limb; 0 if no snow shows.
 float limb_height(const SnowPoint point, const SnowStyle style,
                                             const SnowEdge edge, float thickness, float open_depth) {
   const float height = max(thin_snow(edge, thickness), 0.0f);
   return swept_height(point, height + surface_relief(point, style, height, open_depth));
 }
 
-/// How far from its carrier a point away from rims may be at most, under a map that holds `thickness` at most and in
-/// the usual style.
+/// Upper bound of the distance between a point away from rims and its carrier, for snow up to `thickness` in the map
+/// and the default style.
 float farthest_offset(float thickness) {
   const float height = (1.0f + kMostRelief) * most_shown(thickness);
   return thickness > 0.0f ? height * length(vec3(1.0f, kMostSag, 0.0f)) : 0.0f;

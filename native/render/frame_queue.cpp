@@ -24,7 +24,7 @@ PixelBuffer::PixelBuffer(int64_t bytes) : bytes_(bytes) {
   if (words_ == nullptr) {
     glDeleteBuffers(1, &id_);
     throw std::runtime_error(
-        "the GPU has no room for pictures of this size: make the window smaller");
+        "the GPU has no memory for pictures of this size: make the window smaller");
   }
 }
 
@@ -48,7 +48,7 @@ bool FrameReader::has_room() const {
 void FrameReader::begin(const gpu::Texture& light, uint64_t ticket) {
   const auto slot = std::find_if(slots_.begin(), slots_.end(),
                                  [](const Slot& each) { return each.fence == nullptr; });
-  if (slot == slots_.end()) throw std::logic_error("there is no room for another picture");
+  if (slot == slots_.end()) throw std::logic_error("no buffer is free for another picture");
   const int32_t width = light.width(), height = light.height();
   if (words_.width() != width || words_.height() != height) {
     words_ = gpu::Texture(GL_R32UI, width, height);
@@ -109,7 +109,7 @@ bool FrameQueue::claim_pump() {
 void FrameQueue::fail(std::exception_ptr error) {
   const std::scoped_lock lock(mutex_);
   pump_waits_ = false;
-  // The first of several is their cause.
+  // Keep only the first error: it causes the others.
   if (error_ == nullptr) error_ = std::move(error);
 }
 

@@ -16,16 +16,17 @@
 
 namespace snowbough::render {
 
-/// A finished picture, packed: a word a pixel, row 0 at the bottom (see shaders/lib/frame_code.h).
+/// A finished picture, packed: one word per pixel, row 0 at the bottom (see
+/// shaders/lib/frame_code.h).
 struct PackedFrame {
-  /// What `FrameQueue::request` gave for it.
+  /// The ticket that `FrameQueue::request` returned for this picture.
   uint64_t ticket = 0;
   int32_t width = 0;
   int32_t height = 0;
   std::vector<uint32_t> words;
 };
 
-/// Memory that the GPU writes pixels into and the processor sees. GPU thread.
+/// A buffer that the GPU writes pixels into and the CPU reads through a mapping. GPU thread.
 class PixelBuffer : public gpu::Handle {
  public:
   PixelBuffer() = default;
@@ -36,7 +37,7 @@ class PixelBuffer : public gpu::Handle {
   ~PixelBuffer();
 
   int64_t bytes() const { return bytes_; }
-  /// To be read behind a fence that has passed.
+  /// Valid once the fence after the write has been signalled.
   const uint32_t* words() const { return words_; }
 
  private:
@@ -44,8 +45,8 @@ class PixelBuffer : public gpu::Handle {
   const uint32_t* words_ = nullptr;
 };
 
-/// Packs pictures and reads them back through three pixel buffers with fences, none of which is
-/// ever waited for. GPU thread.
+/// Packs pictures and reads them back through three pixel buffers with fences. It never blocks on a
+/// fence. GPU thread.
 class FrameReader {
  public:
   FrameReader();
@@ -53,11 +54,11 @@ class FrameReader {
   FrameReader(const FrameReader&) = delete;
   FrameReader& operator=(const FrameReader&) = delete;
 
-  /// Whether there is a buffer for another picture.
+  /// True if a buffer is free for another picture.
   bool has_room() const;
-  /// Begins to read a picture of linear light. @throws std::logic_error without room.
+  /// Starts to read back a picture of linear light. @throws std::logic_error if no buffer is free.
   void begin(const gpu::Texture& light, uint64_t ticket);
-  /// The newest picture that has arrived by now, if any; older ones are passed over.
+  /// The newest picture that has arrived, if any. Older pictures are discarded.
   std::optional<PackedFrame> arrived();
 
  private:
@@ -74,9 +75,9 @@ class FrameReader {
   std::array<Slot, 3> slots_;
 };
 
-/// Between a viewport that asks for pictures and the GPU thread that makes them: the newest request
-/// counts, and the newest picture. All functions may be called from any thread and wait for nothing
-/// but each other.
+/// Connects a viewport that requests pictures with the GPU thread that draws them. Only the newest
+/// request and the newest picture are kept. All functions may be called from any thread and block
+/// only on the queue's own mutex.
 class FrameQueue {
  public:
   struct Request {
@@ -85,26 +86,26 @@ class FrameQueue {
     RenderSettings settings;
   };
 
-  /// Replaces a request that nobody has begun. Returns its ticket, from 1 on.
+  /// Replaces a pending request. Returns the new request's ticket; tickets start at 1.
   uint64_t request(const Camera& camera, const RenderSettings& settings);
-  /// Takes the newest picture that was not taken yet.
-  /// @throws what was handed to `fail`, once.
+  /// Returns the newest picture that has not been taken yet, and removes it.
+  /// @throws the exception passed to `fail`, once.
   std::optional<PackedFrame> take();
-  /// Whether the GPU thread has something to do or to wait for.
+  /// True while the GPU thread has work or waits for a picture.
   bool is_busy() const;
-  /// Claims the right to hand one pump to the GPU thread; it is given back as the pump begins or
+  /// Claims the right to post one `pump` to the GPU thread. The claim ends when the pump starts or
   /// fails.
   bool claim_pump();
   void fail(std::exception_ptr error);
 
-  /// On the GPU thread: collects what has arrived, and draws the newest request where there is
-  /// room. `draw` gives the texture of its light.
+  /// GPU thread: collects pictures that have arrived, and draws the newest request if a buffer is
+  /// free. `draw` returns the texture of the picture's light.
   void pump(FrameReader& reader, const std::function<const gpu::Texture&(const Request&)>& draw);
 
  private:
   mutable std::mutex mutex_;
   uint64_t last_ticket_ = 0;
-  /// Of the newest picture that was begun, and of the newest that has arrived.
+  /// Tickets of the newest picture that was started, and of the newest that has arrived.
   uint64_t begun_ = 0;
   uint64_t arrived_ = 0;
   bool pump_waits_ = false;

@@ -10,7 +10,7 @@
 namespace snowbough::render {
 
 struct Renderer::Drawing {
-  // Made and destroyed on the GPU thread, one after the other.
+  // Created and destroyed on the GPU thread, in this order.
   std::optional<Scene> scene;
   std::optional<FrameReader> reader;
 
@@ -18,9 +18,9 @@ struct Renderer::Drawing {
     scene.emplace();
     reader.emplace();
   }
-  /// @throws std::runtime_error where making it failed.
+  /// @throws std::runtime_error if the creation failed.
   Scene& made_scene() {
-    if (!reader) throw std::runtime_error("the renderer could not be made: see the error before");
+    if (!reader) throw std::runtime_error("the renderer was not created: see the previous error");
     return *scene;
   }
   void destroy() {
@@ -53,10 +53,10 @@ void Renderer::close() {
     return;
   }
   try {
-    // Behind all that was handed in before, so that nothing of it finds the scene gone.
+    // Runs after all earlier work, so that no earlier work finds the scene destroyed.
     thread_->run([&] { drawing_->destroy(); });
   } catch (const std::exception&) {
-    // There was never a context, and so nothing to destroy.
+    // The context was never created, so there is nothing to destroy.
   }
   drawing_.reset();
   thread_.reset();
@@ -114,7 +114,7 @@ void Renderer::set_snow(const std::string& tree, const TreeSnow& snow) {
       snow.values.size() == static_cast<size_t>(snow.width) * static_cast<size_t>(snow.height);
   if (!is_whole || std::max(snow.width, snow.height) > 16384) {
     throw std::invalid_argument(
-        "set_snow: a map must have height x width values, 1 to 16384 a side");
+        "set_snow: a map must have height x width values and sides from 1 to 16384");
   }
   check(snow.depths);
   change([tree, snow](Scene& scene) { scene.set_snow(tree, snow); });
@@ -166,7 +166,7 @@ uint64_t Renderer::request_frame(const Camera& camera, const RenderSettings& set
 
 std::optional<PackedFrame> Renderer::take_frame() {
   drawing();
-  // Throws where there is no context: what was posted never runs then.
+  // Throws if there is no context: posted work never runs then.
   if (thread_->is_ready()) thread_->info();
   std::optional<PackedFrame> frame = queue_.take();
   if (queue_.is_busy()) post_pump();

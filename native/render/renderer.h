@@ -20,9 +20,9 @@ namespace snowbough::render {
 
 class Scene;
 
-/// How a tree's bark looks.
+/// Appearance of a tree's bark.
 struct TreeLook {
-  /// How far it rises and falls, as a share of the limb's radius, 0 to 1.
+  /// Amplitude of the bark as a fraction of the limb's radius, 0 to 1.
   float bark_depth = 0.06f;
   /// Linear colours of furrows and ridges.
   glm::vec3 bark_dark{0.045f, 0.03f, 0.02f};
@@ -37,37 +37,37 @@ struct Picture {
   std::vector<uint8_t> rgba;
 };
 
-/// Linear light, height x width x 4, row 0 at the bottom; alpha is the share of a pixel in which
-/// something was drawn, and elsewhere there is the background's light.
+/// Linear light, height x width x 4, row 0 at the bottom. Alpha is the covered fraction of a pixel;
+/// uncovered pixels hold the background's light.
 struct LightPicture {
   int32_t width = 0;
   int32_t height = 0;
   std::vector<float> rgba;
 };
 
-/// What OpenGL's depth buffer holds: height x width, 0 at the camera's near plane, 1 at its far one
-/// and where nothing was drawn; row 0 at the bottom.
+/// Values of OpenGL's depth buffer: height x width, row 0 at the bottom. 0 is the camera's near
+/// plane; 1 is the far plane and the background.
 struct DepthPicture {
   int32_t width = 0;
   int32_t height = 0;
   std::vector<float> depth;
 };
 
-/// Of the last picture.
+/// Statistics of the last picture.
 struct FrameStatistics {
   /// Patches of all trees by class.
   int64_t dropped = 0;
   int64_t plain = 0;
   int64_t tessellated = 0;
-  /// Triangles handed to the rasteriser for the camera's picture, the sun's not counted.
+  /// Triangles drawn for the camera's picture, without the shadow map's.
   int64_t triangles = 0;
-  /// In the order of a frame.
+  /// GPU times of the passes, in the order of a frame.
   std::vector<gpu::PassTime> passes;
-  /// From the call to the picture, its reading back included.
+  /// Time from the call to the picture, including the read back.
   double wall_seconds = 0.0;
 };
 
-/// A tree's tessellation in the last picture, by quad of its source.
+/// Tessellation of a tree in the last picture, per quad of its source.
 struct TreeLevels {
   /// shared::kDropped, kPlain or kTessellated.
   std::vector<uint32_t> classes;
@@ -75,85 +75,88 @@ struct TreeLevels {
   std::vector<std::array<float, 4>> edges;
 };
 
-/// Draws trees and snow off-screen with tessellation shaders, on a GPU thread of its process;
-/// OpenGL 4.5, on software renderers slowly. Same input, same driver: bit-identical pictures.
+/// Draws trees and snow off-screen with tessellation shaders, on its own GPU thread. It needs
+/// OpenGL 4.5 and is slow on software renderers. The same input on the same driver gives
+/// bit-identical pictures.
 ///
-/// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, sections 3.4
-/// and 4.2.2.
+/// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, sections 3.4 and 4.2.2.
 class Renderer {
  public:
-  /// `device` as GpuThread's. @throws std::runtime_error where no context can be made.
+  /// `device` as for GpuThread. @throws std::runtime_error if no context can be created.
   ///
-  /// With `waits` off it returns before there is a context, and so do all functions that change
-  /// what is drawn before that is done; what goes wrong on the way, the missing context included,
-  /// is thrown by `take_frame`. All else waits for its answer, and for what was handed in before.
+  /// With `waits` false, the constructor and all functions that change the scene return
+  /// immediately, even before the context exists. `take_frame` then throws errors of these calls,
+  /// including a missing context. All other functions wait for the result and for all earlier
+  /// calls.
   explicit Renderer(const std::string& device = "", bool waits = true);
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  // All: @throws std::invalid_argument for names that are not there (or are, when adding) and for
-  // bad input; std::runtime_error when closed, and for the GPU's own errors.
+  // All functions: @throws std::invalid_argument for unknown names (or existing ones when adding)
+  // and for bad input; std::runtime_error after `close` and for GPU errors.
 
   void add_tree(const std::string& name, const TreeSource& source, const TreeLook& look = {});
-  /// Leaves of a tree, which move with its bones; replaces those that it has.
+  /// Sets the leaves of a tree, which move with its bones, and replaces earlier ones.
   void set_leaves(const std::string& tree, const LeafSource& leaves);
-  /// What a tree's bark shows in place of its look's colours; its relief stays.
+  /// Sets the images of a tree's bark, which replace the look's colours; the bark's relief stays.
   void set_bark(const std::string& tree, const BarkSource& bark);
-  /// A matrix a bone from the rest pose to the pose; the only upload of a frame.
+  /// Sets the pose: one matrix per bone, from the rest pose to the current pose. This is the only
+  /// upload per frame.
   void set_pose(const std::string& tree, const std::vector<glm::mat4>& matrices);
   void add_mesh(const std::string& name, const MeshSource& source);
-  /// Where a mesh is: a matrix a place, from its own space to the world; at first the identity.
+  /// Sets the instances of a mesh: one matrix per place, from its own space to the world. The
+  /// default is the identity.
   void set_places(const std::string& mesh, const std::vector<glm::mat4>& matrices);
-  /// Lets snow lie on a mesh; without heights: none.
+  /// Sets the snow on a mesh; a map without heights removes it.
   void set_mesh_snow(const std::string& mesh, const MeshSnow& snow);
-  /// The snow on a tree that has places for it.
+  /// Sets the snow on a tree that has snow map coordinates.
   void set_snow(const std::string& tree, const TreeSnow& snow);
-  /// The same from a texture (R32F, linear filtering) where it lies, if that is in this renderer's
-  /// context: whether it is. To be called again when its content has changed.
+  /// Sets the snow from a texture (R32F, linear filtering) without a copy. Returns false if the
+  /// texture is not in this renderer's context. Call it again when the texture's content has
+  /// changed.
   bool share_snow(const std::string& tree, const gpu::ThreadTexture& heights,
                   const SnowDepths& depths);
-  /// Takes a tree or a mesh away.
+  /// Removes a tree or a mesh.
   void remove(const std::string& name);
 
   Picture render(const Camera& camera, const RenderSettings& settings);
-  /// Means of `samples` pictures (1 to 4096), shifted within a pixel's filter.
+  /// The mean of `samples` pictures (1 to 4096), each shifted within the pixel's filter.
   LightPicture render_light(const Camera& camera, const RenderSettings& settings, int32_t samples);
 
-  /// How far away what is seen is, a sample in the middle of each pixel.
+  /// Depth of the visible surfaces, with one sample at the centre of each pixel.
   DepthPicture render_depth(const Camera& camera, const RenderSettings& settings);
 
-  /// Asks for a picture and waits for nothing; one that was asked for before and is not begun is
-  /// forgotten. Returns its ticket.
+  /// Requests a picture and returns immediately with its ticket. A pending request is replaced.
   uint64_t request_frame(const Camera& camera, const RenderSettings& settings);
-  /// The newest picture that has arrived since the last call, if any. Waits for nothing; a picture
-  /// arrives only while this is called from time to time.
+  /// The newest picture that has arrived since the last call, if any. It never blocks. Pictures
+  /// arrive only if this is called repeatedly.
   std::optional<PackedFrame> take_frame();
-  /// Whether a picture that was asked for has not arrived yet.
+  /// True while a requested picture has not arrived.
   bool is_busy() const;
-  /// Whether the context is made, or could not be: `info` does not wait then.
+  /// True once the context exists or its creation has failed; `info` does not wait then.
   bool is_ready() const;
 
   /// @throws std::runtime_error before the first picture.
   FrameStatistics statistics() const;
 
-  /// World positions of the triangles of a tree as the camera would see them, three a triangle, the
-  /// plain patches first; what the camera does not see is left out.
+  /// World positions of a tree's triangles as tessellated for the camera, three per triangle, the
+  /// plain patches first. Patches outside the camera's view are left out.
   std::vector<glm::vec3> triangles(const std::string& name, const Camera& camera,
                                    const RenderSettings& settings);
   TreeLevels levels(const std::string& tree) const;
 
-  /// The driver.
+  /// Information about the OpenGL driver.
   const gpu::GpuInfo& info() const;
-  /// Frees the GPU's memory; calls after it throw.
+  /// Frees the GPU's memory; later calls throw.
   void close();
 
  private:
-  /// What lives on the GPU thread.
+  /// State that lives on the GPU thread.
   struct Drawing;
 
   Drawing& drawing() const;
-  /// Has `work` done with the scene; `waits_` says whether it is over when this returns.
+  /// Runs `work` on the scene on the GPU thread. It waits for the end only if `waits_` is true.
   void change(std::function<void(Scene&)> work);
   void post_pump();
 

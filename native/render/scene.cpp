@@ -9,11 +9,11 @@ namespace {
 
 using glm::vec3;
 
-/// How far a pose may take a tree out of its box at rest, in radii.
+/// Margin of the sphere around the shadow casters, as a factor on its radius.
 constexpr float kRoomToMove = 1.25f;
 
-/// Whether a box is that of ground: it casts no shadows worth texels of the shadow map, which would
-/// have to cover all of it.
+/// True if a box is flat like ground. Ground would enlarge the shadow map's area, but its own
+/// shadows do not justify that.
 bool is_flat(const Box& box) {
   constexpr float kFlat = 0.02f;
   const vec3 size = box.size();
@@ -30,7 +30,7 @@ MeshBuffers& Scene::mesh(const std::string& name) const {
 
 void Scene::require_new(const std::string& name) const {
   if (trees_.count(name) + meshes_.count(name) != 0) {
-    throw std::invalid_argument("'" + name + "' is there already: remove it first");
+    throw std::invalid_argument("'" + name + "' already exists: remove it first");
   }
 }
 
@@ -52,7 +52,7 @@ void Scene::set_mesh_snow(const std::string& name, const MeshSnow& snow) {
 void Scene::remove(const std::string& name) {
   ++revision_;
   if (trees_.erase(name) + meshes_.erase(name) == 0) {
-    throw std::invalid_argument("there is nothing named '" + name + "'");
+    throw std::invalid_argument("there is no tree or mesh named '" + name + "'");
   }
 }
 

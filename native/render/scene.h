@@ -19,9 +19,9 @@
 
 namespace snowbough::render {
 
-/// The renderer's part on the GPU thread: what it draws (scene.cpp, scene_trees.cpp) and the passes
-/// of a frame in order (scene_frames.cpp). All of its functions run
-/// there; they mean what Renderer's mean.
+/// The renderer's part on the GPU thread: the scene (scene.cpp, scene_trees.cpp) and the passes of
+/// a frame in order (scene_frames.cpp). All functions run on that thread and have the same meaning
+/// as Renderer's.
 class Scene {
  public:
   void add_tree(const std::string& name, const TreePatches& patches, const TreeLook& look);
@@ -38,14 +38,14 @@ class Scene {
   Picture render(const Camera& camera, const RenderSettings& settings);
   LightPicture render_light(const Camera& camera, const RenderSettings& settings, int32_t samples);
   DepthPicture render_depth(const Camera& camera, const RenderSettings& settings);
-  /// Whether a frame draws the sun's picture.
+  /// When a frame draws the shadow map.
   enum class Shadows : uint8_t {
     kDraw,
-    /// Where it would be another than the frame's before.
+    /// Draws it only if its inputs have changed since the last frame.
     kIfOther,
     kKeep,
   };
-  /// Draws a picture of linear light and measures nothing, so that nobody has to wait for it.
+  /// Draws a picture of linear light without timing it, so that nothing blocks.
   const gpu::Texture& draw_light(const Camera& camera, const RenderSettings& settings,
                                  Shadows shadows = Shadows::kIfOther);
   FrameStatistics statistics() const;
@@ -68,26 +68,27 @@ class Scene {
     float largest_area = 0.0f;
     PosedBounds rest;
     Box bounds;
-    /// Per quad: its edges.
+    /// Edges of each quad.
     std::vector<glm::ivec4> patch_edges;
-    /// A TreeView each.
+    /// Each holds one TreeView.
     gpu::Buffer camera_view;
     gpu::Buffer sun_view;
   };
 
-  /// What the sun's picture depends on.
+  /// Inputs of the shadow map.
   struct ShadowInputs {
     uint64_t scene = 0;
     int32_t resolution = 0;
     glm::mat4 shadow_from_world{0.0f};
-    /// The levels of trees are those of the camera's picture.
+    /// The shadow map uses the tessellation levels of the camera's picture.
     glm::vec3 eye{0.0f};
     float level = 0.0f;
     float drop = 0.0f;
     float max_level = 0.0f;
     glm::vec4 thesis{0.0f};
 
-    /// Whether the picture before will do; `roughly`: also where only the camera has moved.
+    /// True if the shadow map for `before` can be reused. `roughly`: also if only the camera has
+    /// moved.
     bool sees(const ShadowInputs& before, bool roughly) const;
   };
 
@@ -104,14 +105,14 @@ class Scene {
   void draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
                   KeptTarget& large, bool linear, Shadows shadows);
   void count_all_patches();
-  /// Positions that the draws of the camera's list hand to transform feedback, the plain patches'
+  /// Positions that the draws of the camera's list write to transform feedback, the plain patches
   /// first.
   std::vector<glm::vec3> captured(PatchPasses& passes, PatchSource& of, const gpu::Buffer& view,
                                   float max_level);
 
   std::map<std::string, std::unique_ptr<Tree>> trees_;
   std::map<std::string, std::unique_ptr<MeshBuffers>> meshes_;
-  /// Of all but trees, which bring their own.
+  /// Views of all objects except trees, which have their own.
   gpu::Buffer camera_view_{sizeof(shared::TreeView)};
   gpu::Buffer sun_view_{sizeof(shared::TreeView)};
 
@@ -128,7 +129,7 @@ class Scene {
   KeptTarget shadow_{GL_NONE};
   KeptTarget nothing_{GL_NONE};
   const gpu::Texture* shadow_map_ = nullptr;
-  /// Counts changes of what casts shadows.
+  /// Counts changes to shadow casters.
   uint64_t revision_ = 0;
   std::optional<ShadowInputs> shadow_inputs_;
   gpu::PassTimer timer_{gpu::renders_in_software()};

@@ -14,11 +14,10 @@ using glm::vec4;
 
 const vec4 kPaper(1.0f, 1.0f, 1.0f, 1.0f);
 const vec4 kInk(0.05f, 0.08f, 0.15f, 1.0f);
-/// Pixels of a work group's side.
+/// Side of a work group, in pixels.
 constexpr int32_t kTileSize = 8;
 
-/// Where in a pixel's tent filter, two pixels wide, a sample of a frame lies.
-/// Source: M. Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018.
+/// Offset of a frame's sample in the pixel's tent filter, which is two pixels wide.
 glm::vec2 sample_offset(int32_t index) {
   const auto tent = [&](double step) {
     const double share = std::fmod(0.5 + step * index, 1.0);
@@ -28,7 +27,8 @@ glm::vec2 sample_offset(int32_t index) {
   return {tent(0.7548776662466927), tent(0.5698402909980532)};
 }
 
-/// Sets what the passes need and puts it back, because snow shares the context.
+/// Sets the OpenGL state that the passes need and restores it afterwards, because the snow
+/// simulation uses the same context.
 class DrawState {
  public:
   DrawState() {
@@ -68,7 +68,7 @@ bool Scene::ShadowInputs::sees(const ShadowInputs& before, bool roughly) const {
 shared::TreeView Scene::write_views(const Camera& camera, const RenderSettings& settings,
                                     bool linear) {
   Bounds around = bounds();
-  // Meshes, as the ground, reach beyond the trees: nothing in front of the camera is cut off.
+  // Meshes such as ground extend beyond the trees: nothing in front of the camera is clipped.
   around.reach = meshes_.empty() ? around.radius : std::numeric_limits<float>::max();
   const shared::TreeView base = camera_view(camera, settings, around, linear);
   const auto write = [](gpu::Buffer& buffer, const shared::TreeView& view) {
@@ -327,7 +327,7 @@ std::vector<vec3> Scene::triangles(const std::string& name, const Camera& camera
   Tree& of = tree(name);
   const DrawState state;
   glBindVertexArray(no_vertices_.id());
-  // Nothing is drawn, yet draws want a framebuffer.
+  // Draws need a framebuffer even if they write only to transform feedback.
   nothing_.of_size(1, 1).begin(0.0f, 0.0f, 0.0f);
   glEnable(GL_RASTERIZER_DISCARD);
   write_views(camera, settings, false);

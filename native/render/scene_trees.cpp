@@ -67,8 +67,8 @@ void Scene::set_pose(const std::string& name, const std::vector<glm::mat4>& matr
   ++revision_;
   Tree& of = tree(name);
   if (matrices.size() != static_cast<size_t>(of.bone_count)) {
-    throw std::invalid_argument("tree '" + name + "' has " + std::to_string(of.bone_count) +
-                                " bones, not " + std::to_string(matrices.size()));
+    throw std::invalid_argument("tree '" + name + "' needs " + std::to_string(of.bone_count) +
+                                " bone matrices, not " + std::to_string(matrices.size()));
   }
   const std::vector<vec4> rows = matrix_rows(matrices);
   of.buffers.bones.write(0, static_cast<int64_t>(rows.size() * sizeof(vec4)), rows.data());
@@ -78,7 +78,8 @@ void Scene::set_pose(const std::string& name, const std::vector<glm::mat4>& matr
 Scene::Tree& Scene::tree_with_places(const std::string& name) const {
   Tree& of = tree(name);
   if (!of.has_snow_places) {
-    throw std::invalid_argument("tree '" + name + "' has no places on a map: give it its snow_uv");
+    throw std::invalid_argument("tree '" + name +
+                                "' has no snow map coordinates: add it with snow_uv");
   }
   return of;
 }
@@ -86,7 +87,7 @@ Scene::Tree& Scene::tree_with_places(const std::string& name) const {
 void Scene::set_snow(const std::string& name, const TreeSnow& snow) {
   ++revision_;
   Tree& of = tree_with_places(name);
-  // A bare tree is drawn by the shaders without snow.
+  // Trees without snow use the shaders without snow.
   const bool is_bare = std::all_of(snow.values.begin(), snow.values.end(),
                                    [](float height) { return height == 0.0f; });
   if (is_bare) return of.buffers.set_snow(nullptr, snow.depths);

@@ -8,12 +8,12 @@
 
 namespace snowbough::render {
 
-/// What is drawn into: a colour and a depth texture. Its content is undefined until cleared.
+/// A render target: a colour and a depth texture. The content is undefined until it is cleared.
 struct Target {
-  /// `color_format` sized, as GL_RGBA8; GL_NONE: depth alone.
+  /// `color_format` is a sized format, such as GL_RGBA8, or GL_NONE for depth only.
   Target(int32_t width, int32_t height, GLenum color_format);
 
-  /// Draws go here from now on, with the viewport at its size; both are cleared.
+  /// Binds the target, sets the viewport to its size, and clears colour and depth.
   void begin(float red, float green, float blue) const;
 
   int32_t width = 0;
@@ -23,7 +23,7 @@ struct Target {
   gpu::Framebuffer framebuffer;
 };
 
-/// A target that is kept as long as its size stays.
+/// A target that is reused until its size changes.
 class KeptTarget {
  public:
   explicit KeptTarget(GLenum color_format) : color_format_(color_format) {}
@@ -34,7 +34,7 @@ class KeptTarget {
   std::optional<Target> target_;
 };
 
-/// Means of 2 x 2 pixels of `large`, into a target of half its size.
+/// Averages 2 x 2 pixels of `large` into `small`, a target of half its size.
 void halve(const Target& large, const Target& small);
 
 /// A target's pixels: height x width x 4, row 0 at the bottom.

@@ -23,9 +23,8 @@ void check_range(const char* name, double value, double low, double high) {
   }
 }
 
-/// The six half spaces in which clip coordinates are within -w and w, with unit normals.
-/// Source: G. Gribb, K. Hartmann, Fast Extraction of Viewing Frustum Planes from the
-/// World-View-Projection Matrix, 2001.
+/// Sets the six clipping planes, with unit normals, from the clip matrix: clip coordinates lie
+/// between -w and w.
 void put_planes(const mat4& clip, shared::TreeView& view) {
   const mat4 rows = glm::transpose(clip);
   for (int k = 0; k < 6; ++k) {
@@ -68,8 +67,8 @@ void look_from_eye(const Camera& camera, const Bounds& bounds, shared::TreeView&
   view.eye = vec4(camera.eye, pixels);
 }
 
-/// How far away, in radii of the scene, the eye of an orthographic camera is put: the passes know
-/// distances only, and from there they hardly differ.
+/// Distance of an orthographic camera's eye in radii of the scene. The passes use distances only,
+/// which hardly differ from so far away.
 constexpr float kOrthographicEye = 1e3f;
 
 void look_through_matrices(const Camera& camera, const Bounds& bounds, shared::TreeView& view) {
@@ -106,10 +105,11 @@ void check(const Camera& camera, const RenderSettings& settings) {
   check_range("snow_factor", settings.snow_factor, 0.0, 1e9);
   check_range("shadow_resolution", settings.shadow_resolution, 0, 8192);
   if (camera.far != 0.0f && !(camera.far > camera.near)) {
-    throw std::invalid_argument("far must be larger than near, or 0");
+    throw std::invalid_argument("far must be greater than near, or 0");
   }
   if (camera.view.has_value() != camera.projection.has_value()) {
-    throw std::invalid_argument("a camera has both a view and a projection matrix, or neither");
+    throw std::invalid_argument(
+        "a camera must have both a view and a projection matrix, or neither");
   }
   if (camera.view) {
     check_matrix("view", *camera.view);
@@ -118,7 +118,8 @@ void check(const Camera& camera, const RenderSettings& settings) {
   const vec3 forward = camera.target - camera.eye;
   if (!camera.view && !(glm::length(glm::cross(forward, camera.up)) >
                         1e-6f * glm::length(forward) * glm::length(camera.up))) {
-    throw std::invalid_argument("eye and target must be apart, and up must not point along them");
+    throw std::invalid_argument(
+        "eye and target must differ, and up must not be parallel to the line between them");
   }
   if (!(glm::length(settings.sun_direction) > 0.0f)) {
     throw std::invalid_argument("sun_direction must not be zero");

@@ -4,7 +4,8 @@
 #include "glsl/lighting.glsl"
 #include "glsl/relief.glsl"
 
-/// The bark's height, -1 to 1, limited to what a pixel can show. `bark`: coordinates, circumference and amplitude (m).
+/// The bark's height, -1 to 1, limited to the detail that a pixel can show. `bark`: coordinates, circumference and
+/// amplitude (m).
 float bark_relief(vec3 position, vec4 bark) {
   const float away = max(distance(position, view.eye.xyz), 1e-6);
   return bark_height(bark.xy, bark.z * view.eye.w / away);

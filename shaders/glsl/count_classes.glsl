@@ -11,7 +11,7 @@ uniform int count;
 shared uint plain_count;
 shared uint tessellated_count;
 
-/// Whether a sphere is outside the picture, or smaller than the minimum number of pixels.
+/// True if a sphere is outside the picture or covers fewer than the minimum number of pixels.
 bool is_unseen(vec3 centre, float radius) {
   for (int k = 0; k < 6; ++k) {
     if (dot(view.planes[k], vec4(centre, 1.0)) < -radius) {

@@ -1,5 +1,5 @@
-// A pixel with an image: a hole where the image is less than half opaque. The including shader defines its lighting in
-// `lit_image`.
+// A pixel with an image. It is a hole if the image's alpha is below one half. The including shader defines its lighting
+// in `lit_image`.
 //
 // SHADOW: depth alone. WIRE: one colour, unlit.
 uniform sampler2D image;

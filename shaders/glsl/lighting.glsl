@@ -1,11 +1,10 @@
-// Sun with its shadow map, and a sky term: takes linear colours, returns the target's encoding.
+// Lighting by the sun with its shadow map, and by the sky. Takes linear colours and returns the target's encoding.
 #include "glsl/tree_view.glsl"
 
 uniform sampler2D shadow_map;
 
 /// Fraction of the sun's light that reaches a point, over 3 x 3 texels with soft edges. `reach`: depth in metres inside
-/// an occluder at which 1 / e of the light remains, as in snow; 0: no light passes.
-/// Source of the latter: C. Dachsbacher, M. Stamminger, Translucent Shadow Maps, 2003.
+/// an occluder at which 1 / e of the light remains, as in snow; at 0 no light passes.
 float sunlit(vec3 position, vec3 normal, float reach) {
   if (view.sun_direction.w < 0.5) {
     return 1.0;
@@ -56,8 +55,8 @@ vec3 lit(vec3 albedo, vec3 position, vec3 geometric_normal, vec3 normal, float t
   return albedo * (sun * open * view.sun_color.rgb + sky);
 }
 
-/// Light from here on is compressed where the target takes sRGB, so that sunlit snow keeps its shape instead of running
-/// into white.
+/// Light above this value is compressed if the target takes sRGB, so that sunlit snow keeps its shading instead of
+/// clipping to white.
 const float kToneShoulder = 0.25;
 
 /// Linear light in the target's encoding, linear or sRGB, with an opaque alpha.

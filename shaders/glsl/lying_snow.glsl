@@ -1,10 +1,10 @@
-// Snow on a mesh from its map, without geometry: its cover, and the slope of its surface.
+// Snow on a mesh from its height map, without displacement: its cover and its normal.
 
-/// Metres along the surface's normal; negative on a back.
+/// Metres along the surface's normal; negative on the back.
 uniform sampler2D snow_heights;
 
 const vec3 kPaintedSnow = vec3(0.86, 0.88, 0.91);
-/// Depth in metres at which snow hides what carries it.
+/// Depth in metres at which snow fully hides the surface below.
 const float kCoveringDepth = 0.01;
 
 struct Snow {
@@ -16,7 +16,7 @@ struct Snow {
 /// Source of the normal: M. S. Mikkelsen, Bump Mapping Unparametrized Surfaces on the GPU, 2010.
 Snow lying_snow(vec2 uv, vec3 position, vec3 normal, vec3 face) {
   const float height = texture(snow_heights, uv).x;
-  // The map's own slope over a texel: screen derivatives of a filtered map would show its texels.
+  // Use the map's own slope over a texel: screen-space derivatives of a filtered map would show its texels.
   const vec2 texel = 1.0 / vec2(textureSize(snow_heights, 0));
   const float du = texture(snow_heights, uv + vec2(texel.x, 0.0)).x - texture(snow_heights, uv - vec2(texel.x, 0.0)).x;
   const float dv = texture(snow_heights, uv + vec2(0.0, texel.y)).x - texture(snow_heights, uv - vec2(0.0, texel.y)).x;

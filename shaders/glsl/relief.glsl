@@ -1,7 +1,7 @@
 // Bump mapping from a height per pixel.
 
-/// Least share of a pixel's area that a surface is taken to face the normal with: seen from aside, the differences
-/// between pixels would outweigh the normal.
+/// Least cosine between the normal and the drawn face's normal that the gradient uses. At smaller cosines the
+/// differences between pixels would outweigh the normal.
 const float kLeastFacing = 0.2;
 
 /// Source: M. S. Mikkelsen, Bump Mapping Unparametrized Surfaces on the GPU, 2010.

@@ -1,9 +1,10 @@
-// A tree's height map. Fetched texel by texel, because the texture units' own interpolation has steps of 1 / 256 texel.
+// A tree's height map. It is fetched texel by texel, because the interpolation of texture units has steps of 1 / 256
+// texel.
 
-/// Metres, below 0 on the back of the surface; row 0 = v 0.
+/// Metres, negative on the back of the surface; row 0 at v = 0.
 uniform sampler2D height_map;
 
-/// The height between the four nearest texels: for layouts as tight as a tree's, whose charts lie a texel apart.
+/// Bilinear interpolation of the height. It suits the tight layouts of trees, whose charts are one texel apart.
 float height_between(vec2 uv) {
   const ivec2 last = textureSize(height_map, 0) - 1;
   const vec2 at = uv * vec2(last + 1) - 0.5;

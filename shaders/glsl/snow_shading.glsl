@@ -1,24 +1,25 @@
-// How snow looks, whatever it lies on: light that enters it and comes out beside, relief, grains, and crystals that
-// glint. Everything is fixed to the place on the object in its first pose, and fades before it is finer than pixels.
+// Shading of snow on any object: subsurface scattering, fine bumps, grains and glinting crystals. All patterns are
+// fixed to the object's first pose and fade out before they are finer than pixels.
 #include "glsl/lighting.glsl"
 #include "glsl/relief.glsl"
 
-/// Linear.
+/// Linear colour.
 const vec3 kSnowAlbedo = vec3(0.85, 0.885, 0.93);
-/// How far light reaches round from the lit side, by colour: red is swallowed first.
+/// Wrap lighting: how far light extends past the terminator, per colour. Snow absorbs red first.
 const vec3 kWrap = vec3(0.16, 0.22, 0.30);
-/// Metres of snow that sunlight comes through to 1 / e: rims glow, and no facet's edge shows where a slope turns away.
+/// Depth of snow in metres at which 1 / e of the sunlight remains. Light through thin snow makes rims glow and hides
+/// the edges of facets at the terminator.
 const float kReach = 0.02;
-/// Metres of snow through which the ground shows to 1 / e.
+/// Depth of snow in metres at which 1 / e of the ground's colour shows through.
 const float kOpaqueDepth = 0.0022;
-/// Waves a metre and height in metres of the relief's octaves, and the depth from which on they are whole.
+/// Bump octaves: waves per metre, heights in metres, and the snow depth in metres at which they reach full height.
 const int kReliefOctaves = 4;
 const float kReliefWaves[kReliefOctaves] = float[kReliefOctaves](7.0, 21.0, 57.0, 150.0);
 const float kReliefHeights[kReliefOctaves] = float[kReliefOctaves](0.011, 0.0038, 0.0015, 0.0006);
 const float kReliefDepth = 0.06;
-/// Grains of thin snow: waves a metre.
+/// Waves per metre of the grains in thin snow.
 const float kGrainWaves = 140.0;
-/// Edge of the smallest crystal's cell in metres, of the largest that still glints, and how bright one is.
+/// Cell size of the smallest crystals and of the largest that still glint, in metres, and the brightness of a glint.
 const float kCrystal = 0.0005;
 const float kLargestCrystal = 0.004;
 const float kGlint = 8.0;
@@ -55,12 +56,12 @@ float snow_noise(vec3 p) {
   return mix(row.x, row.y, s.y);
 }
 
-/// Whole where waves are many pixels long, 0 where they are two.
+/// Visible fraction of a pattern: 1 if its waves are many pixels long, 0 at two pixels.
 float shown(float waves, float pixel) {
   return 1.0 - smoothstep(0.12, 0.45, waves * pixel);
 }
 
-/// Height (m) of what the fall and the wind leave on an even blanket.
+/// Height (m) of the fine bumps of an even snow cover.
 float snow_relief(vec3 place, float depth, float pixel) {
   float height = 0.0;
   for (int octave = 0; octave < kReliefOctaves; ++octave) {
@@ -72,7 +73,7 @@ float snow_relief(vec3 place, float depth, float pixel) {
   return height * smoothstep(0.0, kReliefDepth, depth);
 }
 
-/// Share of a place that snow of a depth (m) hides: a thin dusting lies in grains.
+/// Fraction of the ground that snow of a depth (m) hides. A thin cover consists of grains.
 float snow_cover(float depth, vec3 place, float pixel) {
   const float hidden = 1.0 - exp(-depth / kOpaqueDepth);
   float grain = 0.5;
@@ -84,7 +85,7 @@ float snow_cover(float depth, vec3 place, float pixel) {
   return smoothstep(0.0, 1.0, (hidden - 0.55 * grain) / 0.45);
 }
 
-/// Brightness of the crystal in a cell, whose facet stands anyhow.
+/// Brightness of the crystal in a cell, whose facet has a random orientation.
 float glint(vec3 place, float cell, vec3 normal, vec3 between) {
   const vec3 at = place / cell;
   const ivec3 of = ivec3(floor(at));
@@ -95,7 +96,7 @@ float glint(vec3 place, float cell, vec3 normal, vec3 between) {
   return round_part * smoothstep(0.965, 0.995, dot(normalize(normal + 1.1 * tilt), between));
 }
 
-/// Crystals about as large as pixels, those of two sizes at a time, so that none comes or goes at once.
+/// Crystals about as large as pixels. Two sizes are blended, so that none appears or vanishes suddenly.
 float sparkle(vec3 place, vec3 normal, vec3 between, float pixel) {
   const float size = log2(max(1.6 * pixel / kCrystal, 1.0));
   const float cell = kCrystal * exp2(floor(size));
@@ -107,7 +108,8 @@ float sparkle(vec3 place, vec3 normal, vec3 between, float pixel) {
   return left * mix(glint(place, cell, normal, between), glint(place, 2.0 * cell, normal, between), larger);
 }
 
-/// Light of snow. `normal`: of its surface, without the relief; `depth`: in metres; `place`: in the first pose.
+/// Linear light of a snow pixel. `normal`: of the snow surface without fine bumps; `depth`: in metres; `place`:
+/// position in the first pose.
 vec3 lit_snow(vec3 position, vec3 normal, float depth, vec3 place) {
   const vec3 to_eye = normalize(view.eye.xyz - position);
   const float pixel = distance(view.eye.xyz, position) / view.eye.w;
@@ -119,7 +121,7 @@ vec3 lit_snow(vec3 position, vec3 normal, float depth, vec3 place) {
     open = sunlit(position, dot(normal, view.sun_direction.xyz) < 0.0 ? -normal : normal, kReach);
   }
   const vec3 sky = mix(view.ground_color.rgb, view.sky_color.rgb, 0.5 + 0.5 * bumped.z);
-  // What the snow around sends up lights its hollows from below.
+  // Light reflected by the surrounding snow reaches hollows from below.
   const vec3 around = 0.25 * kSnowAlbedo * (0.5 - 0.5 * bumped.z) * (view.sky_color.rgb + 0.3 * view.sun_color.rgb);
   vec3 light = kSnowAlbedo * (open * wrapped * view.sun_color.rgb + sky + around);
   if (open > 0.0 && facing > 0.0) {

@@ -1,20 +1,20 @@
-// A texel's fragments, one after the other.
+// Loops over the fragments of a texel.
 #include "../lib/facing.h"
 #include "../lib/texel_surface.h"
 
 KERNEL_VIEW_R32UI(fragment_begin);
-/// A Fragment each.
+/// One Fragment per element.
 KERNEL_VIEW_RGBA32UI(fragments);
 
 /// Sums over a texel's fragments.
 struct FragmentSum {
   TexelSurface surface;
-  /// Whether parts face the fall with their front, or with their back.
+  /// True if any fragment faces the snowfall with its front, or with its back.
   bool faces_front;
   bool faces_back;
 };
 
-/// Upward part of the front's normal on a fragment; `surface`: its triangle's.
+/// Upward component of the front's normal on a fragment; `surface`: that of its triangle.
 float fragment_up(uvec4 fragment, vec4 surface) {
 #ifdef WITH_SHADING
   if (is_smooth(fragment.x)) {
@@ -26,7 +26,7 @@ float fragment_up(uvec4 fragment, vec4 surface) {
   return surface_up(surface);
 }
 
-/// For the texel with the fragments [i, end).
+/// Sums over the fragments [i, end) of a texel.
 FragmentSum sum_of_fragments(int i, int end) {
   SurfaceSums sums = SurfaceSums(0.0f, 0.0f, 0.0f, 0.0f, 0.0f);
   bool faces_front = false;

@@ -1,7 +1,7 @@
-// GLSL only: a texel's place on its group's maps.
+// GLSL only: the position of a texel on the maps of its group.
 
-/// Column, row and layer of a texel's `place` on maps of `resolution`. Divides in floats, since software renderers
-/// divide integers lane by lane: a row is off by at most one, which the column reveals.
+/// Column, row and layer of a texel's `place` on maps of `resolution`. It divides as floats, because software renderers
+/// divide integers one lane at a time. The row may be off by one, which shows in the column.
 ivec3 decoded_place(uint place, int resolution, float one_over_resolution) {
   int row = int(float(place) * one_over_resolution);
   int column = int(place) - row * resolution;

@@ -4,21 +4,21 @@
 
 /// See TriangleSetup.
 uniform samplerBuffer triangle_corners;
-/// Two vectors per triangle: uv of its corners, bits of home and chart.
+/// Two vectors per triangle: uv of its corners, and the bits of its home texel and chart.
 uniform samplerBuffer map_triangles;
-/// By slot: offset from a scene triangle's index to its index in the map triangles.
+/// Per slot: offset from a scene triangle's index to its index in the map triangles.
 uniform isamplerBuffer map_offsets;
-/// A SeenPixel each.
+/// One SeenPixel per pixel.
 uniform usamplerBuffer occlusion;
 uniform usampler2DArray owners;
 /// Slots of the objects whose maps are in this group: [first, end); layer = slot - first.
 uniform uvec2 group_objects;
 uniform ivec2 tile_origin;
 
-/// 1 + index in the map group of the texel that takes the snow under the centre of a pixel of the tile: the texel
-/// there, if it is the chart's own; otherwise the nearest of the chart's texels around it, which holds the part in
-/// another chart's texel; otherwise the one that holds most of the triangle. Each of them holds a part of the triangle
-/// shown. 0 = none.
+/// 1 + index in the map group of the texel that receives the snow under the centre of a pixel of the tile; 0 if there
+/// is none. It is the texel at that point if that texel belongs to the triangle's chart. Otherwise it is the nearest
+/// surrounding texel of the chart, to which the part in the other chart's texel is assigned. Otherwise it is the texel
+/// that holds most of the triangle. Each of these texels holds a part of the visible triangle.
 uint texel_under(ivec2 pixel, uint triangle, uint slot) {
   const vec2 a = texelFetch(triangle_corners, 3 * int(triangle)).xy;
   const vec2 ab = texelFetch(triangle_corners, 3 * int(triangle) + 1).xy - a;
@@ -46,8 +46,8 @@ uint texel_under(ivec2 pixel, uint triangle, uint slot) {
   uint best = home;
   float least = 1e30;
   ivec2 at = centre;
-  // The texel itself first, and its eight neighbours only if it does not fit: as a loop, so that software renderers
-  // skip them (CONTRIBUTING.md).
+  // Test the texel itself first, and its eight neighbours only if it does not fit. This is one loop, so that software
+  // renderers skip the neighbours (CONTRIBUTING.md).
   int i = -1;
   bool good;
   do {

@@ -1,7 +1,7 @@
 // A pixel of the tree, plain or tessellated.
 //
-// SNOW: with the snow of its map. IMAGE: in the colours of its bark's image. SHADOW: depth only. WIRE: the lines of a
-// wireframe, or the background that hides lines behind it.
+// SNOW: adds the snow of its map. IMAGE: uses the bark's image. SHADOW: depth only. WIRE: the lines of a wireframe, or
+// the background that hides the lines behind it.
 #ifndef SHADOW
 layout(location = 0) out vec4 color;
 #ifdef WIRE
@@ -22,16 +22,15 @@ in vec2 snow_place;
 in vec3 rest_place;
 in vec4 snow_noises;
 
-/// Share of the snow's own slopes that shows on limbs.
+/// Fraction of the snow's own slopes that shows on limbs.
 const float kTwigRelief = 0.6;
 
-/// Blends the light of the snow on the limb over its bark's. Limbs show no snow on their back, even if the map has
-/// some.
+/// Blends the light of the snow over that of the bark. Limbs show no snow on their back, even if the map has some.
 vec3 with_snow(vec3 bare) {
   const vec3 limb = normalize(smooth_normal);
   const float depth =
       shown_snow(limb_point(snow_noises, bark.z), max(height_between(snow_place), 0.0), limb.z);
-  // Twigs are a few texels wide: their steps are softened.
+  // Twigs are only a few texels wide, so soften the steps between texels.
   const vec3 normal = normalize(mix(limb, with_relief(world, limb, depth), kTwigRelief));
   const float pixel = distance(view.eye.xyz, world) / view.eye.w;
   return mix(bare, lit_snow(world, normal, depth, rest_place), snow_cover(depth, rest_place, pixel));

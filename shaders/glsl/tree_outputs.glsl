@@ -13,12 +13,12 @@ out vec3 smooth_normal;
 out vec4 bark;
 #ifdef IMAGE
 layout(std430) readonly buffer BarkPlaces { BarkPlace bark_places[]; };
-/// Coordinates of the bark's image, and its layer.
+/// Coordinates on the bark's image, and its layer.
 out vec3 image_place;
 #endif
 #ifdef SNOW
 #ifndef WIRE
-/// Coordinates on the snow map, and the bark's in the rest pose.
+/// Coordinates on the snow map, and the position in the rest pose without bark.
 out vec2 snow_place;
 out vec3 rest_place;
 /// See limb_noise.

@@ -1,16 +1,16 @@
-// Snow on limbs, by the rule that all snow follows: lib/snow_surface.h. Limbs are round, so that they have no rims;
-// noise is fixed to the rest pose.
+// Snow on limbs by the common formula in lib/snow_surface.h. Limbs are round and have no rims. The noise is fixed to
+// the rest pose.
 #include "glsl/snow_map.glsl"
 #include "glsl/tree_view.glsl"
 #include "lib/snow_point.h"
 
 const SnowStyle kUsualStyle = SnowStyle(1.0, 1.0, 1.0, 1.0);
 
-/// On open level ground in metres: in this picture, and at the shot's end.
+/// Snow depth on open level ground in metres: in this picture, and at the shot's end.
 float open_depth() { return view.snow.y; }
 float last_depth() { return view.snow.z; }
 
-/// Noise of a place in the rest pose: patches, hem, relief and bumps of a SnowPoint.
+/// Noise at a position in the rest pose: patches, hem, relief and bumps of a SnowPoint.
 vec4 limb_noise(vec3 rest) {
   const vec3 place = rest / last_depth();
   const SnowPoint point = point_noise(place);
@@ -22,12 +22,12 @@ SnowPoint limb_point(vec4 noise, float circumference) {
   return on_limb(point, circumference / 3.1415927, last_depth());
 }
 
-/// Height of the shown snow over the bark, 0 where none shows. `up`: upward part of the limb's normal.
+/// Height of the shown snow above the bark, 0 where no snow shows. `up`: upward component of the limb's normal.
 float shown_snow(SnowPoint point, float thickness, float up) {
   return limb_height(point, kUsualStyle, snow_edge(point, thickness, open_depth(), up), thickness, open_depth());
 }
 
-/// The way from the bark to the snow's surface.
+/// Offset from the bark to the snow's surface.
 vec3 snow_offset(SnowPoint point, float thickness, vec3 normal) {
   const float height = shown_snow(point, thickness, normal.z);
   const vec3 down = normal * normal.z - vec3(0.0, 0.0, 1.0);

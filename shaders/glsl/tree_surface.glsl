@@ -1,7 +1,7 @@
-// The tree's surface: vertices from their pose, points of edges from the edge's record alone (both faces of an edge
-// compute the same bits), points within a patch from the patch.
+// The tree's surface. Vertices come from their pose, and points within a patch from the patch. Points of edges come
+// from the edge's record alone, so that both faces of an edge compute the same bits.
 //
-// SNOW: includes the map's snow on the bark.
+// SNOW: adds the map's snow on top of the bark.
 #include "glsl/bark.glsl"
 #include "glsl/tree_view.glsl"
 #include "lib/limb_section.h"
@@ -16,13 +16,13 @@ layout(std430) readonly buffer TreeEdges { TreeEdge edges[]; };
 layout(std430) readonly buffer TreePatches { TreePatch patches[]; };
 
 struct SurfacePoint {
-  /// Posed, including bark.
+  /// Posed position, including bark and snow.
   vec3 position;
-  /// Posed, of the limb without bark.
+  /// Posed normal of the limb without bark.
   vec3 normal;
   /// Circumference of the limb, and amplitude of its bark (m).
   vec2 limb;
-  /// In the rest pose, without bark.
+  /// Position in the rest pose, without bark.
   vec3 rest;
   /// See limb_noise.
   vec4 noise;
@@ -35,15 +35,15 @@ struct RestPoint {
   vec2 bark_uv;
   float circumference;
   float bark;
-  /// Thickness of what the map holds (m).
+  /// Thickness from the snow map (m).
   float snow;
   vec4 row_x;
   vec4 row_y;
   vec4 row_z;
 };
 
-/// Poses a point and adds bark. Tessellated vertices are a few pixels apart, which gives the number of samples around
-/// the limb.
+/// Poses a point and adds bark and snow. Tessellated vertices are a few pixels apart, which gives the number of samples
+/// around the limb.
 SurfacePoint on_bark(RestPoint rest) {
   const vec4 p = vec4(rest.position, 1.0);
   precise vec3 bare = vec3(dot(rest.row_x, p), dot(rest.row_y, p), dot(rest.row_z, p));
@@ -123,12 +123,12 @@ vec2 patch_bark_uv(TreePatch of, vec2 at) {
   return patch_uv(of.bark_uv_01, of.bark_uv_23, at);
 }
 
-/// Its place on the snow map.
+/// The patch's coordinates on the snow map.
 vec2 patch_snow_uv(TreePatch of, vec2 at) {
   return patch_uv(of.snow_uv_01, of.snow_uv_23, at);
 }
 
-/// A point within a patch.
+/// A point within a patch, not on its edges.
 SurfacePoint inner_point(TreePatch of, vec2 at) {
   const float round_share = of.place.w == 0 ? 0.0 : of.place.w == 1 ? 1.0 : 1.0 - at.y;
   const vec2 s = vec2(mix(at.x, chord_share(at.x), round_share), at.y);
@@ -161,7 +161,7 @@ SurfacePoint inner_point(TreePatch of, vec2 at) {
   return on_bark(rest);
 }
 
-/// The point of a patch at the tessellator's coordinates.
+/// The point of a patch at the tessellator's coordinates: a vertex, a point of an edge, or an inner point.
 SurfacePoint patch_point(TreePatch of, vec2 at) {
   const bool left = at.x <= 0.0;
   const bool right = at.x >= 1.0;

@@ -1,4 +1,4 @@
-// The picture's uniform block, see TreeView.
+// The uniform block of a picture, see TreeView.
 #include "lib/tree_shared.h"
 
 layout(std140) uniform ViewBlock { TreeView view; };

@@ -8,5 +8,5 @@
 /// The scene's triangles word by word.
 KERNEL_VIEW_R32UI(triangle_words);
 
-/// Slot of a triangle's object, with kReceives and kTwoSided.
+/// Slot of a triangle's object, with the bits kReceives and kTwoSided.
 uint object_of(uint triangle) { return texelFetch(triangle_words, int(4u * triangle + 3u)).x; }

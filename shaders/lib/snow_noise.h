@@ -1,7 +1,7 @@
 #pragma once
 
-// Gradient noise on a lattice whose gradients come from a hash of its points, so that C++ and GLSL need no table and
-// agree. For C++ and GLSL.
+// Gradient noise on a lattice, for C++ and GLSL. A hash of the lattice point gives the gradient, so that both languages
+// give the same noise without a table.
 //
 // Sources: K. Perlin, Improving Noise, SIGGRAPH 2002 (gradient noise, the fade of degree five); M. Jarzynski,
 // M. Olano, Hash Functions for GPU Rendering, JCGT 9 (3), 2020 (pcg3d).
@@ -11,9 +11,9 @@
 namespace snowbough::shared {
 #endif
 
-/// A unit vector for a point of the lattice.
+/// The unit gradient at a lattice point.
 SNOWBOUGH_SHARED_FUNCTION vec3 lattice_gradient(vec3 at) {
-  // Through int: a negative float has no unsigned value.
+  // The conversion goes through int, because a negative float has no unsigned value.
   uint x = uint(int(at.x)) * 1664525u + 1013904223u;
   uint y = uint(int(at.y)) * 1664525u + 1013904223u;
   uint z = uint(int(at.z)) * 1664525u + 1013904223u;
@@ -34,7 +34,7 @@ SNOWBOUGH_SHARED_FUNCTION float lattice_share(vec3 cell, vec3 in_cell, vec3 corn
   return dot(lattice_gradient(cell + corner), in_cell - corner);
 }
 
-/// From about -1 to 1, with a mean of 0; one wave is about 1 long.
+/// Noise from about -1 to 1 with a mean of 0. The wavelength is about 1.
 SNOWBOUGH_SHARED_FUNCTION float gradient_noise(vec3 position) {
   const vec3 cell = floor(position);
   const vec3 f = position - cell;
@@ -53,8 +53,9 @@ SNOWBOUGH_SHARED_FUNCTION float gradient_noise(vec3 position) {
   return 1.6f * (along_z[0] + w.z * (along_z[1] - along_z[0]));
 }
 
-/// Three octaves of it, scaled so that they vary as much as one; a wave of 0 is left out. `waves`: their lengths in
-/// the unit of `position`; `gain`: what each is worth beside the one before.
+/// Three octaves of gradient noise, scaled to the variance of one octave. `waves`: wavelengths in the unit of
+/// `position`; an octave with wavelength 0 is skipped. `gain`: ratio of an octave's amplitude to that of the octave
+/// before.
 SNOWBOUGH_SHARED_FUNCTION float layered_noise(vec3 position, vec3 waves, float gain) {
   float sum = gradient_noise(position * (1.0f / waves.x));
   float squares = 1.0f;

@@ -1,12 +1,13 @@
 #pragma once
 
-// How snow of a known thickness looks: the one rule for Blender's mesh, the live preview, Snowbough Realtime and the
-// exporters. A point of the surface is its carrier on the receiver plus an offset; away from rims the offset goes along
-// the normal (thin_snow, sagging), near a rim it follows a profile: upright, a round shoulder, an overhang, a drop
-// (front_offset). All lengths are metres, all vectors are in the pose that the surface was planned in.
+// The look of snow of a known thickness: the one formula for Blender's mesh, the live preview, Snowbough Realtime and
+// the exporters. A point of the surface is its carrier on the receiver plus an offset. Away from rims the offset
+// follows the normal (thin_snow, sagging). Near a rim it follows a profile of an upright face, a round shoulder, an
+// overhang and a drop (front_offset). All lengths are in metres. All vectors are in the pose for which the surface was
+// planned.
 //
-// Sources: superellipses, A. H. Barr, Superquadrics and Angle-Preserving Transformations, IEEE CG&A 1 (1), 1981; how
-// snow ends in round lips and cornices, P. Fearing, Computer Modelling of Fallen Snow, SIGGRAPH 2000, section 3.
+// Sources: superellipses, A. H. Barr, Superquadrics and Angle-Preserving Transformations, IEEE CG&A 1 (1), 1981; round
+// lips and cornices at the edges of snow, P. Fearing, Computer Modelling of Fallen Snow, SIGGRAPH 2000, section 3.
 #include "shared_functions.h"
 
 #ifndef SNOWBOUGH_GLSL
@@ -20,7 +21,7 @@ using glm::sin;
 using glm::smoothstep;
 #endif
 
-/// What an artist sets; 1 is snow as it usually lies.
+/// The artist's settings; 1 is the default look.
 struct SnowStyle {
   float overhang;
   float hem_variation;
@@ -30,16 +31,17 @@ struct SnowStyle {
 
 /// Constants of a point away from rims.
 struct SnowPoint {
-  /// Noise, from about -1 to 1: of the thickness below which no snow shows, of lips and sagging, of the relief, of bumps.
+  /// Noise, from about -1 to 1: of the thickness below which no snow shows, of lips and sagging, of the surface noise,
+  /// and of bumps.
   float patches;
   float hem;
   float relief;
   float bumps;
-  /// How far below the receiver's surface bare parts may lie.
+  /// Greatest depth of bare parts below the receiver's surface.
   float deepest;
-  /// By how much more the surface's area grows with each metre along its normals, in 1/m; 0 where it is flat or hollow.
+  /// Relative growth of the surface's area per metre along its normals, in 1/m; 0 on flat or concave places.
   float convexity;
-  /// 0 on wide ground, 1 on tops and twigs so narrow that snow is thin there for want of room, not for shelter.
+  /// 0 on wide ground, 1 on tops and twigs so narrow that the snow is thin for lack of room, not because of shelter.
   float narrow;
 };
 
@@ -47,28 +49,29 @@ struct SnowPoint {
 struct SnowFront {
   /// Distance to the rim; negative beyond it, on the far face.
   float distance;
-  /// Width of the zone in which snow is drawn to the rim; how far down the far face it may reach.
+  /// Width of the zone in which snow is drawn to the rim; greatest distance of the snow down the far face.
   float zone;
   float far_zone;
-  /// 0 without snow behind the rim in the last frame, 1 with.
+  /// 0 without snow behind the rim in the last frame, 1 with snow.
   float presence;
-  /// How much the rim slopes down outwards, 0 to 1: eaves.
+  /// Outward slope of the rim, 0 to 1, as at eaves.
   float eave;
-  /// 1 where a face goes down from the rim, 0 where the surface ends.
+  /// 1 if a face goes down from the rim, 0 if the surface ends there.
   float has_far;
-  /// 0 in the open, 1 where another rim lies opposite across a gap; half the gap's width; half of how much higher the
-  /// other rim is.
+  /// 0 without an opposite rim, 1 if a rim lies opposite across a gap; half the gap's width; half the height of the
+  /// other rim above this one.
   float bridged;
   float half_gap;
   float half_step;
-  /// Part of the height by which wind draws the edge out on the lee side.
+  /// Additional overhang on the lee side due to wind, as a fraction of the height.
   float lee;
   /// Noise at the rim, from about -1 to 1.
   float noise_slow;
   float noise_fast;
   float noise_shoulder;
-  /// Out of the support in its plane, and the same made level; down the far face; up from the support and out of the
-  /// middle between the support and the vertical (so long that 1 of it is 1 of height).
+  /// Unit vectors: outwards in the plane of the supporting face; the same direction made level; down the far face.
+  /// `lift` points between the support's normal and the vertical. It is scaled so that `lift` times a height reaches
+  /// that height above the support.
   vec3 outward;
   vec3 level_out;
   vec3 down;
@@ -76,25 +79,26 @@ struct SnowFront {
 };
 
 // Away from rims.
-/// From this upward part of the normal on a surface is level, to this one it is steep.
+/// Upward components of the normal: a surface is level above the first and steep below the second.
 KERNEL_CONSTANT float kLevel = 0.93f;
 KERNEL_CONSTANT float kSteep = 0.45f;
-/// Part of the open depth that does not show on steep places and where shelter thins the snow, times 0.22 + 0.85 noise.
+/// Thickness that does not show, as a fraction of the open depth, on steep places and where shelter thins the snow;
+/// multiplied by 0.22 + 0.85 noise.
 KERNEL_CONSTANT float kSteepShare = 0.65f;
 KERNEL_CONSTANT float kShelterShare = 0.10f;
-/// Of these shares, what narrow places do without.
+/// Reduction of these fractions on narrow places.
 KERNEL_CONSTANT float kNarrowKeeps = 0.85f;
-/// Walls, of a smaller upward part of the normal, show no snow thinner than this part of the open depth: what has just
-/// slid over a rim, or what comes through a map's gutter from the chart beside it.
+/// Walls are surfaces with a smaller upward component of the normal. They show no snow thinner than this fraction of
+/// the open depth: such snow has just slid over a rim, or comes from the neighbouring chart through the map's gutter.
 KERNEL_CONSTANT float kWall = 0.15f;
 KERNEL_CONSTANT float kWallShare = 0.1f;
-/// Thinner snow, in metres and as a part of the open depth, is frost and does not show.
+/// Snow thinner than this, in metres and as a fraction of the open depth, is frost and does not show.
 KERNEL_CONSTANT float kFrost = 0.0025f;
 KERNEL_CONSTANT float kFrostShare = 0.05f;
-/// Height of the lip in which snow ends, as part of the open depth.
+/// Height of the lip at the edge of the snow, as a fraction of the open depth.
 KERNEL_CONSTANT float kLip = 0.22f;
 KERNEL_CONSTANT float kSink = 0.004f;
-/// Parts of the thickness.
+/// Fractions of the thickness.
 KERNEL_CONSTANT float kSag = 0.6f;
 KERNEL_CONSTANT float kSagVariation = 0.5f;
 KERNEL_CONSTANT float kMostSag = 1.4f;
@@ -102,19 +106,20 @@ KERNEL_CONSTANT float kRelief = 0.13f;
 KERNEL_CONSTANT float kBumps = 0.08f;
 KERNEL_CONSTANT float kMostRelief = 0.11f;
 
-// At rims; lengths as parts of the height behind the rim.
-/// Where on its zone (from the rim, 0 to 1) the front ends and the top begins.
+// At rims. Lengths are fractions of the height behind the rim.
+/// Position in the zone, from 0 at the rim to 1, where the front ends and the top begins.
 KERNEL_CONSTANT float kFrontPart = 0.5f;
-/// Part of the far zone on which the hem closes; beyond it points lie inside of the receiver.
+/// Fraction of the far zone at which the hem closes; points beyond it lie inside the receiver.
 KERNEL_CONSTANT float kTucked = 0.68f;
 KERNEL_CONSTANT float kTuck = 0.002f;
-/// Height of the farthest point of the front.
+/// Height of the outermost point of the front.
 KERNEL_CONSTANT float kBelly = 0.38f;
 KERNEL_CONSTANT float kShoulder = 0.8f;
-/// Gaps as wide as this part of the snow's height are open, those of the second part are bridged.
+/// Gaps wider than this fraction of the snow's height stay open; gaps narrower than the second fraction are bridged.
 KERNEL_CONSTANT float kBridgedGap = 0.7f;
 KERNEL_CONSTANT float kSurelyBridged = 0.55f;
-/// A bridge lies so much lower, and lower again in its middle; each side reaches so far beyond the middle.
+/// A bridge lies lower than the snow by the first fraction, and lower by the second in its middle. Each side reaches
+/// beyond the middle by the third.
 KERNEL_CONSTANT float kBridgeSag = 0.04f;
 KERNEL_CONSTANT float kBridgeDip = 0.28f;
 KERNEL_CONSTANT float kBridgeOverlap = 0.2f;
@@ -122,7 +127,7 @@ KERNEL_CONSTANT float kUpperExponent = 2.3f;
 KERNEL_CONSTANT float kLowerExponent = 2.1f;
 KERNEL_CONSTANT float kEaveExponent = 3.0f;
 
-/// 0 at `from`, 1 at `to`, which may be the smaller one.
+/// Smooth step from 0 at `from` to 1 at `to`. `to` may be less than `from`.
 SNOWBOUGH_SHARED_FUNCTION float eased(float x, float from, float to) {
   const float t = clamp((x - from) / (to - from), 0.0f, 1.0f);
   return t * t * (3.0f - 2.0f * t);
@@ -130,17 +135,17 @@ SNOWBOUGH_SHARED_FUNCTION float eased(float x, float from, float to) {
 
 SNOWBOUGH_SHARED_FUNCTION float steepness(float up) { return eased(up, kLevel, kSteep); }
 
-/// Where snow ends.
+/// Shape of the snow's border.
 struct SnowEdge {
   /// Thickness below which no snow shows.
   float threshold;
   float lip;
-  /// How far below the receiver's surface bare parts lie.
+  /// Depth of bare parts below the receiver's surface.
   float sink;
 };
 
-/// `thickness`: what the map holds here, `open_depth`: what lies on open level ground in this frame; `up`: upward part
-/// of the normal.
+/// `thickness`: thickness from the map at this point; `open_depth`: snow depth on open level ground in this frame;
+/// `up`: upward component of the normal.
 SNOWBOUGH_SHARED_FUNCTION SnowEdge snow_edge(KERNEL_CONST_REF(SnowPoint) point, float thickness, float open_depth,
                                              float up) {
   const float depth = max(open_depth, 1e-5f);
@@ -155,11 +160,11 @@ SNOWBOUGH_SHARED_FUNCTION SnowEdge snow_edge(KERNEL_CONST_REF(SnowPoint) point, 
   return KERNEL_MAKE3(SnowEdge, threshold, lip, sink);
 }
 
-/// Most that shows of a thickness, relief aside.
+/// Greatest shown height for a thickness, without the surface noise.
 SNOWBOUGH_SHARED_FUNCTION float most_shown(float thickness) { return 1.5f * thickness + 0.004f; }
 
-/// Height of the shown snow's surface above the receiver's, negative where none shows, so that snow ends where two
-/// surfaces intersect. Its slope is bounded by smoothing it afterwards over the surface.
+/// Height of the shown snow above the receiver's surface. It is negative where no snow shows, so that the snow ends
+/// where two surfaces intersect. The caller smooths it over the surface to limit its slope.
 SNOWBOUGH_SHARED_FUNCTION float thin_snow(KERNEL_CONST_REF(SnowEdge) edge, float thickness) {
   const float x = thickness - edge.threshold;
   if (x < 0.0f) return -edge.sink * (1.0f - exp(x / (0.25f * edge.sink + 0.1f * edge.lip + 1e-6f)));
@@ -168,21 +173,21 @@ SNOWBOUGH_SHARED_FUNCTION float thin_snow(KERNEL_CONST_REF(SnowEdge) edge, float
   return min(lip + kept, most_shown(thickness));
 }
 
-/// Height of a layer that lies on a convex surface and holds as much snow as one of `height` on a flat surface: the
-/// layer's area grows with its height.
+/// Height of a layer on a convex surface with the same volume of snow as a layer of `height` on a flat surface. The
+/// area of the layer grows with its height.
 SNOWBOUGH_SHARED_FUNCTION float swept_height(KERNEL_CONST_REF(SnowPoint) point, float height) {
   if (height <= 0.0f || point.convexity * height < 1e-4f) return height;
   return (sqrt(1.0f + 2.0f * point.convexity * height) - 1.0f) / point.convexity;
 }
 
-/// What relief adds to a height.
+/// Height of the surface noise.
 SNOWBOUGH_SHARED_FUNCTION float surface_relief(KERNEL_CONST_REF(SnowPoint) point, KERNEL_CONST_REF(SnowStyle) style,
                                                float height, float open_depth) {
   const float wave = clamp(kRelief * point.relief + kBumps * point.bumps, -kMostRelief, kMostRelief);
   return style.relief * wave * min(max(height, 0.0f), open_depth);
 }
 
-/// How far snow that ends on a steep place hangs down the slope.
+/// Distance that snow hangs down the slope at its border on a steep place.
 SNOWBOUGH_SHARED_FUNCTION float sagging(KERNEL_CONST_REF(SnowPoint) point, KERNEL_CONST_REF(SnowStyle) style,
                                         KERNEL_CONST_REF(SnowEdge) edge, float thickness, float height, float up) {
   const float x = max(thickness - edge.threshold, 0.0f);
@@ -191,7 +196,7 @@ SNOWBOUGH_SHARED_FUNCTION float sagging(KERNEL_CONST_REF(SnowPoint) point, KERNE
          eased(up, -0.2f, 0.2f);
 }
 
-/// A quarter of a superellipse about `centre`, from `from` at turn 0 to `to` at turn 1.
+/// A quarter of a superellipse around `centre`: from `from` at turn 0 to `to` at turn 1.
 SNOWBOUGH_SHARED_FUNCTION vec3 quarter(vec3 centre, vec3 from, vec3 to, float turn, float exponent) {
   const float angle = 1.5707963f * turn;
   const float power = 2.0f / exponent;
@@ -199,7 +204,7 @@ SNOWBOUGH_SHARED_FUNCTION vec3 quarter(vec3 centre, vec3 from, vec3 to, float tu
          (to - centre) * pow(max(sin(angle), 0.0f), power);
 }
 
-/// Whether snow that is `inland` high behind a rim bridges the gap beyond it, 0 to 1.
+/// Fraction, 0 to 1, to which snow of height `inland` behind a rim bridges the gap beyond the rim.
 SNOWBOUGH_SHARED_FUNCTION float bridged_part(KERNEL_CONST_REF(SnowFront) front, KERNEL_CONST_REF(SnowStyle) style,
                                              float inland) {
   const float height = max(inland, 1e-5f);
@@ -207,7 +212,7 @@ SNOWBOUGH_SHARED_FUNCTION float bridged_part(KERNEL_CONST_REF(SnowFront) front, 
          eased(2.0f * front.half_gap, kBridgedGap * height, kSurelyBridged * height);
 }
 
-/// Lengths of a front whose snow is `height` high.
+/// Lengths of a front with snow of height `height`.
 struct SnowProfile {
   float height;
   float overhang;
@@ -222,7 +227,7 @@ SNOWBOUGH_SHARED_FUNCTION SnowProfile front_profile(KERNEL_CONST_REF(SnowFront) 
   const float shoulder_noise = clamp(front.noise_shoulder * style.hem_variation, -1.3f, 1.3f);
   const float bridged = bridged_part(front, style, inland);
   const float height = inland * (1.0f - kBridgeSag * bridged);
-  // Beyond the middle, so that the two sides cross at a small angle and no edge is seen between them.
+  // Each side reaches beyond the middle, so that the two cross at a small angle and no edge shows between them.
   const float reach = front.half_gap + kBridgeOverlap * inland;
   const float eaves = 0.1f * max(slow, -0.5f) * front.eave;
   const float leaning = style.overhang * (max(0.10f + 0.14f * slow + 0.12f * fast, 0.02f) + eaves + front.lee);
@@ -233,8 +238,8 @@ SNOWBOUGH_SHARED_FUNCTION SnowProfile front_profile(KERNEL_CONST_REF(SnowFront) 
   return KERNEL_MAKE4(SnowProfile, height, overhang, drop, mix(round, -reach, bridged));
 }
 
-/// The way from the carrier to a point of the front. `inland`: height of the snow behind the rim; `normal` and `height`:
-/// the point's own, as away from rims; `bumps`: noise; `sink`: of a bare place.
+/// Offset from the carrier to a point of the front. `inland`: height of the snow behind the rim; `normal` and `height`:
+/// values of the point as if away from rims; `bumps`: noise; `sink`: depth of bare places.
 SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, KERNEL_CONST_REF(SnowStyle) style,
                                             float inland, vec3 normal, float height, float bumps, float sink) {
   const vec3 up = vec3(0.0f, 0.0f, 1.0f);
@@ -246,11 +251,11 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
   const vec3 belly = up * (kBelly * profile.height);
   const vec3 farthest = front.level_out * profile.overhang + belly;
   const float rough = style.relief * kBumps * bumps * profile.height;
-  // On a slope what is lifted moves up the slope, and must not pass what lies behind it.
+  // On a slope, lifted points move up the slope. They must not pass the points behind them.
   const float behind = max(-dot(lift, front.outward), 0.0f);
   const float shoulder = min(profile.shoulder, max(0.75f * front.zone - behind, 0.1f * front.zone));
   const float along = clamp(front.distance / front.zone, 0.0f, 1.0f);
-  // Deep below bare rims nothing may stick out.
+  // At bare rims the front sinks below the receiver, so that nothing protrudes.
   const vec3 sunk = normal * (-sink * eased(profile.height, 0.008f, 0.0f));
   // From the carrier to the rim.
   const vec3 to_rim = front.outward * max(front.distance, 0.0f) - front.down * max(-front.distance, 0.0f);
@@ -263,7 +268,7 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
     const vec3 way = mix(lift, normal * own, easing);
     return front.outward * (front.distance - inwards) + way + front.lift * (rough * (1.0f - easing)) + sunk;
   }
-  // Without a far face the lower part of the front lies on the support, too.
+  // Without a far face, the lower part of the front also lies on the supporting face.
   const float lower = (1.0f - front.has_far) * 0.3f;
   const float on_front = along / kFrontPart;
   const bool beyond = front.distance < 0.0f || on_front < lower;

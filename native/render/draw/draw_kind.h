@@ -11,22 +11,24 @@
 
 namespace snowbough::render {
 
-/// What a draw makes: a picture, its wireframe, depth alone, or positions for transform feedback.
+/// The output of a draw: a shaded picture, a wireframe, depth only, or positions for transform
+/// feedback.
 enum class DrawKind : uint8_t { kShaded, kWire, kDepth, kCapture };
 
-/// Defines of a kind's shaders.
+/// Shader defines of a kind.
 std::vector<std::string> defines_of(DrawKind kind);
 
-/// How a draw is made, whatever is drawn.
+/// Settings of a draw, independent of the object.
 struct DrawStyle {
   DrawKind kind = DrawKind::kShaded;
-  /// For kShaded.
+  /// Used by kShaded.
   const gpu::Texture* shadow_map = nullptr;
-  /// For kWire.
+  /// Used by kWire.
   glm::vec4 wire_color{0.0f};
 };
 
-/// The program of a style, in use, with what that style needs. `more`: further defines.
+/// Activates the program of a style, binds the style's inputs, and returns the program. `more`:
+/// additional shader defines.
 gpu::Program& begin_draw(gpu::ProgramVariants& programs, const DrawStyle& style,
                          const std::vector<std::string>& more = {});
 

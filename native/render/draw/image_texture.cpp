@@ -24,7 +24,7 @@ void repeat(const gpu::Texture& texture) {
   glTextureParameteri(texture.id(), GL_TEXTURE_WRAP_T, GL_REPEAT);
 }
 
-/// IEC 61966-2-1.
+/// Decodes an sRGB value to linear light (IEC 61966-2-1).
 float decoded(float c) {
   return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
 }
@@ -32,7 +32,7 @@ float encoded(float c) {
   return c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1.0f / 2.4f) - 0.055f;
 }
 
-/// What each byte of an sRGB channel becomes when its light is multiplied.
+/// Table from each byte of an sRGB channel to the byte whose light is multiplied by `factor`.
 std::array<uint8_t, 256> multiplied(float factor) {
   std::array<uint8_t, 256> bytes{};
   for (size_t i = 0; i < bytes.size(); ++i) {
@@ -43,7 +43,7 @@ std::array<uint8_t, 256> multiplied(float factor) {
   return bytes;
 }
 
-/// A material's image in another size, times its colour.
+/// A material's image resampled to another size and multiplied by the material's colour.
 std::vector<uint8_t> layer_of(const Material& material, int32_t width, int32_t height) {
   std::vector<uint8_t> made(static_cast<size_t>(width) * height * 4, 255);
   const Image& image = material.image;

@@ -7,13 +7,15 @@
 
 namespace snowbough::render {
 
-/// An image as shaders sample it: repeated, filtered, linear. `what` names it in messages. GPU
-/// thread. @throws std::invalid_argument where its bytes do not fit its size.
+/// Uploads an image as a texture for linear light, with repeat and filtering. `what` names the
+/// image in messages. GPU thread.
+/// @throws std::invalid_argument if the image's bytes do not match its size.
 gpu::Texture image_texture(const Image& image, const char* what);
 
-/// Images of materials, times their colours, as the layers of one texture with mip levels, repeated
-/// and filtered: each as large as the largest of them, by its nearest texels. At least one
-/// material. GPU thread. @throws as image_texture.
+/// Uploads the images of materials, multiplied by the materials' colours, as the layers of one
+/// texture with mip levels, repeat and filtering. Each layer has the size of the largest image;
+/// smaller images are enlarged by nearest texel. Needs at least one material. GPU thread.
+/// @throws as image_texture.
 gpu::Texture material_layers(const std::vector<Material>& materials, const char* what);
 
 }  // namespace snowbough::render

@@ -5,15 +5,16 @@
 
 namespace snowbough::render {
 
-/// How deep a map of snow (R32F, metres) is at most, on either side, found where the map lies: of
-/// each tile of kSnowTile x kSnowTile texels, and of all. GPU thread.
+/// Computes the greatest absolute height of a snow map (R32F, metres) on the GPU: per tile of
+/// kSnowTile x kSnowTile texels, and of the whole map. GPU thread.
 class MapDepths {
  public:
-  /// Bytes of the tiles' depths, a float each, row by row.
+  /// Size of the buffer of tile depths in bytes: one float per tile, row by row.
   static int64_t tile_bytes(const gpu::Texture& map);
-  /// `tiles`: of tile_bytes.
+  /// `tiles`: a buffer of tile_bytes bytes.
   void find_tiles(const gpu::Texture& map, const gpu::Buffer& tiles);
-  /// `deepest`: one float, the largest of `tiles`, which find_tiles has written.
+  /// Writes to `deepest`, a buffer of one float, the largest value of `tiles`, which find_tiles has
+  /// written.
   void find_deepest(const gpu::Buffer& tiles, const gpu::Buffer& deepest);
 
  private:

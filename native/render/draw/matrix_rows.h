@@ -7,7 +7,7 @@
 
 namespace snowbough::render {
 
-/// Rows of matrices in the order in which shaders read them: three a matrix, as the fourth is
+/// Rows of matrices in the order in which shaders read them: three per matrix, as the fourth row is
 /// (0, 0, 0, 1).
 inline std::vector<glm::vec4> matrix_rows(std::span<const glm::mat4> matrices) {
   std::vector<glm::vec4> rows;

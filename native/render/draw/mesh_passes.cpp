@@ -18,8 +18,8 @@ using glm::vec2;
 using glm::vec3;
 using glm::vec4;
 
-/// Triangles of a piece: their corners take 48 MiB, and software renderers' storage blocks hold
-/// 128.
+/// Most triangles of a piece. Their corners take 48 MiB; storage blocks of software renderers hold
+/// 128 MiB.
 constexpr size_t kPieceTriangles = size_t{1} << 19;
 
 void require(bool right, const std::string& what) {
@@ -33,27 +33,27 @@ vec3 unit(const vec3& v) {
 
 void check(const MeshSource& source) {
   const size_t triangles = source.triangles.size();
-  require(!source.materials.empty(), "it needs a material");
+  require(!source.materials.empty(), "it needs at least one material");
   require((source.normals.empty() || source.normals.size() == 3 * triangles) &&
               (source.uv.empty() || source.uv.size() == 3 * triangles),
-          "normals and uv need three entries a triangle, or none");
+          "normals and uv must have three entries per triangle, or be empty");
   require(source.material.empty() || source.material.size() == triangles,
-          "material needs one entry a triangle, or none");
+          "material must have one entry per triangle, or be empty");
   for (const auto& triangle : source.triangles) {
     for (const int32_t v : triangle) {
       require(v >= 0 && v < static_cast<int32_t>(source.vertices.size()),
-              "a triangle names vertex " + std::to_string(v) + " of " +
+              "vertex index " + std::to_string(v) + " of a triangle must be at least 0 and below " +
                   std::to_string(source.vertices.size()));
     }
   }
   for (const int32_t m : source.material) {
     require(m >= 0 && m < static_cast<int32_t>(source.materials.size()),
-            "a triangle names material " + std::to_string(m) + " of " +
+            "material index " + std::to_string(m) + " of a triangle must be at least 0 and below " +
                 std::to_string(source.materials.size()));
   }
 }
 
-/// Per vertex, means of its triangles' normals by their areas.
+/// Normals of the vertices: area-weighted means over their triangles.
 std::vector<vec3> smooth_normals(const MeshSource& source) {
   std::vector<vec3> normals(source.vertices.size(), vec3(0.0f));
   for (const auto& triangle : source.triangles) {
@@ -66,7 +66,7 @@ std::vector<vec3> smooth_normals(const MeshSource& source) {
   return normals;
 }
 
-/// Triangles by material, as many together as a piece holds.
+/// Triangles by material, in groups that fit into a piece.
 std::vector<std::pair<int32_t, std::vector<int32_t>>> pieces_of(const MeshSource& source) {
   std::vector<std::vector<int32_t>> by_material(source.materials.size());
   for (size_t i = 0; i < source.triangles.size(); ++i) {
@@ -125,10 +125,10 @@ void MeshBuffers::set_snow(const MeshSnow& snow) {
   if (snow.heights.empty()) return;
   require(snow.width > 0 && snow.height > 0 &&
               snow.heights.size() == static_cast<size_t>(snow.width) * snow.height,
-          "a snow map must have height x width heights");
+          "a snow map must have height x width values");
   size_t triangles = 0;
   for (const Piece& piece : pieces_) triangles += piece.triangles.size();
-  require(snow.uv.size() == 3 * triangles, "snow needs three uv entries a triangle");
+  require(snow.uv.size() == 3 * triangles, "snow must have three uv entries per triangle");
   for (Piece& piece : pieces_) {
     std::vector<vec2> corners;
     corners.reserve(3 * piece.triangles.size());

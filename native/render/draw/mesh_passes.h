@@ -15,28 +15,28 @@
 
 namespace snowbough::render {
 
-/// A mesh on the GPU, by material and in pieces that a storage block holds.
+/// A mesh on the GPU, split by material and into pieces that fit into a storage block.
 class MeshBuffers {
  public:
-  /// In one place, where it is.
-  /// @throws std::invalid_argument naming what is wrong: arrays of different length, indices out of
-  ///   range, images whose bytes do not fit their size.
+  /// Places the mesh once, with the identity matrix.
+  /// @throws std::invalid_argument with the reason: arrays of different lengths, indices out of
+  /// range, or images whose bytes do not match their size.
   explicit MeshBuffers(const MeshSource& source);
 
-  /// Where it is: a matrix a place, from its own space to the world.
+  /// Sets the instances: one matrix per place, from the mesh's own space to the world.
   void set_places(const std::vector<glm::mat4>& matrices);
-  /// Lets snow lie on it; without heights: none. @throws std::invalid_argument where the arrays do
-  ///   not fit the mesh or one another.
+  /// Sets the snow on the mesh; a map without heights removes it.
+  /// @throws std::invalid_argument if the arrays do not match the mesh or one another.
   void set_snow(const MeshSnow& snow);
 
-  /// Box around it in all of its places.
+  /// Bounding box of the mesh in all of its places.
   const Box& bounds() const { return bounds_; }
 
  private:
   friend class MeshPasses;
   struct Piece {
     int32_t material = 0;
-    /// Which triangles of the source they are.
+    /// Indices of the source's triangles in this piece.
     std::vector<int32_t> triangles;
     gpu::Buffer corners;
     gpu::Buffer snow_corners;
@@ -56,7 +56,7 @@ class MeshBuffers {
   Box bounds_;
 };
 
-/// Draws meshes. Kinds as the tree's, without kCapture. GPU thread.
+/// Draws meshes of every kind except kCapture. GPU thread.
 class MeshPasses {
  public:
   void draw(MeshBuffers& mesh, const gpu::Buffer& view, const DrawStyle& style);

@@ -11,15 +11,15 @@
 namespace snowbough::render {
 namespace {
 
-/// Work groups that OpenGL promises a dimension.
+/// Number of work groups per dimension that OpenGL guarantees.
 constexpr size_t kMostGroups = 65535;
-/// Mesa's software renderers number the vertices that a draw's tessellation makes with 16 bits.
+/// Mesa's software renderers use 16-bit indices for the tessellated vertices of a draw.
 constexpr int32_t kSoftwareVertices = 65535;
-/// Highest level that OpenGL promises.
+/// Highest tessellation level that OpenGL guarantees.
 constexpr float kHighestLevel = 64.0f;
 
-/// Most patches of a level that a draw may have on a software renderer. Fractional odd spacing
-/// takes the next odd number of parts.
+/// Most patches per draw on a software renderer at this tessellation level. Fractional odd spacing
+/// rounds the number of segments up to an odd number.
 int32_t software_patches(float max_level) {
   const auto parts = static_cast<int32_t>(std::ceil(max_level)) | 1;
   return kSoftwareVertices / ((parts + 1) * (parts + 1));
@@ -44,8 +44,8 @@ PatchList::PatchList(size_t patches)
       commands(bytes_of(2 + patches / software_patches(kHighestLevel),
                         sizeof(shared::TreeDrawCommand))) {
   if (patch_groups(patches) > kMostGroups) {
-    throw std::invalid_argument("an object of " + std::to_string(patches) +
-                                " patches is more than one draw holds: add it in parts");
+    throw std::invalid_argument("an object has " + std::to_string(patches) +
+                                " patches, more than one draw can hold: add it in parts");
   }
 }
 

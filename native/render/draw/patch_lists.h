@@ -8,10 +8,10 @@
 
 namespace snowbough::render {
 
-/// What is drawn of an object's patches in one picture, found on the GPU and read by its draws
-/// there.
+/// The patches of an object that are drawn in one picture. The GPU writes the list, and the draws
+/// read it on the GPU.
 struct PatchList {
-  /// For `patches` patches.
+  /// Allocates the list for `patches` patches.
   explicit PatchList(size_t patches);
 
   int32_t patch_count = 0;
@@ -19,24 +19,24 @@ struct PatchList {
   gpu::Buffer group_counts;
   gpu::Buffer plain;
   gpu::Buffer tessellated;
-  /// A TreeDrawCommand of the plain patches, then `draws` of the tessellated ones.
+  /// One TreeDrawCommand for the plain patches, then `draws` commands for the tessellated ones.
   gpu::Buffer commands;
   int32_t draws = 1;
 };
 
-/// Patches of a list by class, read back.
+/// Numbers of patches by class, read back from a list.
 struct PatchCounts {
   int64_t dropped = 0;
   int64_t plain = 0;
   int64_t tessellated = 0;
 };
 
-/// Sorts patches and lists them in their order. GPU thread.
+/// Classifies patches and lists them in order. GPU thread.
 class PatchListPasses {
  public:
-  /// Runs a classifying program, which includes glsl/count_classes.glsl and has all of its other
-  /// inputs, and writes the lists and the draws. `plain_vertices`: of a plain patch; `max_level`:
-  /// the highest that an edge of the view can have.
+  /// Runs a classification program and writes the lists and the draw commands. The program includes
+  /// glsl/count_classes.glsl; the caller has bound its other inputs. `plain_vertices`: vertices per
+  /// plain patch; `max_level`: highest tessellation level of an edge in this view.
   void run(gpu::Program& classify, PatchList& list, int32_t plain_vertices, float max_level);
 
  private:

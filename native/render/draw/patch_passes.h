@@ -12,40 +12,39 @@
 
 namespace snowbough::render {
 
-/// What is drawn as patches, and what the shaders of its kind of patches read of it besides the
-/// view and a list.
+/// An object drawn as patches. It provides the inputs of its shaders, except the view and the list.
 class PatchSource {
  public:
-  /// Of `patches` patches.
+  /// @param patches number of patches.
   explicit PatchSource(size_t patches) : camera(patches), sun(patches) {}
   virtual ~PatchSource() = default;
   PatchSource(const PatchSource&) = delete;
   PatchSource& operator=(const PatchSource&) = delete;
 
-  /// Defines of its draws' shaders, besides the kind's.
+  /// Shader defines in addition to those of the kind.
   virtual std::vector<std::string> defines(DrawKind kind) const = 0;
   virtual void bind_classify(gpu::Program& program) const = 0;
   virtual void bind_plain(gpu::Program& program, DrawKind kind) const = 0;
   virtual void bind_tessellated(gpu::Program& program, DrawKind kind) const = 0;
 
-  /// What is drawn of it in the camera's picture and in the sun's.
+  /// The patches drawn in the camera's picture and in the shadow map.
   PatchList camera;
   PatchList sun;
 };
 
-/// Patches are classified, the plain ones drawn as triangles and the
-/// others through the tessellator. Nothing is read back. GPU thread.
+/// Classifies patches, draws the plain ones as triangles and the others through the tessellator. It
+/// reads nothing back. GPU thread.
 class PatchPasses {
  public:
-  /// Of the shaders <name>_classify, <name>_plain (.vert, .frag) and <name> (.vert, .tesc, .tese,
-  /// .frag), with `plain_vertices` a plain patch.
+  /// Loads the shaders <name>_classify, <name>_plain (.vert, .frag) and <name> (.vert, .tesc,
+  /// .tese, .frag). `plain_vertices`: vertices per plain patch.
   PatchPasses(const std::string& name, int32_t plain_vertices);
 
-  /// Sorts patches into dropped, plain and tessellated and writes one of the source's lists and its
-  /// draws. `max_level`: the highest level that an edge of the view can have.
+  /// Sorts patches into dropped, plain and tessellated ones, and writes one of the source's lists
+  /// with its draw commands. `max_level`: highest tessellation level of an edge in this view.
   void classify(const PatchSource& of, PatchList& list, const gpu::Buffer& view, float max_level);
-  /// Draws a list's two parts into the bound framebuffer (kCapture: into the buffer bound to
-  /// transform feedback).
+  /// Draw the plain and the tessellated patches of a list into the bound framebuffer. With kCapture
+  /// they write to the buffer bound to transform feedback.
   void draw_plain(const PatchSource& of, const PatchList& list, const gpu::Buffer& view,
                   const DrawStyle& style);
   void draw_tessellated(const PatchSource& of, const PatchList& list, const gpu::Buffer& view,

@@ -10,7 +10,7 @@
 
 namespace snowbough::render {
 
-/// A box along the axes; empty until something is put in.
+/// An axis-aligned box; empty until a point is added.
 struct Box {
   glm::vec3 low{std::numeric_limits<float>::max()};
   glm::vec3 high{std::numeric_limits<float>::lowest()};
@@ -20,20 +20,20 @@ struct Box {
   glm::vec3 size() const { return high - low; }
   void add(const glm::vec3& point);
   void add(const Box& other);
-  /// The box around this one's corners, moved.
+  /// The axis-aligned box around this box's transformed corners.
   Box moved(const glm::mat4& matrix) const;
 };
 
-/// Where a thing that hangs on bones may be in a pose: skinned points lie within the boxes around
-/// what each bone carries, moved with the bone.
+/// Bounds of a skinned object in a pose. Skinned points lie within the transformed boxes of the
+/// bones' rest points.
 class PosedBounds {
  public:
   explicit PosedBounds(int32_t bones) : rest_(static_cast<size_t>(bones)) {}
 
-  /// A point of the rest pose that hangs on a bone.
+  /// Adds a rest point that a bone moves.
   void add(int32_t bone, const glm::vec3& point) { rest_[bone].add(point); }
   Box at_rest() const;
-  /// `matrices`: one a bone, from the rest pose to the pose.
+  /// `matrices`: one per bone, from the rest pose to the current pose.
   Box posed(std::span<const glm::mat4> matrices) const;
 
  private:

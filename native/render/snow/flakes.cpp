@@ -11,13 +11,13 @@ namespace {
 using glm::dvec3;
 using glm::vec4;
 
-/// Edge in metres of the box around the eye in which flakes are drawn.
+/// Edge length of the box around the eye in which flakes are drawn, in metres.
 constexpr double kBox = 12.0;
-/// Lying snow that a flake of a metre's radius would make, m3: a loose heap is mostly air.
+/// Volume of lying snow from a flake with a radius of 1 m, in m3. Fresh snow is mostly air.
 constexpr double kLaidVolume = 4.18879 * 0.5;
-/// Swings a second of a fluttering flake.
+/// Frequency of a flake's flutter, in swings per second.
 constexpr float kSwings = 0.7f;
-/// Least share of its speed with which a flake sinks, however slanting the fall.
+/// Least downward speed of a flake as a fraction of its speed, for slanting falls.
 constexpr double kLeastSinking = 0.01;
 
 void require(bool right, const char* what) {
@@ -28,22 +28,26 @@ void require(bool right, const char* what) {
 
 shared::FlakeFall flake_fall(const Snowfall& fall) {
   const dvec3 direction(fall.direction);
-  require(fall.rate >= 0.0f && std::isfinite(fall.rate), "snowfall: rate must not be negative");
+  require(fall.rate >= 0.0f && std::isfinite(fall.rate),
+          "snowfall: rate must be 0 or more, and finite");
   require(glm::length(direction) > 0.0 && direction.z <= 0.0,
           "snowfall: direction must point downwards");
-  require(fall.speed > 0.0f && fall.speed < 100.0f, "snowfall: speed must be over 0, to 100 m/s");
-  require(fall.radius > 0.0f && fall.radius < 0.1f, "snowfall: radius must be over 0, to 0.1 m");
+  require(fall.speed > 0.0f && fall.speed < 100.0f,
+          "snowfall: speed must be over 0 and below 100 m/s");
+  require(fall.radius > 0.0f && fall.radius < 0.1f,
+          "snowfall: radius must be over 0 and below 0.1 m");
   require(fall.flutter >= 0.0f && fall.flutter <= 0.7854f,
           "snowfall: flutter must be from 0 to pi / 4");
   require(fall.shutter >= 0.0f && fall.shutter <= 1.0f, "snowfall: shutter must be from 0 to 1 s");
-  require(fall.metre > 0.0f && std::isfinite(fall.metre), "snowfall: metre must be over 0");
+  require(fall.metre > 0.0f && std::isfinite(fall.metre),
+          "snowfall: metre must be over 0, and finite");
   const dvec3 along = glm::normalize(direction);
   const double sinking = fall.speed * std::max(-along.z, kLeastSinking);
   const double laid = kLaidVolume * std::pow(static_cast<double>(fall.radius), 3.0);
   const double flakes = fall.rate / (sinking * laid) * kBox * kBox * kBox;
   dvec3 drift = along * static_cast<double>(fall.speed) * static_cast<double>(fall.time);
   drift -= kBox * glm::floor(drift / kBox);
-  // A swing of this width has the angle of flutter where it is steepest.
+  // At this width, the path's steepest part has the angle of flutter.
   const double aside = fall.speed * std::tan(static_cast<double>(fall.flutter)) /
                        (2.0 * 3.14159265 * static_cast<double>(kSwings));
   shared::FlakeFall made{};

@@ -9,19 +9,19 @@
 
 namespace snowbough::render {
 
-/// Most flakes that are drawn at a time.
+/// Limit on the number of flakes drawn.
 inline constexpr int32_t kMostFlakes = 200000;
 
-/// What a fall looks like at its time. How many flakes are in the air follows from the depth that
-/// they lay a second: rate = flakes a m3 * their downward speed * the snow in one. @throws
-/// std::invalid_argument naming the value that is out of range.
+/// Shader inputs of a snowfall at its time. The number of flakes in the air follows from the depth
+/// that falls per second: rate = flakes per m3 * downward speed * volume of snow per flake.
+/// @throws std::invalid_argument naming the value that is out of range.
 shared::FlakeFall flake_fall(const Snowfall& fall);
 
 /// Draws falling flakes over a picture. GPU thread.
 class FlakePass {
  public:
-  /// `view` holds the camera's TreeView; depth is tested and stays as it is. Nothing for a rate of
-  /// 0.
+  /// `view` holds the camera's TreeView. The depth buffer is tested but not written. Draws nothing
+  /// at a rate of 0.
   void draw(const Snowfall& fall, const gpu::Buffer& view);
 
  private:

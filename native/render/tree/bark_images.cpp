@@ -16,17 +16,17 @@ void require(bool right, const std::string& what) {
 
 std::vector<shared::BarkPlace> places_of(const BarkSource& source, size_t patches) {
   require(source.uv.size() == patches && source.material.size() == patches,
-          "uv and materials need one entry for each of the tree's " + std::to_string(patches) +
+          "uv and materials must have one entry for each of the tree's " + std::to_string(patches) +
               " quads");
-  require(!source.materials.empty(), "it needs a material");
+  require(!source.materials.empty(), "it needs at least one material");
   const auto count = static_cast<int32_t>(source.materials.size());
   std::vector<shared::BarkPlace> places;
   places.reserve(patches);
   for (size_t f = 0; f < patches; ++f) {
     const int32_t material = source.material[f];
-    require(material >= 0 && material < count, "quad " + std::to_string(f) + " names material " +
-                                                   std::to_string(material) + " of " +
-                                                   std::to_string(count));
+    require(material >= 0 && material < count,
+            "material index " + std::to_string(material) + " of quad " + std::to_string(f) +
+                " must be at least 0 and below " + std::to_string(count));
     const auto& uv = source.uv[f];
     places.push_back({glm::vec4(uv[0], uv[1]), glm::vec4(uv[2], uv[3]),
                       glm::vec4(static_cast<float>(material), 0.0f, 0.0f, 0.0f)});

@@ -9,14 +9,14 @@ namespace snowbough::render {
 
 /// Images of a tree's bark on the GPU.
 struct BarkImages {
-  /// For a tree of `patches` quads. GPU thread.
-  /// @throws std::invalid_argument naming what is wrong: arrays of another length, no materials,
-  ///   indices out of range, images whose bytes do not fit their size.
+  /// Uploads the images for a tree of `patches` quads. GPU thread.
+  /// @throws std::invalid_argument with the reason: arrays of a different length, no materials,
+  /// indices out of range, or images whose bytes do not match their size.
   BarkImages(const BarkSource& source, size_t patches);
 
-  /// A shared::BarkPlace a patch.
+  /// One shared::BarkPlace per patch.
   gpu::Buffer places;
-  /// A layer a material.
+  /// One layer per material.
   gpu::Texture layers;
 };
 

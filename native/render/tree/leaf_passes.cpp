@@ -29,15 +29,15 @@ void check(const LeafSource& source, int32_t bone_count) {
   const size_t triangles = source.bone.size();
   require(source.positions.size() == 3 * triangles && source.uv.size() == 3 * triangles &&
               source.material.size() == triangles,
-          "leaves: positions and uv need three entries a triangle, bone and material one");
+          "leaves: positions and uv must have three entries per triangle, bone and material one");
   for (size_t i = 0; i < triangles; ++i) {
     require(source.bone[i] >= 0 && source.bone[i] < bone_count,
-            "leaves: triangle " + std::to_string(i) + " hangs on bone " +
-                std::to_string(source.bone[i]) + " of " + std::to_string(bone_count));
+            "leaves: bone index " + std::to_string(source.bone[i]) + " of triangle " +
+                std::to_string(i) + " must be at least 0 and below " + std::to_string(bone_count));
     require(source.material[i] >= 0 &&
                 source.material[i] < static_cast<int32_t>(source.materials.size()),
-            "leaves: triangle " + std::to_string(i) + " names material " +
-                std::to_string(source.material[i]) + " of " +
+            "leaves: material index " + std::to_string(source.material[i]) + " of triangle " +
+                std::to_string(i) + " must be at least 0 and below " +
                 std::to_string(source.materials.size()));
   }
 }

@@ -11,10 +11,10 @@
 
 namespace snowbough::render {
 
-/// Leaves on the GPU, by material.
+/// Leaves on the GPU, grouped by material.
 struct LeafBuffers {
-  /// @throws std::invalid_argument naming what is wrong: arrays of different length, indices out of
-  ///   range, images whose bytes do not fit their size.
+  /// @throws std::invalid_argument with the reason: arrays of different lengths, indices out of
+  /// range, or images whose bytes do not match their size.
   LeafBuffers(const LeafSource& source, int32_t bone_count);
 
   struct Part {
@@ -27,10 +27,10 @@ struct LeafBuffers {
   gpu::Buffer vertices;
 };
 
-/// Draws leaves. Kinds as the tree's, without kCapture. GPU thread.
+/// Draws leaves of every kind except kCapture. GPU thread.
 class LeafPasses {
  public:
-  /// `bones`: three rows a bone.
+  /// `bones`: three matrix rows per bone.
   void draw(LeafBuffers& leaves, const gpu::Buffer& bones, const gpu::Buffer& view,
             const DrawStyle& style);
 

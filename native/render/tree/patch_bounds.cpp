@@ -14,7 +14,8 @@ namespace {
 
 using glm::vec3;
 
-/// Points a side at which a patch is looked at for how far it bulges, and what lies between them.
+/// Number of samples per side for the bulge of a patch, and the margin for points between the
+/// samples.
 constexpr int kBulgeSamples = 5;
 constexpr float kBulgeMargin = 1.05f;
 

@@ -4,8 +4,9 @@
 
 namespace snowbough::render {
 
-/// Finds for each patch how far its points can stand off the sphere around its corners' mean: out
-/// on the limbs' radius, towards the vertices, and by bark. Sampled, with a margin.
+/// Computes for each patch how far its points can lie outside the sphere around its corners:
+/// because of the limb's round surface, of offsets at the vertices, and of bark. It samples the
+/// patch and adds a margin.
 void bound_patches(TreePatches& tree);
 
 }  // namespace snowbough::render

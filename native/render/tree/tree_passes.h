@@ -19,7 +19,7 @@
 
 namespace snowbough::render {
 
-/// A tree on the GPU: uploaded once, but for its pose.
+/// A tree on the GPU. Only its pose and its snow change after the upload.
 struct TreeBuffers : PatchSource {
   explicit TreeBuffers(const TreePatches& tree);
 
@@ -28,7 +28,7 @@ struct TreeBuffers : PatchSource {
   void bind_plain(gpu::Program& program, DrawKind kind) const override;
   void bind_tessellated(gpu::Program& program, DrawKind kind) const override;
 
-  /// Height map in metres, R32F, row 0 = v 0; null: no snow.
+  /// Height map in metres, R32F, row 0 at v = 0; null removes the snow.
   void set_snow(std::shared_ptr<const gpu::Texture> heights, const SnowDepths& depths);
 
   int32_t vertex_count = 0;
@@ -38,29 +38,30 @@ struct TreeBuffers : PatchSource {
   gpu::Buffer edges;
   gpu::Buffer patches;
   gpu::Buffer vertex_snow;
-  /// Three rows a bone.
+  /// Three matrix rows per bone.
   gpu::Buffer bones;
   gpu::Buffer posed;
   gpu::Buffer edge_levels;
-  /// What its bark shows in place of its own colours, if anything.
+  /// Images that replace the bark's own colours, if any.
   std::optional<BarkImages> images;
-  /// Heights of its snow: R32F; null: it carries none.
+  /// Height map of the snow, R32F; null without snow.
   std::shared_ptr<const gpu::Texture> snow;
   SnowDepths snow_depths;
   gpu::Buffer tile_depths;
-  /// Most of them, metres.
+  /// Greatest of the tile depths, in metres.
   gpu::Buffer deepest_snow{sizeof(float)};
-  /// Whether that is not the map's.
+  /// True if the map has changed since these depths were computed.
   bool snow_is_new = false;
 };
 
-/// The passes of a tree, in the order of a frame: pose, edge_levels, then for the sun's picture and
-/// the camera's those of `patches`. `view` holds a TreeView. Nothing is read back. GPU thread.
+/// The passes of a tree in the order of a frame: pose, edge_levels, then those of `patches` for the
+/// shadow map and for the camera's picture. `view` holds a TreeView. They read nothing back. GPU
+/// thread.
 class TreePasses {
  public:
-  /// Poses the vertices with the bones' matrices, and lays on them what snow there is.
+  /// Poses the vertices with the bones' matrices, and adds bark and snow.
   void pose(TreeBuffers& tree, const gpu::Buffer& view);
-  /// The tessellation level of each edge.
+  /// Computes the tessellation level of each edge.
   void edge_levels(TreeBuffers& tree, const gpu::Buffer& view);
 
   /// A plain patch is two triangles.

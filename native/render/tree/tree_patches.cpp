@@ -21,10 +21,10 @@ using glm::vec2;
 using glm::vec3;
 using glm::vec4;
 
-/// How far bark coordinates may differ and still be the same place, in turns of the limb.
+/// Greatest difference of equal bark coordinates, in turns around the limb.
 constexpr float kSameUv = 1e-4f;
-/// Most that bark gains in height per metre from where it has none, and most rounds in which that
-/// spreads from vertex to vertex.
+/// Greatest increase of the bark's amplitude per metre of distance from places without bark, and
+/// the greatest number of rounds in which this limit spreads from vertex to vertex.
 constexpr float kBarkSlope = 0.25f;
 constexpr int kBarkRounds = 64;
 
@@ -38,30 +38,30 @@ void check(const TreeSource& source) {
   require(source.bark_uv.size() == quads && source.branch_level.size() == quads &&
               source.branch.size() == quads && source.section.size() == quads &&
               source.kind.size() == quads,
-          "bark_uv, branch_level, branch, section and kind must have one entry a quad");
+          "bark_uv, branch_level, branch, section and kind must have one entry per quad");
   require(source.snow_uv.empty() || source.snow_uv.size() == quads,
-          "snow_uv must have one entry a quad, or none at all");
+          "snow_uv must have one entry per quad, or be empty");
   require(source.bone_indices.size() == source.vertices.size() &&
               source.bone_weights.size() == source.vertices.size(),
-          "bone_indices and bone_weights must have one entry a vertex");
+          "bone_indices and bone_weights must have one entry per vertex");
   for (size_t f = 0; f < quads; ++f) {
     for (const int32_t v : source.quads[f]) {
       require(v >= 0 && v < static_cast<int32_t>(source.vertices.size()),
-              "quad " + std::to_string(f) + " names vertex " + std::to_string(v) + " of " +
-                  std::to_string(source.vertices.size()));
+              "vertex index " + std::to_string(v) + " of quad " + std::to_string(f) +
+                  " must be at least 0 and below " + std::to_string(source.vertices.size()));
     }
     require(source.kind[f] == QuadKind::kCap ||
                 (source.section[f] >= 0 &&
                  source.section[f] < static_cast<int32_t>(source.sections.size())),
-            "quad " + std::to_string(f) + " names section " + std::to_string(source.section[f]) +
-                " of " + std::to_string(source.sections.size()));
+            "section " + std::to_string(source.section[f]) + " of quad " + std::to_string(f) +
+                " must be at least 0 and below " + std::to_string(source.sections.size()));
     require(source.branch_level[f] >= 0, "branch levels must not be negative");
   }
   for (const auto& bones : source.bone_indices) {
     for (const int32_t bone : bones) {
-      require(bone >= 0 && bone < source.bone_count, "a vertex hangs on bone " +
-                                                         std::to_string(bone) + " of " +
-                                                         std::to_string(source.bone_count));
+      require(bone >= 0 && bone < source.bone_count,
+              "bone index " + std::to_string(bone) + " of a vertex must be at least 0 and below " +
+                  std::to_string(source.bone_count));
     }
   }
 }
@@ -72,7 +72,7 @@ shared::TreeSection to_shared(const LimbSection& section) {
           vec4(section.begin_radius, section.end_radius, std::max(round_from, 1e-30f), 0.0f)};
 }
 
-/// Whether two places on the bark are one, whole turns aside.
+/// True if two bark coordinates are equal up to whole turns.
 bool same_bark(const vec2& a, const vec2& b) {
   const float turns = a.x - b.x;
   return std::abs(turns - std::round(turns)) < kSameUv && std::abs(a.y - b.y) < kSameUv;
@@ -186,7 +186,7 @@ class PatchBuilder {
     }
   }
 
-  /// Means of the faces' normals by their area, without the caps'.
+  /// Sets the vertex normals: area-weighted means over the faces, without caps.
   void add_normals() {
     std::vector<vec3> sums(made_.vertices.size(), vec3(0.0f)), caps = sums;
     for (const shared::TreePatch& patch : made_.patches) {
@@ -203,7 +203,7 @@ class PatchBuilder {
     }
   }
 
-  /// A side of a quad, by its lower vertex first.
+  /// A side of a quad, from its lower to its higher vertex index.
   struct Side {
     int32_t a, b, quad, corner;
     bool operator<(const Side& other) const {
@@ -223,7 +223,7 @@ class PatchBuilder {
     for (size_t i = 0; i < sides.size();) {
       size_t end = i + 1;
       while (end < sides.size() && sides[end].a == sides[i].a && sides[end].b == sides[i].b) ++end;
-      require(end - i <= 2, "the edge of vertices " + std::to_string(sides[i].a) + " and " +
+      require(end - i <= 2, "the edge between vertices " + std::to_string(sides[i].a) + " and " +
                                 std::to_string(sides[i].b) + " has more than two quads");
       add_edge(sides[i], end - i == 2 ? sides[i + 1] : sides[i]);
       i = end;
@@ -239,7 +239,7 @@ class PatchBuilder {
     return source_.snow_uv.empty() ? std::array<vec2, 4>{} : source_.snow_uv[quad];
   }
 
-  /// Coordinates of a side, from its lower vertex to the other, out of those of its quad's corners.
+  /// Coordinates at the ends of a side, lower vertex index first, from those at the quad's corners.
   std::array<vec2, 2> along(const Side& side, const std::array<vec2, 4>& uv) const {
     const bool reversed = source_.quads[side.quad][side.corner] != side.a;
     const vec2 from = uv[side.corner], to = uv[(side.corner + 1) % 4];
@@ -304,8 +304,8 @@ class PatchBuilder {
     }
   }
 
-  /// Bark that ended beside the rim of a child's hole would be a step there. An inset's outer side
-  /// can be much nearer to the rim than its corners are to one another.
+  /// Limits the bark near the rims of children's holes, where it would otherwise end in a step. The
+  /// outer side of an inset can be much nearer to the rim than its corners are to each other.
   void limit_bark() {
     for (size_t f = 0; f < made_.patches.size(); ++f) {
       if (source_.kind[f] != QuadKind::kInset) continue;

@@ -9,37 +9,37 @@
 
 namespace snowbough::render {
 
-/// What of a tree is uploaded once, see shaders/lib/tree_shared.h.
+/// The arrays of a tree that are uploaded once, see shaders/lib/tree_shared.h.
 struct TreePatches {
   std::vector<shared::TreeVertex> vertices;
   std::vector<shared::TreeSection> sections;
   std::vector<shared::TreeEdge> edges;
   std::vector<shared::TreePatch> patches;
-  /// Places on the snow map that meet at the vertices, see TreeVertex.
+  /// Coordinates on the snow map that meet at the vertices, see TreeVertex.
   std::vector<glm::vec2> vertex_snow;
-  /// Whether the source says them; else they are all the same one.
+  /// True if the source has snow map coordinates; otherwise all coordinates are equal.
   bool has_snow_places = false;
   int32_t bone_count = 0;
   /// Number of branch levels.
   int32_t levels = 1;
   /// Area of the largest patch in m2.
   float largest_area = 0.0f;
-  /// Box around the vertices.
+  /// Bounding box of the vertices.
   glm::vec3 lowest{0.0f};
   glm::vec3 highest{0.0f};
 };
 
-/// Puts the base's vertices on the limbs' radius and finds for each edge and patch what its points
-/// are computed from. Each edge has one record, which says all of its points: its vertices, the
-/// sections of both faces (a child's rim takes the parent's inset's alone), and what is missing at
-/// its ends, which fades out towards its middle. The points are those of the subdivided meshes
-/// (native/tree/mesh/lod.h) at the middles of edges and faces, but for the rims of children's
-/// holes, which those smooth with each subdivision.
+/// Moves the base's vertices to the limbs' radius, and computes for each edge and patch the
+/// constants of its points. Each edge has one record, which determines all of its points: its
+/// vertices, the sections of both faces (a child's rim uses only the section of the parent's
+/// inset), and a correction at each end that fades out towards the middle. At the middles of edges
+/// and faces, the points equal those of the subdivided meshes (native/tree/mesh/lod.h). The
+/// exception is the rims of children's holes, which subdivision smooths further.
 ///
-/// @param bark_depth how far bark rises and falls, as a share of the limb's radius. It is 0 where
-///   the bark's coordinates do not go on: on rims and tips.
-/// @throws std::invalid_argument naming what is wrong: arrays of different length, indices out of
-///   range, an edge of more than two quads.
+/// @param bark_depth amplitude of the bark as a fraction of the limb's radius. The bark has height
+/// 0 where its coordinates are discontinuous: on rims and tips.
+/// @throws std::invalid_argument with the reason: arrays of different lengths, indices out of
+/// range, or an edge with more than two quads.
 ///
 /// Source: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, section 3.4, eq. 3.4.2.
 TreePatches make_tree_patches(const TreeSource& source, float bark_depth);

@@ -33,7 +33,7 @@ CellGrid::CellGrid(const std::vector<Box>& boxes, float size) : size_(size) {
   for_cells([&](const glm::ivec3&, size_t) { ++count; });
   size_t slots = 1;
   while (slots < count) slots *= 2;
-  // The number of slots is a power of two; one more entry ends the last.
+  // The number of slots is a power of two. The extra entry marks the end of the last slot.
   begin_.assign(slots + 1, 0);
   for_cells([&](const glm::ivec3& at, size_t) { ++begin_[slot_of(at) + 1]; });
   for (size_t s = 0; s < slots; ++s) begin_[s + 1] += begin_[s];

@@ -7,8 +7,8 @@
 
 namespace snowbough::snow {
 
-/// Boxes sorted into the cells of a regular grid in space, by a hash of the cell: what lies near a
-/// point is found without looking at all of them. A box may be visited more than once.
+/// Boxes, hashed by the cells of a regular grid that they overlap. A query near a point visits only
+/// the boxes in nearby cells, and may visit a box more than once.
 class CellGrid {
  public:
   struct Box {
@@ -16,11 +16,11 @@ class CellGrid {
   };
 
   CellGrid() = default;
-  /// @param size metres a cell, over 0.
+  /// @param size edge length of a cell in metres, over 0.
   CellGrid(const std::vector<Box>& boxes, float size);
 
-  /// Calls visit(index) for all boxes that reach into the cells from `low` to `high`, in a fixed
-  /// order.
+  /// Calls visit(index), in a fixed order, for every box that overlaps a cell between `low` and
+  /// `high`.
   template <typename Visit>
   void visit(const glm::vec3& low, const glm::vec3& high, const Visit& visit) const {
     if (begin_.empty()) return;

@@ -13,23 +13,24 @@
 namespace snowbough::snow {
 namespace {
 
-/// The radius by which snow is grown, as a part of the depth, and its bounds in metres.
+/// Radius of the dilation as a fraction of the snow depth, and its bounds in metres.
 constexpr float kRadius = 0.35f;
 constexpr float kLeastRadius = 0.001f;
 constexpr float kMostRadius = 0.02f;
-/// Parts of the radius: what a body is thicker than; where its surface lies below that of the grown
-/// snow; how far above the snow a second layer lies, which makes a flat spray as thick as a body.
+/// As fractions of the radius: least half-thickness of a body; depth of the final surface below
+/// that of the dilated snow; height of a second layer above the snow, which makes a flat spray as
+/// thick as a body.
 constexpr float kCore = 1.02f;
 constexpr float kSurface = 0.6f;
 constexpr float kRaised = 0.75f;
 constexpr float kCellsPerRadius = 2.5f;
-/// Snow thinner than this part of the depth bridges nothing.
+/// Snow thinner than this fraction of the depth does not bridge gaps.
 constexpr float kThinnest = 0.02f;
-/// Grids of more cells are made coarser.
+/// Limit on the number of cells; a larger grid gets larger cells.
 constexpr double kMostCells = 6e7;
 
-/// What counts as needles: so many pieces, mostly so much longer than wide, and so thin beside the
-/// depth.
+/// Criteria for needles: the least number of pieces, and the fraction of pieces that exceed this
+/// ratio of length to width and are narrower than this fraction of the depth.
 constexpr size_t kLeastPieces = 50;
 constexpr double kMostly = 0.6;
 constexpr float kLengthToWidth = 4.0f;
@@ -59,8 +60,8 @@ class Grid {
   glm::ivec3 size_;
 };
 
-/// Which rows of a grid, by y and z, have a value over 0, or lie beside one that has: the others
-/// are skipped.
+/// The rows of a grid, by y and z, that have a value over 0 or a neighbour that has one. The other
+/// rows are skipped.
 class BusyRows {
  public:
   template <typename Value>
@@ -93,7 +94,7 @@ class BusyRows {
   std::vector<uint8_t> near_;
 };
 
-/// Steps on a grid that are no longer than a radius, with their lengths.
+/// Grid offsets within a radius, with their lengths.
 struct Ball {
   std::vector<glm::ivec3> step;
   std::vector<float> length;
@@ -116,7 +117,7 @@ Ball ball(float cells) {
   return found;
 }
 
-/// Places that stand for the snow: its points and places along the edges between them.
+/// Samples of the snow: its points, and positions along the edges between them.
 std::vector<glm::vec3> snow_places(const SurfaceMesh& mesh, const std::vector<glm::vec3>& shown,
                                    const std::vector<float>& height, float least, float spacing) {
   std::vector<glm::vec3> places;
@@ -134,8 +135,8 @@ std::vector<glm::vec3> snow_places(const SurfaceMesh& mesh, const std::vector<gl
   return places;
 }
 
-/// For each cell the distance in cells to the next one that is not within `radius` of a place, 0
-/// there; at most `most`.
+/// For each cell, the distance in cells to the nearest cell that is farther than `radius` from all
+/// places, at most `most`; 0 outside the dilated snow.
 std::vector<float> depth_in_grown(const Grid& grid, const std::vector<glm::vec3>& places,
                                   float radius, float most) {
   std::vector<uint8_t> grown(grid.count(), 0);
@@ -171,7 +172,7 @@ std::vector<float> depth_in_grown(const Grid& grid, const std::vector<glm::vec3>
                                glm::any(glm::greaterThanEqual(at, size));
           if (outside || grown[grid.index(at)] == 0) nearest = around.length[i];
         }
-        // The border lies between a cell that is grown and one that is not.
+        // The border lies half a cell before the nearest cell outside.
         depth[here] = nearest - 0.5f;
       }
     }
@@ -179,7 +180,7 @@ std::vector<float> depth_in_grown(const Grid& grid, const std::vector<glm::vec3>
   return depth;
 }
 
-/// Keeps of the depths those that lie near the core of a body.
+/// Keeps only depths within `reach` cells of a cell deeper than `core`; sets the others to 0.
 void open_bodies(const Grid& grid, std::vector<float>& depth, float core, float reach) {
   const Ball around = ball(reach);
   const BusyRows rows(grid, depth);
@@ -205,7 +206,7 @@ void open_bodies(const Grid& grid, std::vector<float>& depth, float core, float 
   }
 }
 
-/// The mean with the six neighbours, along one axis after the other.
+/// Averages each value with its neighbours, one axis after the other.
 void blur(const Grid& grid, std::vector<float>& values) {
   const glm::ivec3 size = grid.size();
   for (int axis = 0; axis < 3; ++axis) {
@@ -234,8 +235,8 @@ struct Net {
   std::vector<std::array<int32_t, 4>> quads;
 };
 
-/// The surface at which values equal `level`: a point in each cube of eight cells that it passes,
-/// in the mean of where it crosses the cube's edges, and a quad around each edge that it crosses.
+/// The isosurface at `level`. Each cube of eight cells that the surface crosses has one point, at
+/// the mean of the crossings on the cube's edges. Each crossed edge has one quad.
 Net surface_net(const Grid& grid, const std::vector<float>& values, float level) {
   Net net;
   const glm::ivec3 size = grid.size();

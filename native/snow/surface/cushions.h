@@ -9,25 +9,27 @@
 
 namespace snowbough::snow {
 
-/// Snow that bridges the gaps between needles, as a mesh of its own over the surface.
+/// Snow that bridges the gaps between needles: a separate mesh above the surface.
 struct Cushions {
-  /// Each point hangs on the nearest snowy point of the surface: its number, and the way from there
-  /// in metres.
+  /// Each point is anchored to the nearest snow-covered point of the surface: the index of that
+  /// point, and the offset from it in metres.
   std::vector<int32_t> anchor;
   std::vector<glm::vec3> way;
   std::vector<std::array<int32_t, 4>> quads;
 };
 
-/// Whether a mesh is mostly of many thin pieces that snow of that depth bridges.
+/// True if a mesh consists mostly of many thin pieces whose gaps snow of this depth bridges.
 bool are_needles(const SurfaceMesh& mesh, float depth);
 
-/// Closes and opens the snow, in the words of morphology: grown by a radius, it joins what is
-/// nearer than twice that; shrunk by more, it loses what is thin, as the snow of a lone needle.
+/// Applies a morphological closing and opening to the snow. It dilates the snow by a radius, which
+/// joins snow that is less than two radii apart. Then it erodes the snow by more than that radius,
+/// which removes thin snow, such as the snow on a single needle.
 ///
 /// Sources: J. Serra, Image Analysis and Mathematical Morphology, 1982; S. F. F. Gibson,
 /// Constrained Elastic Surface Nets, MICCAI 1998.
-/// @param shown the surface's points. @param height how thick the snow is there. @param depth on
-/// open ground.
+/// @param shown points of the snow surface, in metres.
+/// @param height thickness of the snow at each point, in metres.
+/// @param depth snow depth on open ground, in metres.
 Cushions find_cushions(const SurfaceMesh& mesh, const std::vector<glm::vec3>& shown,
                        const std::vector<float>& height, float depth);
 

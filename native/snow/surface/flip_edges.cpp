@@ -12,14 +12,14 @@ namespace snowbough::snow {
 namespace {
 
 constexpr int kRounds = 4;
-/// The other diagonal has to be shorter by this part.
+/// An edge is flipped only if the new diagonal is shorter than this fraction of the old one.
 constexpr float kShorter = 0.93f;
-/// Of the doubled area of both triangles, what each of the turned ones has at least.
+/// Least doubled area of a flipped triangle, as a fraction of the doubled area of both triangles.
 constexpr float kLeastArea = 0.05f;
-/// Cosine between faces of the receiver that count as one: 5 degrees.
+/// Cosine of the greatest angle between receiver faces that count as coplanar: 5 degrees.
 constexpr float kFlat = 0.996f;
-/// A quad is long and narrow if its short sides are no longer than this part of its diagonal and
-/// its long sides no shorter than that one.
+/// A quad is a sliver if its short sides are at most the first fraction of its diagonal and its
+/// long sides at least the second.
 constexpr float kSliver = 0.4f;
 constexpr float kLongSide = 0.85f;
 
@@ -27,8 +27,8 @@ class Flipper {
  public:
   Flipper(SurfaceMesh& mesh, const std::vector<glm::vec3>& shown) : mesh_(mesh), shown_(shown) {}
 
-  /// Turns the edge that starts at corner a and, in the other triangle, at corner b. Whether it
-  /// did.
+  /// Flips the edge that starts at corner `a` and, in the other triangle, at corner `b`. Returns
+  /// true if the flip was made.
   bool flip(const TriangleCorner& a, const TriangleCorner& b) {
     const size_t s = static_cast<size_t>(a.triangle), t = static_cast<size_t>(b.triangle);
     if (!are_one_face(mesh_, a, b)) return false;
@@ -73,7 +73,7 @@ bool are_one_face(const SurfaceMesh& mesh, const TriangleCorner& a, const Triang
   const auto s = static_cast<size_t>(a.triangle), t = static_cast<size_t>(b.triangle);
   if (mesh.base[s] == mesh.base[t]) return true;
   const int a1 = (a.k + 1) % 3, b1 = (b.k + 1) % 3;
-  // Charts and shading go on across the edge.
+  // Texture coordinates and shading must be continuous across the edge.
   if (mesh.uv[s][a.k] != mesh.uv[t][b1] || mesh.uv[s][a1] != mesh.uv[t][b.k]) return false;
   const auto same = [](const glm::vec3& n, const glm::vec3& m) { return glm::dot(n, m) > kFlat; };
   if (!same(mesh.normal[s][a.k], mesh.normal[t][b1])) return false;
@@ -117,7 +117,7 @@ void flip_edges(SurfaceMesh& mesh, const std::vector<glm::vec3>& shown) {
   for (int round = 0; round < kRounds; ++round) {
     const SurfaceEdges edges = surface_edges(mesh.triangle);
     const std::vector<EdgeCorners> corners = edge_corners(edges);
-    // A triangle is turned once a round: afterwards its edges are others.
+    // Each triangle is flipped at most once per round, because a flip changes its edges.
     std::vector<uint8_t> turned(mesh.triangle.size(), 0);
     bool any = false;
     for (size_t e = 0; e < edges.ends.size(); ++e) {

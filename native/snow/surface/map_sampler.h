@@ -6,13 +6,15 @@
 
 namespace snowbough::snow {
 
-/// A place in a map: four texels, from `texel` on, and how far towards the second column and row.
+/// A position for bilinear interpolation: the lower left of four texels, and the weights of the
+/// second column and the second row.
 struct MapPlace {
   int32_t texel = 0;
   glm::vec2 share{0.0f};
 };
 
-/// Where a texture coordinate lies in a map of resolution x resolution texels, at least two.
+/// Converts a texture coordinate to a position in a map of resolution x resolution texels.
+/// `resolution` is at least 2.
 inline MapPlace map_place(const glm::vec2& uv, int32_t resolution) {
   const auto along = [&](float coordinate, float& share) {
     const float last = static_cast<float>(resolution) - 1.001f;
@@ -27,7 +29,7 @@ inline MapPlace map_place(const glm::vec2& uv, int32_t resolution) {
   return place;
 }
 
-/// The map's value there, bilinear.
+/// The bilinear interpolation of the map at this position.
 inline float map_value(const float* map, int32_t resolution, const MapPlace& place) {
   const float* row = map + place.texel;
   const float* next = row + resolution;

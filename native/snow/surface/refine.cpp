@@ -12,58 +12,58 @@
 namespace snowbough::snow {
 namespace {
 
-// Lengths are parts of the depth on open ground.
-/// Edges of level snow, of smooth deep snow, of bare faces, of snow that ends on steep or curved
-/// places.
+// Lengths are fractions of the snow depth on open ground unless stated otherwise.
+/// Target edge lengths of level snow, of smooth deep snow on curved places, of bare faces, and of
+/// snow that ends on steep or curved places.
 constexpr float kLevelEdge = 0.45f;
 constexpr float kCurvedEdge = 0.17f;
 constexpr float kBareEdge = 4.0f;
 constexpr float kEndingEdge = 0.1f;
-/// Snow thinner than that counts as ending.
+/// On steep places, snow thinner than this is near its border.
 constexpr float kEnding = 0.45f;
-/// Level snow thinner than that is near its border.
+/// On level places, snow thinner than this is near its border.
 constexpr float kBorder = 0.15f;
-/// No edge is cut to less than that.
+/// Least target edge length.
 constexpr float kLeastEdge = 0.085f;
-/// Edges near rims before the cuts along them, and along them afterwards.
+/// Target edge lengths near rims: before the cuts along the rims, and along the rims afterwards.
 constexpr float kRimEdge = 1.1f;
 constexpr float kAlongRim = 0.26f;
-/// Edges along the rims of narrow tops are as much shorter as their zones are narrower, down to
-/// this part.
+/// Edges along the rims of narrow tops shrink in proportion to the width of the zone, down to this
+/// factor.
 constexpr float kLeastAlong = 0.35f;
-/// How much longer edges may be for each metre away from a rim's zone.
+/// Growth of the target edge length per metre of distance from a rim's zone, in metres.
 constexpr float kGrowth = 0.35f;
-/// By how much the height in the middle of an edge may differ from the mean of its ends, for deep
-/// and thin snow.
+/// Greatest difference between the height in the middle of an edge and the mean of its ends, for
+/// deep and for thin snow; and the height below which snow is thin.
 constexpr float kOffDeep = 0.04f;
 constexpr float kOffThin = 0.015f;
 constexpr float kThin = 0.3f;
-/// Snow over this height in metres, or this part of the depth, is shown.
+/// Snow higher than this, in metres or as a fraction of the depth, is shown.
 constexpr float kShown = 0.0022f;
 constexpr float kShownShare = 0.04f;
-/// Rings of faces that are kept beyond.
+/// Number of rings of bare faces that are kept around the snow.
 constexpr int kRings = 2;
-/// What is kept of the far face below rims.
+/// Length of the far face that is kept below rims.
 constexpr float kKeptFar = 0.5f;
-/// Normals at an edge's ends that differ by more (as a distance) lie on a curved surface.
+/// If the normals at an edge's ends differ by more than this distance, the surface is curved.
 constexpr float kBends = 0.12f;
 
-/// Parts of a zone at which the cuts along rims lie: dense where the front turns.
+/// Positions of the cuts parallel to rims, as fractions of the zone; dense where the front curves.
 constexpr std::array<float, 9> kSupportCuts{0.05f, 0.12f, 0.2f, 0.29f, 0.39f,
                                             0.5f,  0.63f, 0.8f, 1.0f};
 constexpr std::array<float, 5> kFarCuts{-0.15f, -0.32f, -0.5f, -0.68f, -1.0f};
-/// Those that are left where edges are longer than this factor makes them, for small receivers.
+/// If SurfaceDensity::scale exceeds this factor, as on small receivers, only these cuts are made.
 constexpr float kCoarse = 2.0f;
 constexpr std::array<float, 4> kCoarseSupportCuts{0.12f, 0.29f, 0.5f, 1.0f};
 constexpr std::array<float, 2> kCoarseFarCuts{-0.32f, -0.68f};
-/// Points whose shares of the zone differ by less lie on one cut.
+/// Two points lie on one cut if their fractions of the zone differ by less than this.
 constexpr float kOneCut = 0.03f;
-/// An edge whose ends both lie farther into their zones leads over no middle.
+/// An edge does not cross the middle of a top if both of its ends lie farther into their zones.
 constexpr float kAcross = 0.9f;
-/// A cut nearer to an end of an edge than this part of it is left to that end.
+/// A cut is skipped if it is nearer to an end of the edge than this fraction of the edge.
 constexpr float kSnap = 0.15f;
 
-/// Refining one receiver at one density.
+/// Refines one receiver at one density.
 class Refiner {
  public:
   Refiner(const Rims& rims, const RimZones& zones, const SurfaceHeights& heights,
@@ -98,7 +98,7 @@ class Refiner {
     return std::abs(map_value(map, heights_.resolution, map_place(uv, heights_.resolution)));
   }
 
-  /// Mean heights at points, over their corners.
+  /// Heights at the points, averaged over their corners.
   std::vector<float> point_heights() const {
     std::vector<float> sum(mesh_.position.size(), 0.0f);
     std::vector<float> count(mesh_.position.size(), 0.0f);
@@ -112,7 +112,7 @@ class Refiner {
     return sum;
   }
 
-  /// The length that the edge from corner k of a triangle on may have.
+  /// The target length of the edge from corner k to corner k + 1 of a triangle.
   float wanted_length(size_t triangle, int k, float length,
                       const std::vector<float>& heights) const {
     const int next = (k + 1) % 3;
@@ -131,7 +131,7 @@ class Refiner {
     if (covered && up < 0.93f && std::min(height, mean) < kEnding * depth_) {
       wanted = std::min(wanted, kEndingEdge * unit_);
     }
-    // Where shelter thins level snow out, its border needs as much.
+    // Where shelter thins out level snow, its border needs the same edge length.
     const bool thins_out =
         std::min(height, mean) < kBorder * depth_ && std::max(height, mean) > shown_;
     if (thins_out) wanted = std::min(wanted, kEndingEdge * unit_);
@@ -142,14 +142,14 @@ class Refiner {
     if (!rims_.all().empty()) {
       const float distance = 0.5f * (rim_distance_[ends[0]] + rim_distance_[ends[1]]);
       const float off_zone = distance - rim_zone(depth_) * 0.8f;
-      // In the zone the front decides about the shape, not the map.
+      // In the zone the front determines the shape, not the map.
       if (off_zone < 0.0f) return kRimEdge * unit_;
       wanted = std::min(wanted, kRimEdge * unit_ + kGrowth * off_zone);
     }
     return wanted;
   }
 
-  /// Of points that are new, the distance to the nearest rim.
+  /// Computes the distance to the nearest rim for new points.
   void find_rim_distances() {
     const size_t known = rim_distance_.size();
     rim_distance_.resize(mesh_.position.size(), rim_zone(depth_) * 1.15f);
@@ -170,7 +170,7 @@ class Refiner {
     });
   }
 
-  /// One round of halving the edges that are too long. Whether any was.
+  /// Halves the edges that are too long, once. Returns true if it split an edge.
   bool halve() {
     if (is_full()) return false;
     const SurfaceEdges edges = surface_edges(mesh_.triangle);
@@ -202,7 +202,7 @@ class Refiner {
     return true;
   }
 
-  /// Splits every edge where it crosses a line parallel to a rim. Whether any was.
+  /// Splits every edge where it crosses a cut parallel to a rim. Returns true if it split an edge.
   bool cut_parallel() {
     if (is_full()) return false;
     const SurfaceEdges edges = surface_edges(mesh_.triangle);
@@ -219,7 +219,7 @@ class Refiner {
     return any;
   }
 
-  /// Whether the edge leads over the middle of a narrow top, from one rim's zone into another's.
+  /// True if the edge crosses the middle of a narrow top, from one rim's zone into another's.
   bool lies_across(int32_t p, int32_t q) const {
     const RimZones::Zone& a = zone_[p];
     const RimZones::Zone& b = zone_[q];
@@ -252,7 +252,7 @@ class Refiner {
     return best;
   }
 
-  /// Halves what is long along the rims in their zones.
+  /// Halves long edges along the rims, within their zones. Returns true if it split an edge.
   bool cut_along() {
     if (is_full()) return false;
     const SurfaceEdges edges = surface_edges(mesh_.triangle);
@@ -266,7 +266,7 @@ class Refiner {
       const RimZones::Zone& b = zones[q];
       if (a.place.is_far_off || b.place.is_far_off) continue;
       if (std::abs(a.share) > 1.02f || std::abs(b.share) > 1.02f) continue;
-      // Edges between the cuts follow those on them.
+      // Halve only edges on one cut. The edges between the cuts follow from them.
       if (std::abs(a.share - b.share) > kOneCut) continue;
       const glm::vec3 axis = glm::cross(a.place.out, a.place.support);
       const float along = std::abs(glm::dot(mesh_.position[q] - mesh_.position[p], axis));
@@ -280,7 +280,7 @@ class Refiner {
     return any;
   }
 
-  /// What ever has snow, the fronts at rims, and a few rings beyond.
+  /// The faces that carry snow in any frame, the fronts at rims, and a few rings around them.
   SurfaceMesh kept() {
     std::vector<uint8_t> keep(mesh_.position.size(), 0);
     for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
@@ -307,7 +307,7 @@ class Refiner {
     };
     spread(kRings);
     if (!rims_.all().empty()) {
-      // The far face below rims that have snow.
+      // Keep the far face below rims that have snow.
       zones_.find(mesh_, zone_);
       const std::vector<RimZones::Zone>& zones = zone_;
       std::vector<CellGrid::Box> snowy;
@@ -338,12 +338,13 @@ class Refiner {
   float shown_;
   size_t most_;
   SurfaceMesh mesh_;
-  /// Of the points so far.
+  /// Zones of the points so far.
   std::vector<RimZones::Zone> zone_;
   std::vector<float> rim_distance_;
 };
 
-/// Points that the faces which carry snow would like to have, by how level they are.
+/// Estimated number of points on the faces that carry snow, from their horizontal area and
+/// curvature.
 double points_on_faces(const SurfaceMesh& mesh, double depth) {
   const double level = kLevelEdge * depth;
   const double curved = kEndingEdge * depth;
@@ -371,7 +372,7 @@ SurfaceMesh refined_surface(const SurfaceMesh& receiver, const Rims& rims, const
     Refiner refiner(rims, zones, heights, tried, receiver);
     SurfaceMesh mesh = refiner.run();
     const double ratio = static_cast<double>(mesh.position.size()) / density.most_points;
-    // What the receiver's own faces take cannot be saved.
+    // The mesh cannot have fewer points than the receiver's own faces.
     const bool is_least =
         static_cast<double>(receiver.position.size()) > 0.5 * density.most_points &&
         mesh.position.size() < 2 * receiver.position.size();

@@ -10,34 +10,36 @@
 
 namespace snowbough::snow {
 
-/// The heights that decide where the surface is fine, and where it is at all.
+/// The heights that decide where the surface has fine faces, and where it has faces at all.
 struct SurfaceHeights {
-  /// Of the last frame and the greatest of the whole shot, metres, negative on the back; resolution
-  /// x resolution.
+  /// Heights of the last frame, and the greatest heights of the whole shot: resolution x
+  /// resolution, in metres, negative on the back.
   const float* last = nullptr;
   const float* highest = nullptr;
   int32_t resolution = 0;
 };
 
-/// How fine a surface is made.
+/// Target density of the surface mesh.
 struct SurfaceDensity {
-  /// Depth of the snow on open ground in the last frame, metres.
+  /// Snow depth on open ground in the last frame, in metres.
   float depth = 0.1f;
-  /// Factor on all lengths of edges: 1 is the default detail.
+  /// Factor on all target edge lengths; 1 is the default detail.
   float scale = 1.0f;
-  /// Points that may not be exceeded by much; lengths grow until that holds.
+  /// Approximate limit on the number of points. Edge lengths grow until the mesh fits.
   int32_t most_points = 200000;
 };
 
-/// Cuts the receiver's faces finely where snow is shaped finely and coarsely elsewhere, and leaves
-/// out what never has snow but for a few rings. Along straight rims the cuts are parallel to them.
+/// Refines the receiver's faces where the snow has fine shapes and keeps them coarse elsewhere. It
+/// drops faces that never carry snow, except for a few rings around the snow. Along straight rims
+/// the cuts are parallel to the rim.
 ///
-/// @param receiver receiver_mesh. @param rims of it.
+/// @param receiver the result of receiver_mesh.
+/// @param rims the rims of `receiver`.
 SurfaceMesh refined_surface(const SurfaceMesh& receiver, const Rims& rims, const RimZones& zones,
                             const SurfaceHeights& heights, const SurfaceDensity& density);
 
-/// About how many points the snow of a receiver would take at default detail, before any is known:
-/// what it shares the scene's points by.
+/// Estimates how many points the snow on a receiver needs at the default detail, before any snow is
+/// known. The scene's point budget is divided in proportion to this number.
 double wanted_points(const SurfaceMesh& receiver, const Rims& rims, float depth);
 double wanted_points(const SurfaceSource& source, float depth);
 

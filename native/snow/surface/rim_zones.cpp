@@ -10,7 +10,7 @@
 namespace snowbough::snow {
 namespace {
 
-// Parts of the depth on open ground.
+// As fractions of the snow depth on open ground.
 constexpr float kRimZone = 1.25f;
 constexpr float kFarZone = 0.34f;
 
@@ -41,13 +41,13 @@ RimZones::RimZones(const SurfaceMesh& receiver, const Rims& rims, float depth)
 void RimZones::find(const SurfaceMesh& mesh, std::vector<Zone>& zones) const {
   const size_t known = zones.size();
   zones.resize(mesh.position.size());
-  // Of each new point one face of each plane that it lies in.
+  // For each new point: one face in each plane that contains the point.
   constexpr size_t kPlanes = 4;
   struct Planes {
     std::array<int32_t, kPlanes> face;
     size_t count = 0;
   };
-  // Triangles of the refined mesh may be too narrow to have a normal of their own.
+  // Use the receiver's normals: triangles of the refined mesh may be too narrow to have one.
   const auto normal = [&](int32_t t) {
     return normal_of_base_[static_cast<size_t>(mesh.base[static_cast<size_t>(t)])];
   };

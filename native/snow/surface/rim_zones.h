@@ -9,38 +9,38 @@
 
 namespace snowbough::snow {
 
-/// Width in metres of the zone behind a rim in which snow is drawn to it, where there is room.
+/// Width of the zone behind a rim in which snow is drawn to the rim, in metres, if there is room.
 float rim_zone(float depth);
-/// How far down the far face the underside of the hem may reach.
+/// Greatest distance that the underside of the hem reaches down the far face, in metres.
 float far_zone(float depth);
 
-/// What places on a receiver know of its rims.
+/// Computes the rim zone of any place on a receiver.
 class RimZones {
  public:
   RimZones(const SurfaceMesh& receiver, const Rims& rims, float depth);
 
   struct Zone {
     RimPlace place;
-    /// Metres behind the rim and down the far face that a front may take there, both over 0.
+    /// Widths available to a front behind the rim and down the far face, in metres, both over 0.
     float support = 1.0f;
     float far = 1.0f;
-    /// Metres from the rim to the middle between it and those opposite.
+    /// Distance from the rim to the middle between this rim and those opposite, in metres.
     float room = 0.0f;
-    /// Distance as a part of its zone, negative on the far face.
+    /// Distance as a fraction of the zone's width; negative on the far face.
     float share = 0.0f;
   };
-  /// `normal`: of the face that the point lies on.
+  /// `normal`: unit normal of the face that holds the point.
   Zone at(const glm::vec3& point, const glm::vec3& normal, int32_t part) const;
-  /// The zones of a refined mesh's points, each on the face of its that is nearest to a rim; on the
-  /// rim itself the carrying face counts. Those that `zones` holds already are left alone.
+  /// Computes the zones of a refined mesh's points that `zones` does not hold yet. Of the faces at
+  /// a point, the one nearest to a rim counts; on the rim itself the supporting face counts.
   void find(const SurfaceMesh& mesh, std::vector<Zone>& zones) const;
-  /// The connected part of the receiver that a triangle of the source belongs to.
+  /// The connected part of the receiver that holds a source triangle.
   int32_t part(int32_t base) const { return part_of_base_[static_cast<size_t>(base)]; }
 
  private:
   const Rims& rims_;
   float depth_;
-  /// Of the source's triangles.
+  /// Indexed by source triangle.
   std::vector<int32_t> part_of_base_;
   std::vector<glm::vec3> normal_of_base_;
 };

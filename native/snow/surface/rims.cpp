@@ -11,21 +11,22 @@
 namespace snowbough::snow {
 namespace {
 
-/// Upward part of normals: what carries snow, and what lets it hang down.
+/// Upward component of normals: least value of a supporting face, greatest value of a far face.
 constexpr float kCarries = 0.3f;
 constexpr float kGoesDown = 0.35f;
-/// The far face turns down by at least so much more.
+/// Least difference of the upward components of the supporting and the far face.
 constexpr float kTurnsDown = 0.45f;
-/// Cosine of the least angle between the faces at a rim, 50 degrees, and where they are shaded
-/// smooth, 75.
+/// Cosine of the least angle between the faces at a rim: 50 degrees, or 75 if they are smooth
+/// shaded.
 constexpr float kSharp = 0.643f;
 constexpr float kSharpSmooth = 0.259f;
-/// A point on whose face the normal is nearer than this (a cosine) to a rim's carrying or far face
-/// belongs to it.
+/// A point belongs to a rim's supporting or far face if the cosine between the normals of that face
+/// and of the point's own face is at least this.
 constexpr float kSameFace = 0.5f;
-/// How far a point may lie off the plane of the rim's face, as a part of its distance.
+/// Greatest distance of a point from the plane of the rim's face, as a fraction of its distance to
+/// the rim.
 constexpr float kOffPlane = 0.55f;
-/// Rims farther than so many softnesses behind the nearest say nothing.
+/// Rims that are more than this many softnesses farther away than the nearest rim are ignored.
 constexpr float kHeard = 4.0f;
 
 float eased(float x, float from, float to) {
@@ -39,7 +40,7 @@ glm::vec3 nearest_on(const Rim& rim, const glm::vec3& point) {
   return rim.from + std::clamp(share, 0.0f, 1.0f) * along;
 }
 
-/// How far there is a surface below the rim's middle, in steps.
+/// Length of the surface below the middle of the rim, in metres, measured in steps.
 float far_extent(const Rim& rim, const base::TriangleTree& tree, float most) {
   if (rim.down == glm::vec3(0.0f)) return most;
   constexpr int kSteps = 6;
@@ -72,19 +73,19 @@ std::vector<EdgeFaces> faces_of_edges(const SurfaceEdges& edges) {
   return faces;
 }
 
-/// Looks at one edge after the other.
+/// Decides for each edge whether it is a rim.
 class RimFinder {
  public:
   RimFinder(const SurfaceMesh& mesh, const std::vector<int32_t>& shading)
       : mesh_(mesh), shading_(shading), normals_(triangle_normals(mesh)) {}
 
-  /// Whether the edge is a rim, which `rim` then is.
+  /// Returns true if the edge is a rim, and fills in `rim`.
   bool find(const std::array<int32_t, 2>& ends, const EdgeFaces& faces, Rim& rim) const {
     rim.from = mesh_.position[ends[0]];
     rim.to = mesh_.position[ends[1]];
     if (faces.count == 1) {
       const int32_t face = faces.face[0];
-      // The open edge of a smooth shell, as an eye's in its socket, is no rim.
+      // The open edge of a smooth shell, such as an eye in its socket, is not a rim.
       if (normals_[face].z < kCarries || shading_number(face, ends[0]) >= 0) return false;
       rim.support = normals_[face];
       rim.far_normal = rim.down = glm::vec3(0.0f);
@@ -116,7 +117,7 @@ class RimFinder {
     }
     return -1;
   }
-  /// Whether both faces share their normals along the edge.
+  /// True if both faces share their normals along the edge.
   bool is_smooth(const std::array<int32_t, 2>& ends, int32_t face, int32_t other) const {
     for (const int32_t point : ends) {
       const int32_t number = shading_number(face, point);
@@ -124,7 +125,7 @@ class RimFinder {
     }
     return true;
   }
-  /// Unit vector in the face's plane, across the rim and out of the face.
+  /// Unit vector in the plane of the face, across the rim and away from the face.
   glm::vec3 away(const Rim& rim, int32_t face) const {
     const auto& [a, b, c] = mesh_.triangle[face];
     const glm::vec3 middle = (mesh_.position[a] + mesh_.position[b] + mesh_.position[c]) / 3.0f;
@@ -171,7 +172,8 @@ Rims::Rims(const SurfaceMesh& mesh, const base::TriangleTree& tree,
 
 template <typename Visit>
 void Rims::visit_near(const glm::vec3& point, int32_t part, const Visit& visit) const {
-  // A needle or a leaf has few, and thousands of others around it.
+  // A part with few rims, such as a needle or a leaf, is searched in full: the cells around it hold
+  // the rims of thousands of other parts.
   constexpr int32_t kFew = 48;
   const int32_t begin = part_begin_[static_cast<size_t>(part)];
   const int32_t end = part_begin_[static_cast<size_t>(part) + 1];
@@ -212,7 +214,8 @@ RimPlace Rims::place(const glm::vec3& point, const glm::vec3& normal, int32_t pa
   });
   RimPlace place;
   if (seen.empty()) return place;
-  // A rim that reaches into several cells was visited in each; the order must not depend on that.
+  // A rim that overlaps several cells was visited once per cell. The result must not depend on the
+  // order of the visits.
   std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) {
     return a.distance != b.distance ? a.distance < b.distance : a.rim < b.rim;
   });
@@ -287,7 +290,7 @@ Rims::Opposite Rims::opposite(const RimPlace& place, float most) const {
     const float gap = glm::dot(across, place.level_out);
     if (gap < 0.0f || gap >= most) return;
     const float aside = glm::length(glm::vec3(across.x, across.y, 0.0f) - gap * place.level_out);
-    // All fade, so that bridges have no torn ends.
+    // Each factor falls off gradually, so that bridges do not end abruptly.
     const float nearness = eased(aside, 0.5f * most, 0.1f * most) *
                            eased(std::abs(across.z), most, 0.4f * most) *
                            eased(against, 0.5f, 0.85f);

@@ -10,27 +10,29 @@
 
 namespace snowbough::snow {
 
-/// A piece of a rim: an edge over which snow can lean, because the surface that carries it ends or
+/// A segment of a rim: an edge over which snow can lean, because the supporting surface ends or
 /// turns down there.
 struct Rim {
   glm::vec3 from, to;
-  /// Unit normals of the carrying face and of the far one (0, 0, 0: the surface ends).
+  /// Unit normals of the supporting face and of the far face; the latter is (0, 0, 0) if the
+  /// surface ends at the rim.
   glm::vec3 support, far_normal;
-  /// Unit vectors across the rim: out of the carrying face in its plane, and down the far face (or
-  /// 0, 0, 0).
+  /// Unit vectors across the rim: outwards in the plane of the supporting face, and down the far
+  /// face. The latter is (0, 0, 0) if there is no far face.
   glm::vec3 out, down;
-  /// Metres that the far face goes down at the rim's middle, as far as anybody asked.
+  /// Length of the far face below the middle of the rim, in metres, up to the distance searched.
   float far_extent = 0.0f;
-  /// The connected part of the mesh that it belongs to.
+  /// The connected part of the mesh that holds this rim.
   int32_t part = 0;
 };
 
-/// Where a point of a face is, as the rims near it see it. Directions and foot are means over all
-/// rims about as near, so that they turn smoothly around corners.
+/// Position of a point on a face relative to the rims near it. Directions and `foot` (the nearest
+/// point of the rim) are means over the rims at about the same distance, so that they turn smoothly
+/// around corners.
 struct RimPlace {
   /// No rim is near.
   bool is_far_off = true;
-  /// Metres to the nearest rim; negative for points of a face that goes down from it.
+  /// Distance to the nearest rim in metres; negative for points on a far face.
   float distance = 0.0f;
   glm::vec3 out{0.0f}, level_out{0.0f}, down{0.0f}, foot{0.0f}, support{0.0f};
   bool has_far = false;
@@ -40,48 +42,51 @@ struct RimPlace {
 /// The rims of a mesh in one pose.
 class Rims {
  public:
-  /// @param mesh receiver_mesh; @param tree of it; @param shading as in SurfaceSource; @param reach
-  /// metres within which points ask for rims, over 0; @param far_reach metres down the far faces
-  /// that matter.
+  /// @param mesh the result of receiver_mesh.
+  /// @param tree a tree over the triangles of `mesh`.
+  /// @param shading as in SurfaceSource.
+  /// @param reach greatest distance from a point to a rim that a query finds, in metres, over 0.
+  /// @param far_reach greatest distance searched down the far faces, in metres.
   Rims(const SurfaceMesh& mesh, const base::TriangleTree& tree, const std::vector<int32_t>& shading,
        float reach, float far_reach);
 
   const std::vector<Rim>& all() const { return rims_; }
-  /// Of each triangle of the mesh given to the constructor its connected part.
+  /// The connected part of each triangle of the mesh that was passed to the constructor.
   const std::vector<int32_t>& parts() const { return part_of_triangle_; }
 
-  /// What the rims of `part` near `point`, which lies on a face with that normal, say. `softness`:
-  /// metres over which a rim gives way to the next.
+  /// Position of `point` relative to the rims of `part` near it. `normal`: unit normal of the face
+  /// that holds the point. `softness`: distance in metres over which the result blends from one rim
+  /// to the next.
   RimPlace place(const glm::vec3& point, const glm::vec3& normal, int32_t part,
                  float softness) const;
 
-  /// Metres from a point of a face with that normal to the nearest rim whose carrying or, if
-  /// `far_too`, far face it may lie on; the reach where none is nearer.
+  /// Distance in metres from a point to the nearest rim on the same face, or `reach` if no rim is
+  /// nearer. `normal`: unit normal of the face that holds the point. The face may be the rim's
+  /// supporting face or, if `far_too`, its far face.
   float distance(const glm::vec3& point, const glm::vec3& normal, int32_t part, bool far_too) const;
 
-  /// Metres that lie free on the carrying face behind `place.foot`: to the middle between this rim
-  /// and those opposite, at most `most`.
+  /// Free width of the supporting face behind `place.foot` in metres: the distance to the middle
+  /// between this rim and those opposite, at most `most`.
   float room(const RimPlace& place, int32_t part, float most) const;
 
   /// A rim that faces this one across a gap.
   struct Opposite {
-    /// 0 where there is none, 1 where it lies straight opposite.
+    /// 0 without such a rim, 1 if it lies straight opposite.
     float nearness = 0.0f;
     float gap = 0.0f;
-    /// How much higher it is.
+    /// Height of the other rim above this one, in metres.
     float step = 0.0f;
   };
-  /// The rim opposite to `place.foot`, of whatever part, that is nearest: over a gap of at most
-  /// `most` metres.
+  /// The nearest rim of any part opposite to `place.foot`, over a gap of at most `most` metres.
   Opposite opposite(const RimPlace& place, float most) const;
 
  private:
-  /// Calls visit(index) for the rims of a part that may lie within `reach_` of a point, some of
-  /// them twice.
+  /// Calls visit(index) for the rims of a part that may lie within `reach_` of a point. It may
+  /// visit a rim more than once.
   template <typename Visit>
   void visit_near(const glm::vec3& point, int32_t part, const Visit& visit) const;
 
-  /// Sorted by part; those of part p are from part_begin_[p] to part_begin_[p + 1].
+  /// Sorted by part. The rims of part p have the indices part_begin_[p] to part_begin_[p + 1] - 1.
   std::vector<Rim> rims_;
   std::vector<int32_t> part_begin_;
   std::vector<int32_t> part_of_triangle_;

@@ -9,24 +9,25 @@
 #include "snow/surface/map_sampler.h"
 #include "snow/surface/vertex_turns.h"
 
-// The frames; snow_surface_plan.cpp makes what they read.
+// Evaluates a frame. snow_surface_plan.cpp computes the constants that it reads.
 
 namespace snowbough::snow {
 namespace {
 
 using namespace shared;  // NOLINT(google-build-using-namespace): the shared rule's names
 
-/// Points that one thread does in a row. Sums over them are added in their order.
+/// Points per block. One thread processes a block, and sums over blocks are added in order, so that
+/// results do not depend on the number of threads.
 constexpr size_t kBlock = 2048;
-/// Rounds in which heights are smoothed over the surface before and after thin snow is left out.
+/// Rounds of smoothing of the heights, before and after thin snow is removed.
 constexpr int kRoundsBefore = 5;
 constexpr int kRoundsAfter = 2;
-/// By how much shown snow may differ from the map's so that their volumes agree.
+/// Bounds of the factor that makes the volume of the shown snow equal to that of the map.
 constexpr float kLeastFactor = 0.85f;
 constexpr float kMostFactor = 1.25f;
-/// Snow of a front, as a part of the height behind it times the width of its zone.
+/// Volume of a front, as a fraction of the height behind it times the width of its zone.
 constexpr float kUpright = 0.95f;
-/// What a curved receiver adds, as a part of the height.
+/// Greatest offset due to a curved receiver, as a fraction of the height.
 constexpr float kMostCurvature = 0.5f;
 
 template <typename Work>
@@ -96,7 +97,7 @@ SnowSurface::Heights SnowSurface::heights(const SurfaceFrame& frame,
   });
   glm::dvec2 volume(0.0);
   for (const glm::dvec2& one : volumes) volume += one;
-  // Fronts stand upright on the points near rims.
+  // Fronts add volume at the points near rims, because they are upright.
   for (size_t f = 0; f < front_.size(); ++f) {
     if (front_[f].distance < 0.0f) continue;
     const auto p = static_cast<size_t>(front_point_[f]);
@@ -191,7 +192,7 @@ std::vector<glm::vec3> SnowSurface::points(const SurfaceFrame& frame) const {
   for_blocks(lying, [&](size_t, size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) points[p] = carrier[p] + turned(p, offset[p]);
   });
-  // Cushions grow with the snow that they hang on.
+  // Cushions grow in proportion to the snow at their anchors.
   const float bridging = std::clamp(style_.bridging, 0.0f, 1.0f);
   for_blocks(cushions_.anchor.size(), [&](size_t, size_t begin, size_t end) {
     for (size_t c = begin; c < end; ++c) {
@@ -220,7 +221,7 @@ std::vector<glm::vec3> point_normals(const std::vector<glm::vec3>& points,
   std::vector<glm::vec3> normals(points.size(), glm::vec3(0.0f));
   for (const glm::ivec3& t : triangles) {
     if (std::min({t.x, t.y, t.z}) < 0 || std::max({t.x, t.y, t.z}) >= count) {
-      throw std::invalid_argument("triangles must name rows of points");
+      throw std::invalid_argument("each index in triangles must be a row of points");
     }
     const glm::vec3 cross = glm::cross(points[t.y] - points[t.x], points[t.z] - points[t.x]);
     for (int k = 0; k < 3; ++k) normals[t[k]] += cross;

@@ -14,16 +14,16 @@
 
 namespace snowbough::snow {
 
-/// What decides about the faces of a surface; they stay the same for the whole shot.
+/// Inputs that determine the faces of a surface. The faces stay the same for the whole shot.
 struct SurfacePlan {
   SurfaceDensity density;
-  /// Noise differs from receiver to receiver.
+  /// Seed of the noise, so that receivers differ.
   uint32_t seed = 0;
-  /// Horizontal part of the unit vector in which snow falls, on average over the shot: rims on the
-  /// lee side get cornices.
+  /// Horizontal part of the unit vector of the snowfall's direction, averaged over the shot. Rims
+  /// on the lee side get cornices.
   glm::vec2 wind{0.0f};
 
-  /// What is added to places in noise, in parts of the depth, so that receivers differ.
+  /// Offset of positions in noise space, as a fraction of the depth, so that receivers differ.
   glm::vec3 noise_shift() const {
     return glm::vec3(0.31f, 0.77f, 0.53f) * static_cast<float>(seed % 9973u);
   }
@@ -31,7 +31,7 @@ struct SurfacePlan {
 
 /// Faces of three or four corners.
 struct SurfaceFaces {
-  /// Corners of face f are begin[f] to begin[f + 1] - 1.
+  /// Face f has the corners begin[f] to begin[f + 1] - 1.
   std::vector<int32_t> begin;
   std::vector<int32_t> corner;
   /// Texture coordinates of the corners, in the receiver's UV map.
@@ -42,50 +42,51 @@ struct SurfaceFaces {
 struct SurfaceFrame {
   /// Heights in metres, negative on the back, resolution x resolution.
   const float* height = nullptr;
-  /// Metres of snow on open level ground.
+  /// Snow depth on open level ground, in metres.
   float open_depth = 0.0f;
-  /// The receiver's vertices in metres in the world, or null while it is as in the plan but for
-  /// moving as a whole.
+  /// The receiver's vertices in world space, in metres. Null if the receiver only moved rigidly
+  /// since the plan's pose.
   const glm::vec3* positions = nullptr;
-  /// Where up is in the plan's pose: for a receiver that moves as a whole and tilts.
+  /// The direction up in the plan's pose, for a receiver that moves rigidly and tilts.
   glm::vec3 up{0.0f, 0.0f, 1.0f};
-  /// From metres in the world (with `positions`), or in the plan's pose (without), to what points
-  /// are wanted in.
+  /// Matrix to the space of the result: from world space (with `positions`) or from the plan's pose
+  /// (without `positions`), both in metres.
   glm::mat4 to_result{1.0f};
 };
 
-/// The surface of the snow on one receiver: DESIGN 4.6. Faces are made once, from the receiver as
-/// it is in the shot's last frame and the heights that lie there then; each frame gives their
-/// points by shaders/lib/snow_surface.h. Same input, same points, whatever the number of threads.
+/// The snow surface of one receiver. The constructor makes the faces once, from the receiver's pose
+/// and the heights in the shot's last frame. Each frame computes the points by the formula of
+/// shaders/lib/snow_surface.h. The same input gives the same points for any number of threads.
 class SnowSurface {
  public:
-  /// @throws std::invalid_argument for a map of other than resolution^2 texels or positions that do
-  /// not fit.
+  /// @throws std::invalid_argument if a map does not have resolution^2 texels, or if the positions
+  /// or the shading do not match the source.
   SnowSurface(const SurfaceSource& source, const std::vector<float>& last,
               const std::vector<float>& highest, const SurfacePlan& plan);
 
   const SurfaceFaces& faces() const { return faces_; }
   size_t point_count() const { return mesh_.position.size() + cushions_.anchor.size(); }
-  /// What an artist sets; faces do not depend on it.
+  /// The artist's settings. The faces do not depend on them.
   void set_style(const shared::SnowStyle& style) { style_ = style; }
 
-  /// @return a point for each of the faces' points.
+  /// @return one position per point of the faces.
   std::vector<glm::vec3> points(const SurfaceFrame& frame) const;
 
  private:
-  /// Points that lie on the receiver; the others are the cushions'.
+  /// Number of points on the receiver; the remaining points belong to the cushions.
   size_t lying_points() const { return mesh_.position.size(); }
-  /// Thickness of the snow at the points that lie on the receiver in metres as it shows in `frame`,
-  /// 0 where it is bare.
+  /// Shown thickness of the snow at the points on the receiver in `frame`, in metres; 0 at bare
+  /// points.
   std::vector<float> shown_heights(const SurfaceFrame& frame) const;
-  /// Drops faces of sheets that never show snow: behind a sheet nothing hides them.
+  /// Drops the faces of sheets that never show snow, because a sheet has no other side to hide
+  /// them.
   void drop_bare_sheets(const std::vector<float>& highest, float depth);
   void find_cushions(float depth, const std::vector<float>& last);
-  /// What a frame's heights come to at the points.
+  /// Heights of one frame at the points.
   struct Heights {
-    /// Of the map, smoothed.
+    /// Thickness from the map, smoothed.
     std::vector<float> thickness;
-    /// Of the shown snow.
+    /// Height of the shown snow.
     std::vector<float> shown;
   };
   void find_normals(float reach);
@@ -97,7 +98,7 @@ class SnowSurface {
   void find_fronts(const Rims& rims, const RimZones& zones, const SurfacePlan& plan);
   void find_presence(const SurfacePlan& plan, const std::vector<float>& last);
   void smooth_presence();
-  /// Mean of the heights behind the rim of a front, bare ones as 0.
+  /// Mean height behind the rim of a front; bare points count as 0.
   float inland_height(size_t front, const std::vector<float>& height) const;
   void find_convexity(float depth);
   void find_bumps(const SurfacePlan& plan, const std::vector<glm::vec3>& shown);
@@ -108,7 +109,7 @@ class SnowSurface {
                                  const Heights& heights) const;
 
   SurfaceMesh mesh_;
-  /// Unit normals of the points, the mean of their corners'.
+  /// Unit normals of the points: a weighted mean over their corners, smoothed across creases.
   std::vector<glm::vec3> normal_;
   SurfaceFaces faces_;
   shared::SnowStyle style_{1.0f, 1.0f, 1.0f, 1.0f};
@@ -118,38 +119,40 @@ class SnowSurface {
 
   std::vector<int32_t> carrier_triangle_;
   std::vector<glm::vec2> carrier_weight_;
-  /// Way from a flat carrier to the curved surface that the normals tell of.
+  /// Offset from the flat carrier to the curved surface that the normals describe.
   std::vector<glm::vec3> curvature_;
-  /// 1 or -1: the side of the receiver's faces that snow lies on.
+  /// 1 or -1: the side of the receiver's faces that carries the snow.
   std::vector<float> side_;
-  /// Samples of the map: those of point p from sample_begin_[p].
+  /// Samples of the map; the samples of point p start at sample_begin_[p].
   std::vector<int32_t> sample_begin_;
   std::vector<int32_t> sample_texel_;
   std::vector<glm::vec2> sample_share_;
   std::vector<float> sample_weight_;
-  /// Neighbours of point p from neighbour_begin_[p], with weights by distance.
+  /// Neighbours, weighted by distance; those of point p start at neighbour_begin_[p].
   std::vector<int32_t> neighbour_begin_;
   std::vector<int32_t> neighbour_;
   std::vector<float> neighbour_weight_;
-  /// m2 of the receiver's surface that a point stands for.
+  /// Area of the receiver's surface that a point represents, in m2.
   std::vector<float> area_;
   std::vector<shared::SnowPoint> point_;
-  /// 1 for points of parts that have no other side.
+  /// 1 for points on sheets, which are parts without a back side.
   std::vector<uint8_t> is_sheet_;
   Cushions cushions_;
   /// Thickness of the snow at the cushions' anchors in the last frame.
   std::vector<float> cushion_height_;
-  /// Points in the zones of rims: number, constants, four points behind the rim and their weights.
+  /// Points in the zones of rims: point index, constants, and four points behind the rim with their
+  /// weights.
   std::vector<int32_t> front_point_;
   std::vector<shared::SnowFront> front_;
-  /// Metres from their rim to the middle of the top.
+  /// Distance from the rim to the middle of the top, in metres.
   std::vector<float> room_;
   std::vector<glm::ivec4> front_inland_;
   std::vector<glm::vec4> front_weight_;
 };
 
-/// Unit normals of points: the mean over their triangles, by area; straight up where there is none.
-/// @throws std::invalid_argument for triangles that name no points.
+/// Unit normals of points: the area-weighted mean over the triangles of each point, or straight up
+/// if a point has no triangles.
+/// @throws std::invalid_argument if a triangle has an index without a point.
 std::vector<glm::vec3> point_normals(const std::vector<glm::vec3>& points,
                                      const std::vector<glm::ivec3>& triangles);
 

@@ -16,7 +16,7 @@ void SnowSurface::drop_bare_sheets(const std::vector<float>& highest, float dept
   frame.open_depth = depth;
   std::vector<uint8_t> shows(lying_points(), 0);
   const std::vector<float> shown = shown_heights(frame);
-  // Heights that are negative on the back count there as well.
+  // Snow on the back has negative heights and must count as well.
   std::vector<float> below = highest;
   for (float& height : below) height = -height;
   frame.height = below.data();
@@ -41,8 +41,8 @@ void SnowSurface::drop_bare_sheets(const std::vector<float>& highest, float dept
 }
 
 void SnowSurface::make_faces() {
-  // Two triangles that are nearly one plane and one chart become a quad, which takes a third less
-  // memory in Blender.
+  // Merge two nearly coplanar triangles of one chart into a quad, which takes a third less memory
+  // in Blender.
   const SurfaceEdges edges = surface_edges(mesh_.triangle);
   const std::vector<glm::vec3> normals = triangle_normals(mesh_);
   struct Side {
@@ -72,7 +72,7 @@ void SnowSurface::make_faces() {
         uv[a.triangle][(a.k + 1) % 3] != uv[b.triangle][b.k]) {
       continue;
     }
-    // Corners of the quad, and how far its worst angle is from a right one.
+    // Corners of the quad, and the deviation of its worst angle from a right angle.
     const std::array<int32_t, 4> corner{
         mesh_.triangle[a.triangle][(a.k + 2) % 3], mesh_.triangle[a.triangle][a.k],
         mesh_.triangle[b.triangle][(b.k + 2) % 3], mesh_.triangle[b.triangle][b.k]};
@@ -114,7 +114,7 @@ void SnowSurface::make_faces() {
     }
     faces_.begin.push_back(static_cast<int32_t>(faces_.corner.size()));
   }
-  // A cushion has its anchor's place in the map.
+  // A cushion point has the texture coordinates of its anchor.
   std::vector<glm::vec2> uv(lying_points(), glm::vec2(0.0f));
   for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
     for (int k = 0; k < 3; ++k) uv[mesh_.triangle[t][k]] = mesh_.uv[t][k];

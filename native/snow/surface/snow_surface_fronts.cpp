@@ -6,7 +6,7 @@
 #include "snow/surface/snow_surface.h"
 #include "snow/surface/vectors.h"
 
-// What SnowSurface knows of its points near rims.
+// Computes SnowSurface's constants of points near rims.
 
 namespace snowbough::snow {
 namespace {
@@ -16,21 +16,23 @@ using shared::eased;
 using shared::layered_noise;
 using shared::SnowFront;
 
-/// Overhang on the lee side in a horizontal wind, as a part of the height.
+/// Overhang on the lee side in a horizontal wind, as a fraction of the snow's height.
 constexpr float kLee = 0.4f;
-/// Points at least so far into their zone say how high the snow behind a rim is.
+/// Points at least this fraction into their zone give the height of the snow behind a rim.
 constexpr float kInland = 0.6f;
 
-/// Feet that are so many depths apart tell of one stretch of a rim.
+/// Points whose feet are within this many depths of each other belong to one stretch of a rim.
 constexpr float kFullnessReach = 0.4f;
-/// By which part fronts may hold more snow than the map, on narrow tops and, where that matters
-/// less, on wide ones; how many depths of room these have.
+/// Fraction of the map's volume by which fronts may exceed it: on narrow tops, and on wide tops,
+/// where the difference is less visible. The last two constants are the room of narrow and wide
+/// tops, in depths.
 constexpr float kMoreSnow = 0.24f;
 constexpr float kMoreOnWide = 0.7f;
 constexpr float kNarrowFront = 0.9f;
 constexpr float kWideFront = 2.0f;
 
-/// A top with more room than the first part of the depth is wide, with less than the second narrow.
+/// A top with more room than the first fraction of the depth is wide; one with less than the second
+/// is narrow.
 constexpr float kWideRoom = 0.8f;
 constexpr float kNarrowRoom = 0.35f;
 
@@ -42,7 +44,7 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
   std::vector<RimZones::Zone> zone;
   zones.find(mesh_, zone);
 
-  // What lies behind rims.
+  // Collect the points inland of rims.
   std::vector<CellGrid::Box> boxes;
   std::vector<int32_t> inland;
   for (size_t p = 0; p < lying_points(); ++p) {
@@ -94,7 +96,7 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
       int32_t point;
     };
     std::vector<Found> found;
-    // A needle's tip is a rim on its own, too small for a front.
+    // The tip of a needle counts as a rim but is too small for a front.
     front.presence = eased(here.room / depth, 0.03f, 0.09f);
     const float farthest = front.presence > 0.0f ? 3.0f * depth : 0.0f;
     for (float reach = 0.15f * depth; reach < farthest && found.size() < 4; reach *= 1.7f) {
@@ -125,7 +127,8 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
   }
   room_.resize(front_.size());
   for (size_t f = 0; f < front_.size(); ++f) room_[f] = zone[front_point_[f]].room;
-  // On a cap shaded smooth, means of normals lean over the rim.
+  // On a smooth-shaded cap the mean normals lean over the rim, so use the supporting face's normal
+  // there.
   for (size_t p = 0; p < lying_points(); ++p) {
     if (zone[p].place.is_far_off || zone[p].share < -1e-4f) continue;
     const float near = eased(zone[p].share, 1.15f, 0.6f);
@@ -146,7 +149,8 @@ void SnowSurface::find_presence(const SurfacePlan& plan, const std::vector<float
   frame.height = last.data();
   frame.open_depth = plan.density.depth;
   const Heights last_heights = heights(frame, normal_);
-  // Snow that slid off a narrow top lies there as a dome: upright fronts would hold more of it.
+  // Snow on a narrow top lies as a dome after sliding. Upright fronts would hold more snow than the
+  // map has.
   const float depth = plan.density.depth;
   std::vector<CellGrid::Box> boxes;
   std::vector<size_t> supports;
@@ -160,7 +164,7 @@ void SnowSurface::find_presence(const SurfacePlan& plan, const std::vector<float
   base::for_each_item(front_.size(), 64, [&](size_t f) {
     SnowFront& front = front_[f];
     const float full = std::clamp(1.5f * room_[f], 0.05f * depth, depth);
-    // Fronts are only where snow lies behind the rim in the end.
+    // A front needs snow behind the rim in the last frame.
     front.presence *= eased(inland_height(f, last_heights.shown), 0.06f * full, 0.3f * full);
     if (front.presence <= 0.0f) return;
     const glm::vec3 foot = mesh_.position[front_point_[f]] +
@@ -183,7 +187,7 @@ void SnowSurface::find_presence(const SurfacePlan& plan, const std::vector<float
     front.presence *= presence;
   });
   smooth_presence();
-  // Bridges hold what the map has in the gap.
+  // Bridges hold the snow that the map has in the gap.
   for (size_t f = 0; f < front_.size(); ++f) {
     const float inland = inland_height(f, last_heights.shown);
     front_[f].presence = std::max(front_[f].presence, bridged_part(front_[f], style_, inland));

@@ -12,16 +12,17 @@
 #include "snow/surface/snow_surface.h"
 #include "snow/surface/vectors.h"
 
-// What SnowSurface knows of its points before any frame.
+// Computes SnowSurface's constants of points before any frame.
 
 namespace snowbough::snow {
 namespace {
 
-/// A part of the receiver that has no other side counts as so much of its size thick.
+/// Assumed thickness of a sheet, which has no back side, as a fraction of the square root of its
+/// area.
 constexpr float kSheetThickness = 0.012f;
-/// Smoothing over the surface reaches so far, as a part of the depth.
+/// Reach of the smoothing of heights over the surface, as a fraction of the depth.
 constexpr float kSmoothing = 0.12f;
-/// And of normals.
+/// Reach of the smoothing of normals, as a fraction of the depth.
 constexpr float kCrease = 0.3f;
 /// Half of Phong tessellation is exact on a sphere.
 constexpr float kCurvature = 0.5f;
@@ -30,7 +31,7 @@ void check(const SurfaceSource& source, const std::vector<float>& map) {
   const auto texels = static_cast<size_t>(source.topology.resolution) * source.topology.resolution;
   if (source.topology.resolution < 2 || map.size() != texels) {
     throw std::invalid_argument(
-        "a height map must have as many texels as the receiver's resolution says");
+        "a height map must have resolution x resolution texels, at least 2 x 2");
   }
   if (source.positions.size() < static_cast<size_t>(source.topology.vertex_count)) {
     throw std::invalid_argument("positions must have a row for each vertex");
@@ -40,7 +41,7 @@ void check(const SurfaceSource& source, const std::vector<float>& map) {
   }
 }
 
-/// The receiver's mesh with each connected part turned so that its snow lies in front.
+/// Flips each connected part of the receiver's mesh so that its snow lies on the front.
 SurfaceMesh snow_side_out(SurfaceMesh mesh, const std::vector<float>& last, int32_t resolution) {
   base::UnionFind joined(mesh.position.size());
   for (const auto& [a, b, c] : mesh.triangle) joined.join(joined.join(a, b), c);
@@ -98,7 +99,7 @@ SnowSurface::SnowSurface(const SurfaceSource& source, const std::vector<float>& 
   find_fronts(rims, zones, plan);
   find_convexity(depth);
   find_presence(plan, last);
-  // Points stay, faces follow the snow.
+  // The points stay fixed; the edges are flipped to follow the snow.
   SurfaceFrame frame;
   frame.height = last.data();
   frame.open_depth = depth;
@@ -116,8 +117,8 @@ void SnowSurface::find_carriers(const SurfaceSource& source) {
   carrier_triangle_.assign(count, -1);
   carrier_weight_.assign(count, glm::vec2(0.0f));
   curvature_.assign(count, glm::vec3(0.0f));
-  // Of the receiver's triangles around a point, the one that it lies in: a triangle of the surface
-  // may span two.
+  // Choose the receiver triangle that contains the point: a triangle of the surface may span two of
+  // them.
   std::vector<float> inside(count, 0.0f);
   for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
     const int32_t base = mesh_.base[t];
@@ -133,7 +134,7 @@ void SnowSurface::find_carriers(const SurfaceSource& source) {
       const double pb = glm::dot(ap, ab), pc = glm::dot(ap, ac);
       glm::vec2 weight(0.0f);
       if (area > 0.0) weight = {(cc * pb - bc * pc) / area, (bb * pc - bc * pb) / area};
-      // Rounding does not decide between triangles that share the point.
+      // The tolerance keeps rounding from choosing between triangles that share the point.
       const float least = std::min({weight.x, weight.y, 1.0f - weight.x - weight.y, 0.0f});
       if (carrier_triangle_[p] >= 0 && least <= inside[p] + 1e-4f) continue;
       carrier_triangle_[p] = base;
@@ -143,7 +144,7 @@ void SnowSurface::find_carriers(const SurfaceSource& source) {
   }
   if (source.shading.empty()) return;
   // Half of Phong tessellation: T. Boubekeur, M. Alexa, Phong Tessellation, SIGGRAPH Asia 2008.
-  // Corners of one number share a normal.
+  // Corners with the same shading number share a normal.
   std::vector<glm::vec3> normal(
       static_cast<size_t>(
           std::max(*std::max_element(source.shading.begin(), source.shading.end()), 0)) +
@@ -188,7 +189,7 @@ void SnowSurface::find_samples() {
   for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
     const glm::vec3 cross = triangle_cross(mesh_, t);
     const float area = 0.5f * glm::length(cross);
-    // Where charts meet at an edge the side that faces the sky says how high the snow is.
+    // Where charts meet at an edge, the chart that faces the sky determines the height of the snow.
     const float level = std::clamp(area > 0.0f ? 0.5f * cross.z / area : 0.0f, 0.0f, 1.0f);
     const int32_t* corner = &triangles_[static_cast<size_t>(mesh_.base[t]) * 3];
     const glm::vec3 own = glm::cross(planned_positions_[corner[1]] - planned_positions_[corner[0]],
@@ -262,7 +263,7 @@ void SnowSurface::find_normals(float reach) {
     }
   }
   for (glm::vec3& normal : normal_) normal = unit(normal);
-  // Over creases between flat faces snow bends as softly as it is deep.
+  // Snow bends over creases between flat faces with a radius of about its depth.
   constexpr int kRounds = 12;
   std::vector<glm::vec3> before;
   for (int round = 0; round < kRounds; ++round) {
@@ -305,7 +306,7 @@ void SnowSurface::find_thickness(const base::TriangleTree& tree, float depth) {
 }
 
 void SnowSurface::find_convexity(float depth) {
-  // What a layer of that height adds to the area.
+  // Compute the area of a surface offset by this height.
   const float height = 0.1f * depth;
   std::vector<float> outer(lying_points(), 0.0f);
   for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
@@ -337,7 +338,7 @@ void SnowSurface::find_cushions(float depth, const std::vector<float>& last) {
   SurfaceFrame frame;
   frame.height = last.data();
   frame.open_depth = depth;
-  // What is too thin to show on a needle alone counts.
+  // Use the thickness from the map, because snow too thin to show on one needle counts for bridges.
   const std::vector<float> thickness = heights(frame, normal_).thickness;
   cushions_ = snow::find_cushions(mesh_, points(frame), thickness, depth);
   for (const int32_t p : cushions_.anchor) cushion_height_.push_back(std::max(thickness[p], 1e-6f));

@@ -26,9 +26,9 @@ float angle_at(const std::array<glm::vec3, 3>& corners, int k) {
   return std::acos(glm::clamp(glm::dot(a, b), -1.0f, 1.0f));
 }
 
-/// A normal for each corner of the source: smooth corners share the mean over their number, flat
-/// ones have their face's. Faces count by their angle at the corner (G. Thuermer, C. A. Wuethrich,
-/// Computing Vertex Normals from Polygonal Facets, JGT 3, 1998).
+/// A normal for each corner of the source. Smooth corners share the mean normal of their number;
+/// flat corners have the normal of their face. Faces are weighted by their angle at the corner (G.
+/// Thuermer, C. A. Wuethrich, Computing Vertex Normals from Polygonal Facets, JGT 3, 1998).
 std::vector<glm::vec3> corner_normals(const SurfaceSource& source) {
   const size_t corners = source.topology.triangles.size();
   std::vector<glm::vec3> normals(corners);
@@ -53,15 +53,14 @@ std::vector<glm::vec3> corner_normals(const SurfaceSource& source) {
   return normals;
 }
 
-/// The parts of a triangle whose edges have middles: points and texture coordinates of its corners
-/// and middles.
+/// A triangle with split edges: points and texture coordinates of its corners and of the splits.
 struct SplitTriangle {
   std::array<int32_t, 6> point;
   std::array<glm::vec2, 6> uv;
   std::array<glm::vec3, 6> normal;
 };
 
-/// Appends parts of split triangles.
+/// Appends the parts of a split triangle to a mesh.
 class Parts {
  public:
   explicit Parts(SurfaceMesh& mesh) : mesh_(mesh) {}
@@ -182,7 +181,7 @@ void split_edges(SurfaceMesh& mesh, const SurfaceEdges& edges, const std::vector
     int count = 0;
     int first = 0;
     for (int k = 0; k < 3; ++k) count += is_split(side[k]) ? 1 : 0;
-    // With one or two split sides, the first of them in the order of the corners stands first.
+    // With one or two split sides, rotate the corners so that the first split side comes first.
     for (int k = 0; k < 3; ++k) {
       if (is_split(side[k]) && (count != 2 || is_split(side[(k + 1) % 3]))) first = k;
     }

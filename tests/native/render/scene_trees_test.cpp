@@ -39,7 +39,7 @@ TEST(SceneTrees, aPoseHasAMatrixABoneAndMovesTheTree) {
   with_scene([](Scene& scene) {
     add_tube(scene);
     EXPECT_THAT([&] { scene.set_pose("tree", std::vector<glm::mat4>(2, glm::mat4(1.0f))); },
-                ThrowsMessage<std::invalid_argument>(HasSubstr("1 bones, not 2")));
+                ThrowsMessage<std::invalid_argument>(HasSubstr("1 bone matrices, not 2")));
     glm::mat4 away(1.0f);
     away[3] = glm::vec4(0.0f, -100.0f, 0.0f, 1.0f);  // behind the camera
     scene.set_pose("tree", {away});
@@ -51,7 +51,7 @@ TEST(SceneTrees, snowWantsPlacesOnItsMap) {
   with_scene([](Scene& scene) {
     add_tube(scene, false);
     EXPECT_THAT([&] { scene.set_snow("tree", blanket(0.1f)); },
-                ThrowsMessage<std::invalid_argument>(HasSubstr("no places on a map")));
+                ThrowsMessage<std::invalid_argument>(HasSubstr("no snow map coordinates")));
   });
 }
 

@@ -342,7 +342,7 @@ def test_bark_shows_an_image_times_its_colour(renderer, mesh):
     "wrong, complaint",
     [
         ({"uv": np.zeros((1, 4, 2), np.float32), "materials": np.zeros(1, np.int32)}, "one entry for each"),
-        ({"materials": 7}, "names material 7 of 1"),
+        ({"materials": 7}, "material index 7 of quad 0 must be at least 0 and below 1"),
         ({"images": [np.zeros((2, 2, 3), np.uint8)]}, "shape"),
     ],
 )
@@ -387,15 +387,15 @@ def test_leaves_cast_the_shadow_of_their_image_however_far_it_falls(renderer, wa
 @pytest.mark.parametrize(
     "wrong, complaint",
     [
-        (lambda r, m: r.add_tree("tree", m), "there already"),
+        (lambda r, m: r.add_tree("tree", m), "already exists"),
         (lambda r, m: r.add_tree("fine", native.build_tree_mesh(small_tree(), lod=1)), "lod=0"),
         (lambda r, m: r.add_tree("deep", m, bark_depth=2), "bark_depth"),
         (lambda r, m: r.set_pose("oak", np.zeros((1, 4, 4))), "no tree 'oak'"),
-        (lambda r, m: r.set_pose("tree", np.zeros((1, 4, 4))), "bones, not 1"),
+        (lambda r, m: r.set_pose("tree", np.zeros((1, 4, 4))), "bone matrices, not 1"),
         (lambda r, m: r.set_pose("tree", np.zeros((1, 3, 4))), r"shape \(N, 4, 4\)"),
-        (lambda r, m: r.set_leaves("tree", np.zeros((1, 3, 3)), [999]), "bone 999"),
-        (lambda r, m: r.add_mesh("m", np.zeros((3, 3)), [(0, 1, 3)]), "vertex 3 of 3"),
-        (lambda r, m: r.remove("oak"), "nothing named 'oak'"),
+        (lambda r, m: r.set_leaves("tree", np.zeros((1, 3, 3)), [999]), "bone index 999"),
+        (lambda r, m: r.add_mesh("m", np.zeros((3, 3)), [(0, 1, 3)]), "vertex index 3"),
+        (lambda r, m: r.remove("oak"), "no tree or mesh named 'oak'"),
         (lambda r, m: r.render(native.Camera(width=0)), "width"),
         (lambda r, m: r.render(native.Camera(eye=(0, 0, 0), target=(0, 0, 1))), "up"),
         (lambda r, m: native.RenderSettings(metric="AREA"), "THESIS, SCREEN"),

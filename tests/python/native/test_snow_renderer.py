@@ -224,7 +224,7 @@ def test_a_trees_arrays_say_where_its_snow_lies(renderer, maple):
     del arrays["snow_uv"]
     renderer.add_tree("tree", arrays)
     assert np.array_equal(renderer.render(camera), bare)
-    with pytest.raises(ValueError, match="no places on a map"):
+    with pytest.raises(ValueError, match="no snow map coordinates"):
         renderer.set_snow("tree", lumps(256, 0.04), 0.04)
 
 
@@ -244,7 +244,7 @@ def test_snow_on_a_tree_looks_as_on_a_mesh(renderer, maple):
 @pytest.mark.parametrize(
     "wrong, complaint",
     [
-        (lambda r: r.add_snow_mesh("a", np.zeros((3, 3)), np.array([(0, 1, 3)])), "vertex 3 of 3"),
+        (lambda r: r.add_snow_mesh("a", np.zeros((3, 3)), np.array([(0, 1, 3)])), "vertex index 3"),
         (lambda r: r.add_snow_mesh("a", np.full((3, 3), np.nan), np.array([(0, 1, 2)])), "vertices"),
         (lambda r: r.set_snow("a", np.zeros((4, 4)), 0.1), "no tree 'a'"),
         (lambda r: r.set_snow("tree", np.zeros(4), 0.1), r"shape \(N, N\)"),

@@ -88,7 +88,7 @@ def test_the_same_input_gives_the_same_bytes():
     [
         ({"last": np.zeros((64, 32), np.float32)}, r"last must have shape \(resolution, resolution\)"),
         ({"highest": np.zeros(64, np.float32)}, r"highest must have shape"),
-        ({"highest": level(resolution=32)}, "as many texels as the receiver's resolution"),
+        ({"highest": level(resolution=32)}, "resolution x resolution texels, at least 2 x 2"),
         ({"depth": 0.0}, "depth must be a number over 0"),
         ({"depth": float("nan")}, "depth must be"),
         ({"scale": -1.0}, "scale must be a number over 0"),
@@ -158,7 +158,7 @@ def test_point_normals_are_unit_vectors_of_the_faces():
 @pytest.mark.parametrize(
     "points, triangles, message",
     [
-        (np.zeros((3, 3)), [[0, 1, 3]], "triangles must name rows of points"),
+        (np.zeros((3, 3)), [[0, 1, 3]], "each index in triangles must be a row of points"),
         (np.zeros((3, 2)), [[0, 1, 2]], r"points must have shape \(N, 3\)"),
         (np.zeros((3, 3)), [0, 1, 2], r"triangles must have shape \(N, 3\)"),
     ],

@@ -51,10 +51,10 @@ TEST(BarkImages, whatDoesNotFitTheTreeIsRefused) {
     says(two_quads(), 3, "the tree's 3 quads");
     BarkSource lost = two_quads();
     lost.material[1] = 2;
-    says(lost, 2, "quad 1 names material 2 of 2");
+    says(lost, 2, "material index 2 of quad 1 must be at least 0 and below 2");
     BarkSource bare = two_quads();
     bare.materials.clear();
-    says(bare, 2, "needs a material");
+    says(bare, 2, "needs at least one material");
   });
 }
 
