@@ -458,7 +458,7 @@ def test_a_tree_without_a_bake_says_so(tmp_path, addon):
 def test_what_is_no_tree_is_refused(tmp_path):
     bpy.ops.mesh.primitive_cube_add()
     assert not bpy.ops.export_scene.snowbough_tree.poll()
-    with pytest.raises(RuntimeError, match="select its armature, bark or leaves"):
+    with pytest.raises(RuntimeError, match="select the armature, bark or leaves"):
         bpy.ops.export_scene.snowbough_tree(filepath=str(tmp_path / "tree.glb"))
     assert list(tmp_path.iterdir()) == []
 
