@@ -68,8 +68,8 @@ class ExportProperties:
     )
     atlas_tile: IntProperty(
         name="Tile",
-        description="Side of a frame in the atlas (texels). 0 keeps the baked size. Smaller sizes average texels, which "
-        "mixes the snow of neighbouring twigs",
+        description="Side of a frame in the atlas (texels). 0 keeps the baked size. Smaller sizes average texels, "
+        "which mixes the snow of neighbouring twigs",
         default=0,
         min=0,
         max=8192,

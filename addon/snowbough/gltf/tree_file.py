@@ -257,9 +257,7 @@ def build(tree, first_level=0):
     """The Document of a Tree. first_level: number in the name of the finest level, _LOD<first_level>. Raises ValueError
     for a number of bones that glTF cannot store."""
     if not tree.joints or len(tree.joints) > 65536:
-        raise ValueError(
-            f"a glTF skin has 1 to 65,536 bones, but the tree has {len(tree.joints)}: import it with fewer bones"
-        )
+        raise ValueError(f"a glTF skin must have 1 to 65,536 bones, not {len(tree.joints)}")
     document = Document(GENERATOR)
     root, skin = _add_skin(document, tree)
     # Nodes with a skin are siblings of the joints, because their parents do not move them.
