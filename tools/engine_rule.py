@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes docs/engines/snow_rule.glsl and .hlsl: how snow looks, from the headers that Snowbough itself compiles.
+"""Writes docs/engines/snow_rule.glsl and .hlsl: the shape of snow, from the headers that Snowbough itself compiles.
 
     python3 tools/engine_rule.py
 
-Engines take files that stand alone. Limbs of trees are round and have no rims, so what is about rims is left out.
+Engines need self-contained files. Limbs of trees are round and have no rims, so the code for rims is removed.
 """
 
 import re
@@ -13,7 +13,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 HEADERS = ("snow_noise.h", "snow_surface.h", "snow_point.h")
 FOLDER = ROOT / "docs" / "engines"
-# Parts about rims: where each begins, and where what follows it begins.
+# Code for rims: the text at which each part begins, and the text that follows it.
 RIMS = (
     ("/// Constants of a point near a rim.", "// Away from rims."),
     ("// At rims; lengths", "/// 0 at `from`"),
@@ -28,7 +28,7 @@ HLSL_WORDS = (
     (r"\bvec([234])\b", r"float\1"),
     (r"\bmix\b", "lerp"),
     (r"^const float", "static const float"),
-    # A word of the language's own.
+    # A reserved word of HLSL.
     (r"\bpoint\b", "place_of"),
     (r"return (SnowEdge)\((.*?)\);", r"const \1 made = {\2};\n  return made;"),
 )
