@@ -40,8 +40,7 @@ class Reader:
         self._coats = {}
         self._places = {}
         self.left_out = set()
-        """Names of objects that are omitted, or whose faces are in part: too far away, or with non-finite
-        coordinates."""
+        """Names of objects that are omitted in whole or in part: too far away, or with non-finite coordinates."""
 
     def forget(self, depsgraph):
         """Drops the data that has changed according to the depsgraph."""
