@@ -1,5 +1,5 @@
-# The libraries as static parts of the module, compiled from what tools/third_party.sh has fetched. Nothing of theirs
-# is visible outside the module.
+# Builds the libraries from the sources that tools/third_party.sh has fetched and links them statically into the module.
+# Their symbols are not visible outside the module.
 set(third_party "${CMAKE_SOURCE_DIR}/build/third_party")
 if(NOT EXISTS "${third_party}/sources/zlib/zlib.h")
   message(FATAL_ERROR "SNOWBOUGH_BUNDLED needs the libraries' sources: run ./tools/third_party.sh first")
@@ -10,7 +10,7 @@ set(sources "${third_party}/sources")
 set(BUILD_SHARED_LIBS OFF)
 set(CMAKE_C_VISIBILITY_PRESET hidden)
 
-# snowbough_bundled(NAME FOLDERS... ): headers only, which are other people's.
+# snowbough_bundled_headers(NAME FOLDERS...): a header-only library. SYSTEM suppresses warnings from its headers.
 function(snowbough_bundled_headers name)
   add_library(${name} INTERFACE IMPORTED GLOBAL)
   target_include_directories(${name} SYSTEM INTERFACE ${ARGN})
@@ -26,7 +26,7 @@ target_compile_options(zlib PRIVATE -w)
 target_include_directories(zlib SYSTEM PUBLIC "${sources}/zlib")
 add_library(ZLIB::ZLIB ALIAS zlib)
 
-# OpenMesh: the half-edge mesh without its file formats.
+# OpenMesh: only the half-edge mesh, without the file formats.
 file(GLOB openmesh_files "${sources}/openmesh/src/OpenMesh/Core/Mesh/*.cc"
   "${sources}/openmesh/src/OpenMesh/Core/Utils/*.cc" "${sources}/openmesh/src/OpenMesh/Core/System/*.cc")
 add_library(OpenMeshCore STATIC ${openmesh_files})
@@ -34,7 +34,7 @@ target_compile_options(OpenMeshCore PRIVATE -w)
 target_compile_definitions(OpenMeshCore PUBLIC OM_STATIC_BUILD _USE_MATH_DEFINES)
 target_include_directories(OpenMeshCore SYSTEM PUBLIC "${sources}/openmesh/src")
 
-# OpenEXR and Imath have builds of their own.
+# OpenEXR and Imath have their own CMake builds.
 set(IMATH_INSTALL OFF)
 set(IMATH_INSTALL_PKG_CONFIG OFF)
 set(OPENEXR_INSTALL OFF)
@@ -44,7 +44,7 @@ set(OPENEXR_BUILD_TOOLS OFF)
 set(BUILD_TESTING OFF)
 set(CMAKE_POLICY_DEFAULT_CMP0077 NEW)
 add_subdirectory("${sources}/imath" imath EXCLUDE_FROM_ALL SYSTEM)
-# The subproject's own build directory is where OpenEXR's find_package would look for it.
+# Imath is a subproject, so OpenEXR's find_package(Imath) must not search for an installed one.
 file(WRITE "${CMAKE_BINARY_DIR}/find/FindImath.cmake" "set(Imath_FOUND TRUE)\n")
 list(PREPEND CMAKE_MODULE_PATH "${CMAKE_BINARY_DIR}/find")
 add_subdirectory("${sources}/openexr" openexr EXCLUDE_FROM_ALL SYSTEM)
@@ -52,7 +52,7 @@ foreach(library Imath OpenEXR OpenEXRCore Iex IlmThread)
   target_compile_options(${library} PRIVATE -w)
 endforeach()
 
-# libepoxy: its dispatch is written by a script of its own. It finds EGL and OpenGL when they are first called.
+# libepoxy: its own script generates the dispatch code, which loads EGL and OpenGL on the first call.
 find_package(Python COMPONENTS Interpreter REQUIRED)
 set(epoxy_kinds gl)
 if(WIN32)
@@ -79,7 +79,7 @@ endforeach()
 set(has_egl 0)
 if(egl IN_LIST epoxy_kinds)
   set(has_egl 1)
-  # The one header that libepoxy takes from elsewhere (Debian's libegl-dev); it is the same for all systems.
+  # External headers of libepoxy (from Debian's libegl-dev). They are the same on all systems.
   foreach(header EGL/eglplatform.h KHR/khrplatform.h)
     configure_file("/usr/include/${header}" "${epoxy_built}/include/${header}" COPYONLY)
   endforeach()
@@ -92,17 +92,17 @@ target_compile_definitions(epoxy PUBLIC EGL_NO_X11 EPOXY_PUBLIC=extern)
 target_include_directories(epoxy SYSTEM PUBLIC "${sources}/libepoxy/include" "${epoxy_built}/include"
   PRIVATE "${sources}/libepoxy/src" "${epoxy_built}/src")
 if(WIN32)
-  # Its DllMain becomes that of the module: without it, it has no memory for the functions of a thread's context.
+  # libepoxy's DllMain becomes the DllMain of the module. It allocates the memory for each thread's function pointers.
   target_link_libraries(epoxy PUBLIC opengl32 gdi32)
 else()
   target_link_libraries(epoxy PUBLIC ${CMAKE_DL_LIBS})
 endif()
 add_library(PkgConfig::epoxy ALIAS epoxy)
 
-# A thread that Python ends while it ends itself is unwound by glibc with the system's libgcc_s (python/released_gil.h
-# holds it up). The frames of the module must belong to the same unwinder, and not to the one that zig would link
-# statically, so the module takes its functions from libgcc_s.so.1, which is wherever glibc is. What is linked here is
-# a list of their names.
+# If Python terminates a thread during its own shutdown, glibc unwinds the thread's stack with the system's libgcc_s
+# (python/released_gil.h delays that). The module must use the same unwinder, not the one that zig links statically. So
+# it imports the functions from libgcc_s.so.1, which exists on every system with glibc. This stub library only declares
+# their names for the linker.
 if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
   set(unwinder "")
   foreach(name Backtrace DeleteException FindEnclosingFunction ForcedUnwind GetCFA GetDataRelBase GetGR GetIP GetIPInfo

@@ -1,5 +1,5 @@
-# snowbough_embed_shaders(TARGET): compiles every file in shaders/, shaders/lib/ and shaders/glsl/ into TARGET as
-# text, so that the module needs no files beside it. gpu/shader_source.h finds them by name, whatever their folder.
+# snowbough_embed_shaders(TARGET): embeds the text of every file in shaders/, shaders/lib/ and shaders/glsl/ in
+# TARGET, so that the module needs no separate files. gpu/shader_source.h finds them by file name, without the folder.
 function(snowbough_embed_shaders target)
   file(GLOB shader_files CONFIGURE_DEPENDS
        "${CMAKE_SOURCE_DIR}/shaders/*.glsl" "${CMAKE_SOURCE_DIR}/shaders/lib/*.h"

@@ -1,4 +1,4 @@
-# Script: writes OUTPUT, a C++ file that holds the text of FILES as a table of name and source.
+# Script: writes the C++ file OUTPUT with a table of the names and the texts of FILES.
 set(code "#include \"gpu/shader_source.h\"\n\nnamespace snowbough::gpu {\n\n")
 string(APPEND code "const EmbeddedShader kEmbeddedShaders[] = {\n")
 foreach(path IN LISTS FILES)

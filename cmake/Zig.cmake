@@ -1,10 +1,10 @@
 # Toolchain file: compiles for SNOWBOUGH_SYSTEM (linux, windows or macos) on any x86-64 Linux, with the zig that
-# tools/third_party.sh has fetched: Clang with the C libraries of all three systems.
+# tools/third_party.sh has fetched. zig contains Clang and the C libraries of all three systems.
 #
 #   cmake -S . -B build/windows -G Ninja --toolchain cmake/Zig.cmake -DSNOWBOUGH_SYSTEM=windows -DSNOWBOUGH_BUNDLED=ON
 #
-# libc++ is linked statically everywhere, and on Windows nothing of Microsoft's C++ runtime is used: Blender loads a
-# MSVCP140.dll of its own before any extension, and a module that was built against a newer one crashes in it.
+# libc++ is linked statically on all systems. On Windows, the module does not use Microsoft's C++ runtime: Blender loads
+# its own MSVCP140.dll before any extension, and a module that was built with a newer version crashes in it.
 set(SNOWBOUGH_SYSTEM linux CACHE STRING "linux, windows or macos")
 set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES SNOWBOUGH_SYSTEM)
 get_filename_component(root "${CMAKE_CURRENT_LIST_DIR}/.." ABSOLUTE)
@@ -26,10 +26,10 @@ elseif(SNOWBOUGH_SYSTEM STREQUAL "macos")
   set(CMAKE_INSTALL_NAME_TOOL /bin/true)
   set(target aarch64-macos.11.0)
 else()
-  message(FATAL_ERROR "SNOWBOUGH_SYSTEM is linux, windows or macos, not '${SNOWBOUGH_SYSTEM}'")
+  message(FATAL_ERROR "SNOWBOUGH_SYSTEM must be linux, windows or macos, not '${SNOWBOUGH_SYSTEM}'")
 endif()
 
-# CMake and ccache want programs, not commands with arguments.
+# CMake and ccache need programs, not commands with arguments.
 set(wrappers "${root}/build/third_party/zig-${target}")
 foreach(name_and_command "cc|cc -target ${target}" "c++|c++ -target ${target}" "ar|ar" "ranlib|ranlib" "rc|rc")
   string(REPLACE "|" ";" pair "${name_and_command}")
@@ -47,7 +47,7 @@ foreach(name_and_command "cc|cc -target ${target}" "c++|c++ -target ${target}" "
 endforeach()
 set(CMAKE_C_COMPILER "${wrappers}/cc")
 set(CMAKE_CXX_COMPILER "${wrappers}/c++")
-# zig adds debug information unless it is told not to.
+# Without -g0, zig adds debug information.
 set(CMAKE_C_FLAGS_INIT -g0)
 set(CMAKE_CXX_FLAGS_INIT -g0)
 set(CMAKE_AR "${wrappers}/ar" CACHE FILEPATH "")

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Runs tests/blender in the official build of Blender as a Python module, PyPI's `bpy` for this Python.
+# Runs tests/blender in the official build of Blender as a Python module: PyPI's `bpy` for this Python version.
 #
 #   tools/blender_bpy.sh REPORT.xml [=VERSION] [pytest arguments]
 #
-# Installs it into the virtual environment build/blender-bpy-<version> (kept, about 1 GB). With a version the add-on is
-# the package that people install (tools/package.sh release linux), else that of build/python. Where PyPI serves no bpy
-# for this Python, the report says so as a skip.
+# Installs it into the virtual environment build/blender-bpy-<version> (kept, about 1 GB). With a version, the add-on is
+# the release package (tools/package.sh release linux), otherwise the package of build/python. If PyPI has no bpy for
+# this Python version, the report contains a skip.
 set -euo pipefail
 report="$(realpath -m "$1")"
 shift

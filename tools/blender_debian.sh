@@ -1,22 +1,22 @@
 #!/usr/bin/env bash
-# Runs tests/blender in a newer Debian's Blender on any Debian machine: 4.3 is trixie's (4.3.2 with Python 3.13), 5.2 is
-# sid's (5.2 LTS with Python 3.14).
+# Runs tests/blender in the Blender of a newer Debian, on any Debian machine: 4.3 from trixie (4.3.2 with Python 3.13)
+# or 5.2 from sid (5.2 LTS with Python 3.14).
 #
 #   tools/blender_debian.sh 4.3|5.2 REPORT.xml [pytest arguments]
 #   tools/blender_debian.sh 4.3|5.2 --run COMMAND...   runs a command there instead; the checkout is /snowbough,
-#                                                      and SNOWBOUGH_TEST_ZIP names the add-on's zip
+#                                                      and SNOWBOUGH_TEST_ZIP is the path of the add-on's zip
 #
 # Makes a Debian folder with debootstrap in build/blender-<suite> (kept, about 4 GB), builds the native
 # module there in build/<suite>, and runs the tests. Uses the mirror of this machine's apt. Needs root, for debootstrap
 # and chroot; all mounts are in a private mount namespace and end with this script. If Blender cannot be installed, the
-# report contains a skip. Variables of the caller that begin with SNOWBOUGH_ are passed on.
+# report contains a skip. Environment variables that begin with SNOWBOUGH_ are passed to the commands.
 set -euo pipefail
 wanted="${1:-}"
 case "$wanted" in
   4.3) suite=trixie ;;
   5.2) suite=sid ;;
   *)
-    echo "blender_debian: takes 4.3 (Debian trixie) or 5.2 (Debian sid), not '$wanted'" >&2
+    echo "blender_debian: use 4.3 (Debian trixie) or 5.2 (Debian sid), not '$wanted'" >&2
     exit 2
     ;;
 esac
@@ -77,15 +77,15 @@ inside() {
     DEBIAN_FRONTEND=noninteractive PYTHONUNBUFFERED=1 "${given[@]}" "$@" </dev/null
 }
 
-# Debian's Blender 5.2 does not name python3-cattr and python3-requests, which its extension manager imports.
-# Vulkan on the processor is for `--gpu-backend vulkan`.
+# Debian's package of Blender 5.2 does not depend on python3-cattr and python3-requests, which its extension manager
+# imports. `--gpu-backend vulkan` needs a software Vulkan driver.
 packages="$(awk '!/^#/ && NF { print $1 }' tools/dependencies.txt)
 python3-cattr
 python3-requests
 mesa-vulkan-drivers"
 if [ "$(cat "$root/.packages-complete" 2>/dev/null)" != "$packages" ]; then
   echo "blender $wanted: installing Blender and the build's packages in the Debian $suite folder"
-  # A mirror's copy of sid may be days old; apt would refuse it.
+  # Without this option apt rejects a mirror's copy of sid that is some days old.
   inside apt-get -o Acquire::Check-Valid-Until=false update ||
     skip "the mirror's package lists of Debian $suite could not be read"
   # Some packages' first configure fails outside a booted system; the second pass succeeds.
@@ -106,7 +106,7 @@ esac
 
 mkdir -p "$root/snowbough" "$root/shared"
 mount --bind . "$root/snowbough"
-# The command line of the checkout looks for the module in build/python: there it is the module of this folder.
+# The checkout's command line loads the module from build/python, so mount the module of this Debian there.
 mkdir -p build/python "$own/python"
 mount --bind "$own/python" "$root/snowbough/build/python"
 if [ -d ../shared ]; then

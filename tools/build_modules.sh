@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Builds the native modules that packages hold: self-contained, one a Python, in build/<system>/modules.
+# Builds the native modules of the packages in build/<system>/modules: self-contained, one per Python version.
 #
 #   ./tools/build_modules.sh linux|windows|macos [...]
 #
-# Runs on any x86-64 Debian 12 with the packages of tools/dependencies.txt. Each system is checked by
-# tools/check_modules.py.
+# Runs on any x86-64 Debian 12 with the packages of tools/dependencies.txt. tools/check_modules.py
+# checks the modules.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What tools/check_packages.sh runs on every module in build/<system>/modules: that it needs no library but the
-system's, and that nothing but its init function is visible."""
+"""Checks every module in build/<system>/modules, for tools/check_packages.sh: it must link only libraries of the
+system, and on Linux export only its init function."""
 
 import subprocess
 import sys
@@ -10,10 +10,10 @@ from elftools.elf.elffile import ELFFile
 
 ROOT = Path(__file__).resolve().parent.parent
 
-# libgcc_s unwinds the stack of threads that end, see cmake/Bundled.cmake.
+# libgcc_s unwinds the stacks of terminated threads, see cmake/Bundled.cmake.
 LINUX = {"libc.so.6", "libm.so.6", "libdl.so.2", "libpthread.so.0", "ld-linux-x86-64.so.2", "libgcc_s.so.1"}
 WINDOWS = {"kernel32.dll", "ntdll.dll", "opengl32.dll", "gdi32.dll", "user32.dll", "advapi32.dll", "python"}
-# What Windows 10 has of the C library.
+# Prefixes of the C library's files in Windows 10.
 WINDOWS_C = ("api-ms-win-crt-", "ucrtbase", "msvcrt.dll")
 
 

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Checks what `tools/package.sh release` made in build/packages, with tools that others wrote: auditwheel on the wheel
-# for Linux, the libraries and symbols of all modules, and Blender's own checks of extensions and repositories.
+# Checks the packages that `tools/package.sh release` made in build/packages: runs auditwheel on the wheel for Linux,
+# checks the libraries and symbols of the modules, and runs Blender's own checks of extensions and repositories.
 #
 #   ./tools/check_packages.sh [BLENDER_EXT.py]
 #
-# BLENDER_EXT.py is scripts/addons_core/bl_pkg/cli/blender_ext.py of a Blender; without it, that of a bpy from PyPI is
-# used where tools/blender_bpy.sh has installed one.
+# BLENDER_EXT.py is the file scripts/addons_core/bl_pkg/cli/blender_ext.py of a Blender. The default is the file of the
+# bpy that tools/blender_bpy.sh has installed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 packages=build/packages
@@ -23,14 +23,14 @@ done
 
 blender_ext="${1:-$(ls build/blender-bpy*/lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py 2>/dev/null | tail -n 1)}"
 if [ -z "$blender_ext" ]; then
-  echo "check_packages: no blender_ext.py: name one, or run ./tools/test.sh --blender bpy first" >&2
+  echo "check_packages: there is no blender_ext.py: pass its path, or run ./tools/test.sh --blender bpy first" >&2
   exit 1
 fi
 rm -rf "$venv/repository" "$venv/split"
 for zip in "$packages"/repository/*.zip; do
   /usr/bin/python3 "$blender_ext" validate "$zip"
 done
-# Blender splits the add-on and the wheels of all systems into zips of the same names.
+# If Blender splits the add-on with the wheels of all systems, the zips must have the same names.
 /usr/bin/python3 - "$venv/split" "$packages"/repository/*.zip <<'PYTHON'
 import re
 import sys
@@ -52,10 +52,10 @@ PYTHON
 /usr/bin/python3 "$blender_ext" build --split-platforms --source-dir="$venv/split/source" --output-dir="$venv/split/built"
 if [ "$(ls "$venv/split/built")" != "$(cd "$packages/repository" && ls ./*.zip | sed 's|^\./||')" ] &&
   [ "$(ls "$packages"/repository/*.zip | wc -l)" -gt 1 ]; then
-  echo "check_packages: Blender splits the add-on into other zips: $(ls "$venv/split/built")" >&2
+  echo "check_packages: Blender splits the add-on into different zips: $(ls "$venv/split/built")" >&2
   exit 1
 fi
-# Blender writes the same index of the same zips.
+# Blender must generate the same index for the same zips.
 mkdir -p "$venv/repository"
 cp "$packages"/repository/*.zip "$venv/repository"
 /usr/bin/python3 "$blender_ext" server-generate --repo-dir="$venv/repository"

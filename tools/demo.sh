@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# The demo from end to end: a tree from an OBJ file, rigged and swaying, in a snowy shot.
+# Runs the whole demo: imports a tree from an OBJ file, rigs it, lets it sway, and bakes and renders a snowfall.
 #
 #   ./tools/demo.sh            with a maple grown by blend_samples/grow_tree.py
 #   ./tools/demo.sh FILE.obj   with your own tree
 #
 # Writes to build/demo: snowbough.blend, the EXR sequences in snowbough_cache, five rendered frames, a close-up and the
-# contact sheet snowbough.png. Sets the machine up first (tools/setup.sh).
+# contact sheet snowbough.png. Runs tools/setup.sh first.
 set -euo pipefail
 tree="${1:+$(realpath "$1")}"
 cd "$(dirname "$0")/.."

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Packs the kit that prints the tables of real time: see gpu_kit.sh.
+"""Packs the kit that measures the real-time tables: see gpu_kit.sh.
 
 The kit is a zip that Python runs (PEP 441). Its folders are those of the checkout, so the scripts run unchanged.
 Libraries find each other by $ORIGIN, as in a wheel repaired by auditwheel.
@@ -64,7 +64,7 @@ def linked(path):
 
 
 def needs(path):
-    """Sonames that a library itself names."""
+    """Sonames of the libraries that a library links directly."""
     return re.findall(r"\(NEEDED\).*\[(.*)\]", run("readelf", "-d", path))
 
 
@@ -76,7 +76,7 @@ def point_to(path, folder):
 
 
 def copy_module(kit):
-    """The native module and numpy, all their libraries beside them."""
+    """Copies the native module, numpy and all their libraries. Returns the file name of the module."""
     import numpy
 
     target = kit / MODULE_FOLDER
@@ -113,7 +113,7 @@ def copy_scripts(kit, module):
     for pattern in CONTENTS:
         paths = sorted(ROOT.glob(pattern))
         if not paths:
-            fail(f"{pattern} is not there")
+            fail(f"there is no file {pattern} in the checkout")
         for path in paths:
             to = kit / path.relative_to(ROOT)
             to.parent.mkdir(parents=True, exist_ok=True)
@@ -123,7 +123,7 @@ def copy_scripts(kit, module):
 
 
 def pack(kit, target):
-    """Equal contents give equal bytes."""
+    """Writes the kit to `target` and returns its size in bytes. Equal contents give equal bytes."""
     target.parent.mkdir(parents=True, exist_ok=True)
     partial = target.with_name(target.name + ".part")
     with open(partial, "wb") as stream:

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Packs the scripts for the tables of real time into one file, build/snowbough-gpu-kit.pyz, for machines that have only
+# Packs the scripts for the real-time tables into one file, build/snowbough-gpu-kit.pyz, for machines that have only
 # Python 3.11 and a graphics driver.
 #
 #   ./tools/gpu_kit.sh [FILE]

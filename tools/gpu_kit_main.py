@@ -47,8 +47,8 @@ def python(environment, *arguments, **how):
 
 
 def working_environment(folder):
-    """The environment in which the module loads: the machine's own C++ runtime, or else the kit's. Ends with the reason
-    where neither does."""
+    """The environment in which the module loads: with the machine's own C++ runtime, otherwise with the kit's. Exits
+    with the reason if it loads with neither."""
     plain = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     plain["PYTHONPATH"] = str(folder / "build" / "python")
     plain["PYTHONNOUSERSITE"] = "1"

@@ -1,21 +1,21 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renews the manual's pictures in docs/images, from our own sample trees.
+"""Makes the pictures of the manual in docs/images, from our own sample trees.
 
     ./tools/demo.sh
     PYTHONPATH=build/python /usr/bin/python3 tools/guide_pictures.py [NAME ...]
 
 tree               the maple as exported, its branches, its rig
-demo, close_up     the demo's last frame and its fork from close by, from build/demo
+demo, close_up     the demo's last frame, and a close-up of a fork, from build/demo
 shot               three frames of the demo
 detail             a piece of the tree at the four levels of detail
 viewport           Blender's window under Xvfb: direction dials, a live preview, the sidebar
-scene_properties   the Scene properties there
+scene_properties   the Scene properties in that window
 panels             the sidebar in all its states, from build/panels (tests/ui/panel_states.py)
 panels_newest      the same in Debian sid's Blender
 windy              the sheet of tools/windy_shot.sh, from build/windy
 
-Without names it renews all. Every picture is a PNG of less than 150 KB; single renders are JPEGs.
+Without names it makes all. Every picture is a PNG of less than 150 KB; single renders are JPEGs.
 """
 
 import sys
@@ -38,7 +38,7 @@ import grow_tree  # noqa: E402
 import window as ui  # noqa: E402
 from panel_states import SHOW_SCENE, side_by_side  # noqa: E402
 
-# A maple over a ground, half way through a snowfall with wind, previewed live.
+# A maple on a ground plane, in the live preview of a snowfall with wind.
 PREVIEWED_SCENE = """
 import math
 bpy.data.objects.remove(bpy.data.objects["Cube"])
@@ -85,7 +85,7 @@ column = next(area for area in window.screen.areas if area not in known)
 column.type = "PROPERTIES"
 result = True
 """
-# Part that shows the levels of detail: the maple's trunk between its fourth and eighth branch.
+# Region of the picture of the levels of detail: the maple's trunk between its fourth and eighth branch.
 DETAIL_MIDDLE, DETAIL_REACH = np.array((-0.24, 0.0, 2.12)), np.array((0.36, 0.6, 0.45))
 
 # Renders, which have too many colours for a palette.
@@ -108,7 +108,7 @@ def keep(image, name):
                 f"{target.relative_to(ROOT)}: {image.width} x {image.height}, {target.stat().st_size} bytes"
             )
             return
-    raise SystemExit(f"{target} is larger than {MOST_BYTES} bytes: make it smaller")
+    raise SystemExit(f"{target} is larger than {MOST_BYTES} bytes: reduce its width and height")
 
 
 def maple():
@@ -142,7 +142,7 @@ def tree():
 def demo_frames():
     frames = sorted(DEMO.glob("frame_*.png"))
     if len(frames) < 3:
-        raise SystemExit("build/demo holds no rendered frames: run ./tools/demo.sh first")
+        raise SystemExit("build/demo contains no rendered frames: run ./tools/demo.sh first")
     return frames
 
 
@@ -203,7 +203,7 @@ def viewport():
     def work(window):
         window.open_sidebar_tab()
         window.run(PREVIEWED_SCENE.format(tree=str(path)), timeout=300)
-        # The preview catches up with as many frames as playback may drop.
+        # The preview simulates skipped frames only up to playback.MAX_SKIPPED.
         for frame in (8, 15, 22, 29):
             window.run(f"bpy.context.scene.frame_set({frame})\nresult = True", timeout=120)
         time.sleep(3.0)
@@ -232,7 +232,7 @@ def panels():
 def windy():
     sheet = ROOT / "build" / "windy" / "sheet.png"
     if not sheet.exists():
-        raise SystemExit(f"{sheet} is not there: run ./tools/windy_shot.sh first")
+        raise SystemExit(f"there is no {sheet}: run ./tools/windy_shot.sh first")
     image = Image.open(sheet)
     return image.resize((1200, round(1200 * image.height / image.width)), Image.LANCZOS)
 
@@ -245,7 +245,7 @@ def panel_states(which):
     made = sorted((ROOT / "build" / "panels").glob("*/sidebars.png"))
     if len(made) < 2:
         raise SystemExit(
-            "build/panels does not hold two versions: tests/ui/panel_states.py says how to make them"
+            "build/panels does not contain two versions: make them as tests/ui/panel_states.py describes"
         )
     image = Image.open(made[which])
     return image.resize((1400, round(1400 * image.height / image.width)), Image.LANCZOS)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What tools/package.sh runs: gathers the add-on, its native modules and its texts into zips, wheels and a
-repository. Times, rights and order of entries are fixed, so that equal input gives equal bytes."""
+"""Packs the add-on, its native modules and its texts into zips, wheels and a repository, for tools/package.sh. Times,
+permissions and order of entries are fixed, so that equal input gives equal bytes."""
 
 import base64
 import hashlib
@@ -15,14 +15,14 @@ ADDON = ROOT / "addon" / "snowbough"
 PACKAGES = ROOT / "build" / "packages"
 LIBRARIES = ROOT / "build" / "third_party" / "sources"
 
-# Blender's name of a system, the wheel's tag, and what the modules for it end with.
+# For each system: Blender's name, the wheel's tag, and the suffix of its modules.
 SYSTEMS = {
     "linux": ("linux-x64", "manylinux_2_28_x86_64", "-linux-gnu.so"),
     "windows": ("windows-x64", "win_amd64", "-win_amd64.pyd"),
     "macos": ("macos-arm64", "macosx_11_0_arm64", "-darwin.so"),
 }
 
-# Blender before 4.2 has these.
+# Python versions of Blender before 4.2.
 LEGACY_PYTHONS = r"\.c\w+-?3(10|11)-"
 
 LICENCES = {
@@ -50,7 +50,7 @@ def say_made(path):
 
 
 def write_zip(target, files):
-    """files: {name inside: bytes}"""
+    """Writes a zip. files: {name in the zip: content as bytes}."""
     target.parent.mkdir(parents=True, exist_ok=True)
     partial = target.with_name(target.name + ".part")
     with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -100,7 +100,7 @@ def modules_of(system, version):
 
 
 def wheel_files(system, version, modules):
-    """One wheel for all Pythons: each finds its module by the suffix that its import system knows."""
+    """The files of one wheel for all Python versions: each version imports the module with its own suffix."""
     module = f"snowbough_native_{version.replace('.', '_')}"
     info = f"snowbough_native-{version}.dist-info"
     readme = (ROOT / "README.md").read_text(encoding="utf-8").partition("\n## ")[0]
@@ -127,7 +127,7 @@ def wheel_files(system, version, modules):
 
 
 def field(manifest, name):
-    """A value of the manifest: text, or a list of texts."""
+    """The value of a field of the manifest: a text or a list of texts."""
     value = re.search(rf"^{name} = (.+)$", manifest, re.MULTILINE).group(1)
     return json.loads(value)
 
@@ -174,12 +174,12 @@ def release(systems):
 
 
 def entry(manifest, platform, archive):
-    """What a repository's index says of a zip, as Blender's server-generate does."""
+    """The entry of a zip in the repository's index, in the form of Blender's server-generate."""
     content = archive.read_bytes()
     plain = ("schema_version", "id", "name", "tagline", "version", "type", "maintainer", "license")
     described = {name: field(manifest, name) for name in (*plain, "blender_version_min", "tags")}
     described |= {"platforms": [platform], "permissions": {"files": field(manifest, "files")}}
-    # What the wheel's tag py3 says.
+    # From the tag py3 of the wheel.
     described["python_versions"] = ["3"]
     described["archive_url"] = f"./{archive.name}"
     described["archive_size"] = len(content)

@@ -5,9 +5,9 @@
 #       build/snowbough-<version>.zip, for the Python that the module in the folder (build/python) was built for.
 #       Blender 3.4 to 4.1 install it as an add-on, 4.2 and later as an extension.
 #   ./tools/package.sh release [linux|windows|macos ...]
-#       build/packages: what people install elsewhere, for the systems named (all three): a zip each for Blender 4.2
-#       and later, one for 3.4 to 4.1, the wheels, and a repository that Blender adds by path or URL. Builds the
-#       modules that are missing (tools/build_modules.sh).
+#       build/packages: the release for these systems (default: all three). It has one zip per system for Blender 4.2
+#       and later, one zip for 3.4 to 4.1, the wheels, and a repository that users add in Blender by path or URL.
+#       Builds missing modules (tools/build_modules.sh).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

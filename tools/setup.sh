@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Sets a Debian 12 machine up for Snowbough: installs the packages that are missing, then builds.
+# Prepares a Debian 12 machine for Snowbough: installs missing packages, then builds.
 #
 #   ./tools/setup.sh           everything: the module, its tests and benchmarks
 #   ./tools/setup.sh module    only the Python module, for the demo
 #
-# Afterwards `PYTHONPATH=build/python /usr/bin/python3 -c "import snowbough_native"` works. Nothing is
-# installed when everything is there, and only what changed is built again.
+# Afterwards `PYTHONPATH=build/python /usr/bin/python3 -c "import snowbough_native"` works. Later
+# runs install only missing packages and build only changed files.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -28,7 +28,7 @@ as_root_apt_get() {
   local sudo=()
   if [ "$(id -u)" -ne 0 ]; then
     if ! command -v sudo >/dev/null; then
-      echo "setup: installing needs root and there is no sudo. As root, run: apt-get install ${missing[*]}" >&2
+      echo "setup: the installation needs root, but there is no sudo. As root, run: apt-get install ${missing[*]}" >&2
       exit 1
     fi
     sudo=(sudo)
@@ -38,7 +38,7 @@ as_root_apt_get() {
 }
 
 if ! command -v dpkg-query >/dev/null; then
-  echo "setup: this script knows Debian's packages only; tools/dependencies.txt lists what to install" >&2
+  echo "setup: this script supports only Debian; install the packages of tools/dependencies.txt yourself" >&2
   exit 1
 fi
 
@@ -56,7 +56,7 @@ if [ ${#missing[@]} -gt 0 ]; then
   # Fetch package lists only if they are missing or name versions that the mirror no longer has.
   install=(install -y --no-install-recommends "${missing[@]}")
   if ! as_root_apt_get "${install[@]}"; then
-    echo "setup: apt-get could not install these with the package lists it has; fetching new ones"
+    echo "setup: apt-get could not install these packages; fetching new package lists"
     as_root_apt_get update
     as_root_apt_get "${install[@]}"
   fi

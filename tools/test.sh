@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sets up (tools/setup.sh) and runs the tests.
+# Runs tools/setup.sh, then the tests.
 #
 #   ./tools/test.sh                        all layers
 #   ./tools/test.sh native|python|blender|ui [...]   only these
@@ -8,7 +8,7 @@
 #   ./tools/test.sh --platform windows     tests/python on the wheel for Windows, under wine
 #
 # The last lines give the reasons for skips and `N passed, N failed, N skipped`; the exit code is 0 only if nothing
-# failed. SNOWBOUGH_SETUP=0 skips the set-up.
+# failed. SNOWBOUGH_SETUP=0 skips tools/setup.sh.
 set -uo pipefail
 cd "$(dirname "$0")/.."
 # Absolute: the layers run in different folders.
@@ -73,7 +73,7 @@ case "$platform" in
     ;;
 esac
 
-# What follows must not depend on the caller's Python.
+# The tests must not depend on the caller's Python settings.
 unset PYTHONPATH PYTHONHOME
 export PYTHONUNBUFFERED=1
 

@@ -3,13 +3,13 @@
 #
 #   tools/test_windows.sh REPORT.xml [pytest arguments]
 #
-# Needs wine (apt-get install wine). All it installs lies in build/wine.
+# Needs wine (apt-get install wine). It installs only into build/wine and build/third_party.
 set -euo pipefail
 report="$(realpath -m "$1")"
 shift
 cd "$(dirname "$0")/.."
 python="$PWD/build/third_party/python/3.11/windows-x86_64/python.exe"
-# Python's own, so that the processes which tests start find it, too.
+# Python's own site-packages, so that subprocesses of the tests find it too.
 site="$(dirname "$python")/lib/site-packages"
 
 if ! command -v wine >/dev/null; then
@@ -30,11 +30,12 @@ as_windows() {
   printf 'Z:%s' "${1//\//\\}"
 }
 export WINEPREFIX="$PWD/build/wine/prefix" WINEARCH=win64 WINEDEBUG=-all
-# OpenGL on Windows needs a window, and so a screen.
+# OpenGL on Windows needs a window, and a window needs a screen.
 screen=()
 if command -v xvfb-run >/dev/null; then
   screen=(xvfb-run -a)
 fi
-# A pipe, since wine gives its programs no file as their output. The other tests are about this checkout's tools.
+# Use a pipe, because programs in wine cannot write their output to a file. The other tests concern the checkout's
+# tools.
 PYTHONDONTWRITEBYTECODE=1 PYTHONUTF8=1 "${screen[@]}" wine "$python" -m pytest tests/python/native tests/python/addon -v -rfEs \
   -p no:cacheprovider -o junit_family=xunit2 --junitxml="$(as_windows "$report")" "$@" </dev/null | cat

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Fetches what the packages for other machines are built from, into build/third_party: the sources of the libraries
-# (Debian 12's source packages, through apt), the headers and import libraries of each Python (Maven Central's
-# org.bytedeco:cpython), pybind11 and the compiler zig (PyPI).
+# Fetches the inputs of the release packages into build/third_party: the sources of the libraries (Debian 12's source
+# packages, through apt), the headers and import libraries of each Python version (Maven Central's
+# org.bytedeco:cpython), pybind11, and the compiler zig (both from PyPI).
 #
-#   ./tools/third_party.sh linux|windows|macos [...]     the Pythons of these systems
+#   ./tools/third_party.sh linux|windows|macos [...]     Python versions for these systems
 #
-# Every file is held against tools/third_party.sha256. What is there already is kept.
+# Every file is compared with tools/third_party.sha256. Existing files are kept.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 checksums="$PWD/tools/third_party.sha256"
@@ -26,7 +26,7 @@ named() {
   awk '{ print $2 }' "$checksums" | grep -E "$1"
 }
 
-# A list of deb-src of its own, so that the machine's lists stay as they are.
+# Uses its own deb-src list, so that the machine's package lists stay unchanged.
 fetch_debian_sources() {
   local mirror key
   mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Label: Debian' | sed -n 1p)
@@ -66,7 +66,7 @@ done
 
 for file in *; do
   checked "$file" || {
-    echo "third_party: $root/download/$file is not the file that tools/third_party.sha256 names; delete it" >&2
+    echo "third_party: $root/download/$file does not match tools/third_party.sha256: delete it and run this again" >&2
     exit 1
   }
   unpacked="$sources/.$file.unpacked"
@@ -83,7 +83,7 @@ for file in *; do
       /usr/bin/env python3 -m zipfile -e "$file" "$root/${file%%-*}"
       ;;
     *.jar)
-      # python/3.11/windows-x86_64/{include,libs,...}: what the jar keeps below its package.
+      # Move the content of the jar's package to python/3.11/windows-x86_64/{include,libs,...}.
       IFS=- read -r _ version _ system <<<"${file%.jar}"
       to="$root/python/${version%.*}"
       rm -rf "${to:?}/$system" "$root/jar"

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# One animated shot as a contact sheet: a swaying maple, a moving cart and a flapping flag in snow whose wind turns.
+# Renders an animated shot as a contact sheet: a swaying maple, a moving cart and a flapping flag in snow with turning
+# wind.
 #
-#   ./tools/windy_shot.sh [RESOLUTION]      of the maps, default 512
+#   ./tools/windy_shot.sh [RESOLUTION]      resolution of the maps (default: 512)
 #
 # Writes to build/windy: shot.blend, its cache, eight rendered frames and sheet.png. Takes a few minutes.
 set -euo pipefail

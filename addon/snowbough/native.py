@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finds and loads the native module ``snowbough_native``.
 
-Looked for, in this order: the folder in the environment variable ``SNOWBOUGH_NATIVE``, the add-on's
-own ``lib`` folder (a zip for Blender before 4.2), ``build/python`` of the checkout the add-on runs from,
-and the wheel that Blender installs with an extension. From a folder it is loaded by its path; the wheel is
-imported like any other. ``sys.path`` is left alone, as extensions must.
+The search order is: the folder in the environment variable ``SNOWBOUGH_NATIVE``, the add-on's own ``lib`` folder (in
+the zip for Blender before 4.2), ``build/python`` of the checkout that the add-on runs from, and the wheel that Blender
+installs with an extension. A module in a folder is loaded by its path; the wheel is imported normally. ``sys.path`` is
+not changed, because Blender forbids that for extensions.
 """
 
 import importlib
@@ -18,14 +18,14 @@ from pathlib import Path
 MODULE_NAME = "snowbough_native"
 ENVIRONMENT_VARIABLE = "SNOWBOUGH_NATIVE"
 
-# The Pythons that packages hold a module for.
+# Python versions for which the packages contain a module.
 PACKAGED_PYTHONS = ("3.10", "3.11", "3.13", "3.14")
 
 _problem = None
 
 
 class NativeModuleMissing(RuntimeError):
-    """The native module is not there or was built for another Python."""
+    """The native module is missing or was built for another Python version."""
 
 
 def _folders():
@@ -38,12 +38,12 @@ def _folders():
 
 
 def _module_file():
-    """The module in one of the folders: ``snowbough_native`` as the checkout builds it, or with its version in the
-    name as packages hold it. None where none is."""
+    """Path of the module in the first folder that contains one, or None. Its name is ``snowbough_native`` in a
+    checkout, and also contains the version in packages."""
     for folder in _folders():
         for suffix in importlib.machinery.EXTENSION_SUFFIXES:
             found = sorted(folder.glob(f"{MODULE_NAME}*{suffix}"))
-            # Where the suffix is merely .so, modules of other Pythons end with it, too.
+            # The suffix .so also matches modules for other Python versions, such as x.cpython-313.so.
             found = [path for path in found if "." not in path.name.removesuffix(suffix)]
             if found:
                 return found[-1]
@@ -76,9 +76,9 @@ def _missing():
 
 
 def load():
-    """Returns the module ``snowbough_native``, loading it on first use.
+    """Returns the module ``snowbough_native`` and loads it on first use.
 
-    Raises NativeModuleMissing with what to do when it cannot be loaded.
+    Raises NativeModuleMissing if it cannot be loaded. The message says what to do.
     """
     if MODULE_NAME in sys.modules:
         return sys.modules[MODULE_NAME]
@@ -91,12 +91,12 @@ def load():
         raise NativeModuleMissing(f"Snowbough needs the Python module {error.name}: install it") from error
     except ImportError as error:
         raise NativeModuleMissing(
-            f"Snowbough's module does not load: {error}. docs/install.md of Snowbough says what helps"
+            f"Snowbough's module does not load: {error}. See Snowbough's docs/install.md for remedies"
         ) from error
 
 
 def problem():
-    """Why the module cannot be had, in one line for a panel; empty where it can. Tried once a session."""
+    """The reason why the module cannot be loaded, as one line for a panel; empty if it can. Tried once per session."""
     global _problem
     if _problem is None:
         try:
@@ -108,6 +108,6 @@ def problem():
 
 
 def error_text(error):
-    """The text for people on an exception: foreseen ones explain themselves."""
+    """The message of an exception for users. For unexpected types it begins with the name of the type."""
     foreseen = (RuntimeError, ValueError, OSError)
     return str(error) if isinstance(error, foreseen) and str(error) else f"{type(error).__name__}: {error}"

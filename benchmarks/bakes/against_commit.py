@@ -53,8 +53,8 @@ def make_shot(shot, checkout, tree, options, folder):
     """The shot's .blend file, made by `checkout`."""
     file = folder / f"{shot}.blend"
     of_tree = ["--tree", tree, "--tree-options", options] if tree else []
-    told = blender(["make", checkout, shot, file, *of_tree])
-    for line in told.splitlines():
+    output = blender(["make", checkout, shot, file, *of_tree])
+    for line in output.splitlines():
         if line.startswith(f"{shot}: "):
             print(line, flush=True)
     return file

@@ -71,7 +71,7 @@ def both(renderer, eye, target, size, **options):
     )
 
 
-def told(renderer, label):
+def report(renderer, label):
     counts = renderer.statistics()
     kinds = ("dropped", "plain", "tessellated", "triangles")
     print(f"{label}: " + ", ".join(f"{counts[key]} {key}" for key in kinds), flush=True)
@@ -183,7 +183,7 @@ def tree_levels(size=(260, 320)):
             coarser = {"target_pixels": 0.8 * metres, "min_pixels": 0.02 * metres}
             light = {**SUMMER, "background": (0.75, 0.8, 0.85)}
             whole = drawn(renderer, (0, -9.5, 3.1), middle, size, 0.62, light, **coarser)
-            told(renderer, f"as from {metres} m")
+            report(renderer, f"as from {metres} m")
             close = drawn(renderer, near, (0, 0, 1.6), size, 0.5, light, **coarser)
             wire = drawn(renderer, near, (0, 0, 1.6), size, 0.5, light, wireframe=True, **coarser)
             columns.append(np.concatenate([wire, close, whole]))
@@ -198,7 +198,7 @@ def tree_close():
         picture = both(
             renderer, (-0.75, -1.35, 1.95), (-0.05, 0, 1.8), (460, 560), light=light, target_pixels=6.0
         )
-        told(renderer, "a fork")
+        report(renderer, "a fork")
     return picture
 
 
@@ -210,7 +210,7 @@ def tree_meadow():
         meadow(renderer)
         grass(renderer)
         picture = drawn(renderer, (2.0, -9.0, 1.5), (0.1, 0, 2.85), (900, 640), 0.72, SUMMER)
-        told(renderer, "in leaf")
+        report(renderer, "in leaf")
     return picture
 
 
@@ -256,7 +256,7 @@ def with_snow(name, picture):
     with native.Renderer() as renderer:
         scenes.show(renderer, things, heights, DEPTH, trees)
         made = picture(renderer)
-        told(renderer, name)
+        report(renderer, name)
     return made
 
 
@@ -273,7 +273,7 @@ def snow_growing():
         with native.Renderer() as renderer:
             scenes.show(renderer, things, scenes.fallen(things, depth), depth)
             views = [drawn(renderer, *view, (280, 240)) for view in (BENCH, URN)]
-            told(renderer, f"{100 * depth:g} cm")
+            report(renderer, f"{100 * depth:g} cm")
             columns.append(np.concatenate(views))
     return np.concatenate(columns, axis=1)
 
@@ -299,7 +299,7 @@ def snow_filter(size=400):
             view = drawn(renderer, (0.42, -1.05, 1.22), (0.05, -0.17, 0.77), (size, size), 0.6, light)
             # The rows of the map that snow lies in, above the view: rows run upwards.
             columns.append(np.concatenate([view, grey_map(heights, size)[7 * size // 10 :]]))
-            told(renderer, f"smoothed over {1e3 * blur:g} mm")
+            report(renderer, f"smoothed over {1e3 * blur:g} mm")
     return np.concatenate(columns, axis=1)
 
 

@@ -46,7 +46,7 @@ def median_step(meshes, resolution, pixel_size, steps, density=1.0, **settings):
         return (*medians[:2], medians[2] if has_gpu else None)
 
 
-def told(wall, processor, gpu):
+def columns(wall, processor, gpu):
     """The cells of a step's times."""
     of_gpu = "-" if gpu is None else f"{gpu * 1e3:.3f}"
     return of_gpu, f"{wall * 1e3:.1f}", f"{processor * 1e3:.1f}", f"{1 / wall:.1f}"
@@ -97,14 +97,14 @@ def occlusion_table(steps):
     head("Occlusion size, one map of 1024, 32,768 triangles", "occlusion", *TIMES)
     for size in (256, 512, 1024, 2048, 4096):
         taken = median_step({"field": waving_field()}, 1024, EXTENT / size, steps)
-        line(f"{size} x {size}", *told(*taken))
+        line(f"{size} x {size}", *columns(*taken))
 
 
 def map_table(steps):
     head("Map size, occlusion 1024 x 1024, 32,768 triangles", "map", *TIMES)
     for size in (256, 512, 1024, 2048, 4096):
         taken = median_step({"field": waving_field()}, size, EXTENT / 1024, steps)
-        line(f"{size} x {size}", *told(*taken))
+        line(f"{size} x {size}", *columns(*taken))
 
 
 def object_table(steps):
@@ -122,7 +122,7 @@ def object_table(steps):
             shift = np.float32((EXTENT / side * (i % side), EXTENT / side * (i // side), 0.0))
             placed[f"{i:04}"] = (patch[0] + shift, *patch[1:])
         taken = median_step(placed, 256, EXTENT / 1024, steps)
-        line(count, *told(*taken), f"{taken[1] / count * 1e3:.2f}")
+        line(count, *columns(*taken), f"{taken[1] / count * 1e3:.2f}")
 
 
 def triangle_table(steps):
@@ -136,7 +136,7 @@ def triangle_table(steps):
     for cells in (23, 70, 146, 300, 700):
         taken = median_step({"field": waving_field(cells)}, 1024, EXTENT / 1024, steps)
         first = first or taken[1]
-        line(f"{2 * cells * cells:,}", *told(*taken), f"{taken[1] / first:.2f}")
+        line(f"{2 * cells * cells:,}", *columns(*taken), f"{taken[1] / first:.2f}")
 
 
 TABLES = {

@@ -146,7 +146,7 @@ def test_a_tree_whose_bones_were_moved_says_why_there_is_but_one_level(tmp_path,
     options = addon("gltf.export_options").ExportOptions()
     report = addon("gltf.export_tree").export(bpy.context, bark, tmp_path / "tree.glb", options)
     assert len(report["levels"]) == 1
-    assert any("from where the import put them" in text for text in report["warnings"])
+    assert any("its rest bones were moved" in text for text in report["warnings"])
     assert glb.errors(tmp_path / "tree.glb") == []
 
 
@@ -156,7 +156,7 @@ def test_a_tree_of_an_older_import_has_the_level_that_is_there(tmp_path, addon):
     options = addon("gltf.export_options").ExportOptions()
     report = addon("gltf.export_tree").export(bpy.context, bark, tmp_path / "tree.glb", options)
     assert len(report["levels"]) == 1
-    assert any("kept no skeleton" in text for text in report["warnings"])
+    assert any("stores no skeleton" in text for text in report["warnings"])
 
 
 def test_levels_can_be_built_from_a_saved_file_without_its_obj(tmp_path, leafy):
@@ -458,7 +458,7 @@ def test_a_tree_without_a_bake_says_so(tmp_path, addon):
 def test_what_is_no_tree_is_refused(tmp_path):
     bpy.ops.mesh.primitive_cube_add()
     assert not bpy.ops.export_scene.snowbough_tree.poll()
-    with pytest.raises(RuntimeError, match="select its armature, bark or leaves"):
+    with pytest.raises(RuntimeError, match="select the armature, bark or leaves"):
         bpy.ops.export_scene.snowbough_tree(filepath=str(tmp_path / "tree.glb"))
     assert list(tmp_path.iterdir()) == []
 

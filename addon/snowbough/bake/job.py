@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake from its first pose to its last file, as plain data: no ``bpy`` and no reference into the scene.
+"""The complete procedure of a bake, on plain data: no ``bpy`` and no references to the scene.
 
-The hidden render engine (bake.engine) calls BakeJob.run in Blender's render thread and passes a function that gives
+The hidden render engine (bake.engine) calls BakeJob.run in Blender's render thread and passes a function that returns
 poses. Three tasks run in parallel: Blender evaluates the next pose in this thread, a second thread simulates the pose
-before, and others (map_writer) make, pack and write the maps of the poses before that. Order and results do not depend
-on the scheduling of the threads.
+before, and other threads (map_writer) compute, compress and write the maps of earlier poses. Order and results do not
+depend on the scheduling of the threads.
 
-A job does in order: read the shot's first pose, which determines resolutions and the occlusion grid, whichever part of
-the shot is baked; choose and lock the version; start, or evaluate the frames up to a checkpoint again, compare them
-with the inputs of the checkpoint, and restore it; then, for each frame, steps, maps, manifest, and a checkpoint at the
-interval or if the bake is stopped.
+The steps of a job are:
+
+1. Read the first pose of the shot. It determines the resolutions and the occlusion grid, even if a part is baked.
+2. Choose and lock the version.
+3. Start, or resume: evaluate the frames up to the checkpoint again, compare them with its inputs, and restore it.
+4. For each frame: simulate its steps, write the maps and the manifest, and write a checkpoint at each interval or when
+   the bake is stopped.
 """
 
 import collections
@@ -33,7 +36,7 @@ from .map_writer import MapWriter, WriteFailed
 from .request import BakeCancelled
 from .snow_engine import driver_text, engine_info
 
-# Seconds in which a stopped bake makes surfaces of its frames.
+# Maximum time in seconds for computing surfaces after a bake was stopped.
 STOPPING_SECONDS = 4.0
 
 
@@ -60,7 +63,7 @@ class BakeJob:
         # Positions for the next step of the simulation.
         self._positions = {}
         self._driver = ""
-        # Loads its driver while the first pose is evaluated; the simulation takes it over.
+        # It loads its driver while the first pose is evaluated. Later the simulation uses it.
         self._engine = native.Engine(engine=request.engine, mapping=request.snow["mapping"])
 
     # -- running ---------------------------------------------------------------------------------------
@@ -70,7 +73,7 @@ class BakeJob:
         cancelled() between frames, and shaping(0 to 1) while surfaces are made.
 
         Raises BakeCancelled, CacheError and its subclasses, ValueError (scene or settings) or RuntimeError (NoGpu if
-        engine GL is asked for and unavailable; a driver that fails).
+        engine GL is required but unavailable, or if a driver fails).
         """
         request = self.request
         with contextlib.ExitStack() as stack:
@@ -84,7 +87,9 @@ class BakeJob:
             stack.callback(lambda: [receiver.close() for receiver in self.receivers])
             if not self._may_resume():
                 self._make_simulation(added)  # lays out the maps while the driver loads
-            engine = engine_info(self._engine, request.snow["mapping"])  # before any file is made
+            engine = engine_info(
+                self._engine, request.snow["mapping"]
+            )  # may raise, so call it before creating files
             self._driver = driver_text(engine)
             make_folder(self.root)
             stack.callback(lambda: versions.remove_empty_folders(self.root, self.folders.values()))
@@ -141,7 +146,7 @@ class BakeJob:
                     receiver.complete(settings, self.native, baker.inputs)
 
     def _make_surfaces(self, settings, shaping, cancelled):
-        """Since faces and edges of snow depend on the whole shot, after its last map."""
+        """Computes the surfaces after the last map, because the faces of snow depend on the whole shot."""
 
         def progress(share):
             shaping(share)
@@ -165,7 +170,7 @@ class BakeJob:
         choice = choose_receivers(pose, self.request)
         self.receivers, self.refused = choice.receivers, choice.refused
         self.pixel_size = simulation.pixel_size(pose, choice.texels, self.request.pixel_size)
-        # From all receivers, whichever are baked here, so that machines that share a shot agree.
+        # Computed from all receivers, even if only some are baked, so that machines that share a shot agree.
         wanted = {
             key: self.native.wanted_surface_points(
                 obj.topology.triangles, obj.positions, max(self.request.end_depth, 1e-4), obj.topology.shading

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lock that keeps two bakes out of one receiver's folder. No ``bpy``."""
+"""The lock that prevents two bakes from writing to the same receiver's folder. No ``bpy``."""
 
 import contextlib
 import os
@@ -16,7 +16,7 @@ except ImportError:  # Windows
     fcntl = None
     import msvcrt
 
-# On Windows nobody can read a byte that another process has locked: this one is far behind the text.
+# Windows forbids reading bytes that another process has locked, so lock a byte far behind the text.
 _LOCKED_BYTE = 1 << 30
 
 
@@ -64,7 +64,9 @@ class FolderLock:
 
     def release(self):
         held = self._is_held()
-        if not fcntl:  # Windows removes no file that is open; one that the next bake holds stays, too
+        if (
+            not fcntl
+        ):  # Windows cannot remove open files, so close it first. If the next bake has opened it, it stays
             os.close(self._descriptor)
         if held:
             with contextlib.suppress(OSError):
@@ -75,7 +77,7 @@ class FolderLock:
 
 @contextlib.contextmanager
 def lock_folder(folder):
-    """Locks a receiver's folder, which is made if needed, for one bake; yields the FolderLock. The system releases the
+    """Creates a receiver's folder if needed and locks it for one bake. Yields the FolderLock. The system releases the
     lock with the process, so a killed bake does not block others. Raises CacheBusy with the holder's host and
     process."""
     make_folder(folder)

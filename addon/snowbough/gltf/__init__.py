@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Trees as game engines take them: glTF 2.0 with levels of detail, skin, branch levels and the baked snow."""
+"""Exports trees for game engines: glTF 2.0 with levels of detail, skin, branch levels and the baked snow."""

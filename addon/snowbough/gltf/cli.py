@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""``cli.py export``: writes an imported tree of the loaded file for engines, and a JSON report.
+"""``cli.py export``: exports an imported tree of the loaded file for game engines, and writes a JSON report.
 
-Exit codes: 0 done; 1 there is no such tree, or something could not be written; 6 no native module.
+Exit codes: 0 success; 1 there is no such tree, or a file could not be written; 6 no native module.
 """
 
 import sys
@@ -20,20 +20,20 @@ from .export_tree import export, summary
 
 
 def add_arguments(parser):
-    """What ``export`` takes; options as gltf.export_options declares them."""
+    """Adds the arguments of ``export``. gltf.export_options declares the options."""
     parser.add_argument(
-        "file", metavar="FILE.glb", help="what is written: .glb, or .gltf with files beside it"
+        "file", metavar="FILE.glb", help="output file: .glb, or .gltf with separate files beside it"
     )
+    parser.add_argument("--tree", metavar="NAME", help="name of the tree's armature (default: the only tree)")
     parser.add_argument(
-        "--tree", metavar="NAME", help="the tree's armature; not needed where there is but one"
+        "--frame", type=int, metavar="N", help="frame whose snow is exported (default: the current frame)"
     )
-    parser.add_argument("--frame", type=int, metavar="N", help="the frame whose snow is exported")
-    parser.add_argument("--json", metavar="R.json", help="where the report goes")
+    parser.add_argument("--json", metavar="R.json", help="output file of the report")
     add_options(parser, ExportProperties)
 
 
 def _chosen(scene, name):
-    """The armature of the tree `name`, or of the only one."""
+    """The armature of the tree `name`; of the only tree for None."""
     trees = scene_tree.all_trees(scene)
     if name is None and len(trees) == 1:
         return next(iter(trees.values()))
@@ -45,7 +45,7 @@ def _chosen(scene, name):
 
 
 def run(args):
-    """Exports as the command line says; returns the exit code. args: see add_arguments."""
+    """Exports the tree and returns the exit code. args: see add_arguments."""
     scene = bpy.context.scene
     try:
         report_file = checked_target(args.json, "")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A glTF 2.0 document in the making: arrays become accessors, images files, and all of it one .glb or a .gltf with
-its parts. No ``bpy``.
+"""Builds a glTF 2.0 document from arrays and images, and writes it as one .glb file, or as a .gltf file with separate
+files. No ``bpy``.
 
 Source: Khronos Group, glTF 2.0 Specification, 2021, sections 3.6 (buffers, accessors), 3.8 (textures) and 4 (GLB).
 """
@@ -17,17 +17,17 @@ from ..cache.files import write_bytes
 COMPONENT_TYPES = {np.dtype(np.uint8): 5121, np.dtype(np.uint16): 5123, np.dtype(np.uint32): 5125}
 COMPONENT_TYPES[np.dtype(np.float32)] = 5126
 TYPES = {(): "SCALAR", (2,): "VEC2", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"}
-# What a buffer view is bound as; none for what vertex shaders do not fetch.
+# Targets of buffer views that vertex shaders fetch. Other views have none.
 VERTICES, INDICES = 34962, 34963
 SUFFIXES = {"image/png": ".png", "image/jpeg": ".jpg"}
 GLB_MAGIC, GLB_JSON, GLB_BINARY = b"glTF", 0x4E4F534A, 0x004E4942
 
 
 class Document:
-    """The tables of a document; each add_ method returns the number of what it added.
+    """The tables of a document. Each add method returns the index of the new entry.
 
-    `json` is the document itself: what has no method here is put into it directly. Empty tables are left out when it
-    is written, as the specification demands.
+    `json` is the document itself: entries without a method here are added to it directly. Empty tables are not written,
+    as the specification requires.
     """
 
     TABLES = ("scenes", "nodes", "meshes", "skins", "materials", "textures", "samplers", "images")
@@ -49,7 +49,7 @@ class Document:
             self.json["extensionsUsed"].append(name)
 
     def _add_view(self, data, target=None):
-        """Every view begins at a multiple of four bytes, which suits all component types."""
+        """Adds a buffer view. It begins at a multiple of four bytes, the alignment of all component types."""
         self._binary += b"\0" * (-len(self._binary) % 4)
         view = {"buffer": 0, "byteOffset": len(self._binary), "byteLength": len(data)}
         if target is not None:
@@ -58,12 +58,12 @@ class Document:
         return self.add("bufferViews", view)
 
     def add_accessor(self, values, target=None, normalized=False, bounds=False):
-        """values: uint8, uint16, uint32 or float32 of shape (N,), (N, 2 to 4) or (N, 4, 4), whose rows have a multiple
-        of four bytes where they are vertices; matrices with their columns one after the other. bounds: min and max are
-        written, which positions must have. Equal arrays are stored once."""
+        """Adds an accessor. values: uint8, uint16, uint32 or float32 of shape (N,), (N, 2 to 4) or (N, 4, 4); rows of
+        vertex attributes must have a multiple of four bytes; matrices are column-major. bounds: write min and max,
+        which positions need. Equal arrays are stored once."""
         values = np.ascontiguousarray(values)
         if values.dtype.kind == "f" and not np.isfinite(values).all():
-            raise ValueError("the mesh holds numbers that are not finite: it cannot be written")
+            raise ValueError("the mesh has coordinates that are not finite: correct it, then export again")
         data = values.astype(values.dtype.newbyteorder("<"), copy=False).tobytes()
         key = (data, values.dtype.str, values.shape, target, normalized, bounds)
         if key in self._known:
@@ -83,7 +83,7 @@ class Document:
         return self._known[key]
 
     def add_texture(self, name, data, mime_type):
-        """A texture that repeats, of an image file's bytes; equal bytes are stored once."""
+        """Adds a repeating texture. data: the bytes of an image file; equal bytes are stored once."""
         if (data, mime_type) not in self._known:
             sampler = {"magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497}
             if not self.json["samplers"]:
@@ -98,7 +98,8 @@ class Document:
         return {key: value for key, value in self.json.items() if value != []}
 
     def write_glb(self, path):
-        """One file with everything in it. Raises CacheError where the disk refuses."""
+        """Writes one .glb file with all data. Returns its path in a list. Raises CacheError if the file cannot be
+        written."""
         for image, data in zip(self.json["images"], self._images):
             image["bufferView"] = self._add_view(data)
         binary = bytes(self._binary) + b"\0" * (-len(self._binary) % 4)
@@ -116,8 +117,8 @@ class Document:
         return [Path(path)]
 
     def write_separate(self, path):
-        """A .gltf, a .bin of the same name and the images as files beside them; returns all paths. Raises CacheError
-        where the disk refuses."""
+        """Writes a .gltf file, a .bin file of the same name, and the images as separate files. Returns all paths.
+        Raises CacheError if a file cannot be written."""
         path = Path(path)
         written = []
         for number, (image, data) in enumerate(zip(self.json["images"], self._images)):

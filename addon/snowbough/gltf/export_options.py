@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The options of an export, declared once: the operator's properties and the command line come from here."""
+"""The options of an export. The operator and the command line both use these declarations."""
 
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
@@ -9,11 +9,11 @@ MOST_LEVELS = 8
 
 
 class ExportProperties:
-    """Mix-in of operators."""
+    """A mix-in for operators."""
 
     levels: IntProperty(
         name="Levels",
-        description="Maximum number of levels of detail. The finest is the tree in the scene (levels)",
+        description="Maximum number of levels of detail. The finest level is the tree in the scene",
         default=4,
         min=1,
         max=MOST_LEVELS,
@@ -25,15 +25,15 @@ class ExportProperties:
     )
     leaf_share: FloatProperty(
         name="Leaves Kept",
-        description="Share of leaves that each level keeps from the one before. The kept leaves are enlarged to fill "
-        "the crown (0 to 1)",
+        description="Share of leaves that each level keeps from the level before, 0 to 1. The kept leaves are enlarged "
+        "to fill the crown",
         default=0.5,
         min=0.01,
         max=1.0,
     )
     snow: EnumProperty(
         name="Snow",
-        description="Baked snow that is written with the tree",
+        description="Form in which the baked snow is exported with the tree",
         items=(
             ("NONE", "None", "No snow"),
             (
@@ -44,7 +44,7 @@ class ExportProperties:
             (
                 "FRAME",
                 "Map",
-                "Heights, and normals where they were baked, of the current frame, beside the file",
+                "Height map of the current frame, and normal map if it was baked, as separate image files",
             ),
             ("ATLAS", "Atlas", "Maps of several frames side by side in one image"),
         ),
@@ -54,22 +54,22 @@ class ExportProperties:
         name="Heights",
         description="File format of height maps. Normals are always PNG images of 8 bits",
         items=(
-            ("PNG", "PNG, 16 Bits", "Readable by every engine. Scale and offset are in a separate file"),
+            ("PNG", "PNG, 16 Bits", "Readable by every engine. The glTF file contains scale and offset"),
             ("EXR", "OpenEXR, 32 Bits", "Heights in metres"),
         ),
         default="PNG",
     )
     atlas_frames: IntProperty(
         name="Frames",
-        description="Number of frames in the atlas, evenly spread from the first to the last baked frame (frames)",
+        description="Number of frames in the atlas, evenly spread from the first to the last baked frame",
         default=16,
         min=2,
         max=256,
     )
     atlas_tile: IntProperty(
         name="Tile",
-        description="Side of a frame in the atlas (texels). 0 keeps the baked size. Larger maps are averaged down, "
-        "which blurs neighbouring twigs of trees together",
+        description="Side of a frame in the atlas (texels). 0 keeps the baked size. Smaller sizes average texels, "
+        "which mixes the snow of neighbouring twigs",
         default=0,
         min=0,
         max=8192,

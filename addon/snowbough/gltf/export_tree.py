@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From an imported tree in the scene to the files that an engine takes, as a recipe: find the tree, read its bones and
-meshes, add levels of detail, write the baked snow, write the tree.
+"""The steps that export an imported tree of the scene for a game engine: find the tree, read its bones and meshes, add
+levels of detail, write the baked snow, write the tree.
 """
 
 import re
@@ -19,7 +19,7 @@ SUFFIXES = (".glb", ".gltf")
 
 
 def checked_path(path):
-    """The Path of the tree's file. Raises ValueError for one that nothing can be written to."""
+    """The Path of the tree's file. Raises ValueError for a wrong suffix or a missing folder."""
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:
         raise ValueError(f"{path.name} must end in {' or '.join(SUFFIXES)}")
@@ -29,7 +29,7 @@ def checked_path(path):
 
 
 def _stems(points, joints, rig):
-    """float64 (V, 3): the place on its bone that is nearest to each point; armature's axes."""
+    """float64 (V, 3): for each point the nearest position on its bone, in armature space."""
     heads, tails = scene_tree.bone_segments(rig)
     head, along = heads[joints], (tails - heads)[joints]
     t = ((points - head) * along).sum(axis=1) / np.maximum((along * along).sum(axis=1), 1e-30)
@@ -54,7 +54,7 @@ def _leaf_part(leaves, tree, count, options, linear, warnings):
 
 
 def _one_level(tree, level):
-    """The Tree with only one of its levels of detail."""
+    """A copy of the Tree with only one level of detail."""
     parts = [tree_file.Part(p.name, p.levels[level : level + 1], p.materials) for p in tree.parts]
     name = f"{tree.name}_LOD{level}"
     return tree_file.Tree(name, tree.joints, parts, tree.branch_levels, tree.extras, tree.heaps)
@@ -65,7 +65,7 @@ def _write(document, path):
 
 
 def _write_tree(tree, path, options):
-    """Writes one file, or one a level; returns all paths."""
+    """Writes one file, or one file per level. Returns all paths."""
     if not options.file_per_level:
         return _write(tree_file.build(tree), path)
     written = []
@@ -76,11 +76,11 @@ def _write_tree(tree, path, options):
 
 
 def export(context, obj, path, options):
-    """Writes the tree that `obj` is part of to `path` (.glb or .gltf) and what belongs to it beside it.
+    """Writes the tree that `obj` is part of to `path` (.glb or .gltf), and additional files beside it.
 
-    Returns the report: ``tree``, ``files`` (all that was written), ``levels`` (triangles of each part, the finest
-    first), ``heaps`` (triangles of each surface of snow), ``bones``, ``snow`` (see scene_snow.write) and ``warnings``.
-    Raises ValueError for what is no tree, RuntimeError where a file cannot be written.
+    Returns the report: ``tree``, ``files`` (all written files), ``levels`` (triangles of each part, the finest level
+    first), ``heaps`` (triangles of each snow surface), ``bones``, ``snow`` (see scene_snow.write) and ``warnings``.
+    Raises ValueError if `obj` is not part of a tree, RuntimeError if a file cannot be written.
     """
     path = checked_path(path)
     tree = scene_tree.find(obj)
@@ -120,7 +120,7 @@ def export(context, obj, path, options):
 
 
 def summary(report):
-    """The report in one line."""
+    """A summary of the report in one line."""
     triangles = " / ".join(f"{sum(level.values()):,}" for level in report["levels"])
     count = len(report["warnings"])
     return (

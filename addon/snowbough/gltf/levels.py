@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Levels of detail of a tree's bark: those in the scene, then coarser ones that the native module builds from the
-skeleton that the tree keeps, then ever fewer branches. All share bones and the map ``snow``: one baked map fits all.
+"""Levels of detail of a tree's bark: the levels in the scene, then coarser levels that the native module builds from
+the skeleton that the armature stores, then levels with fewer and fewer branches. All levels share the bones and the UV
+map ``snow``, so one baked map fits all.
 """
 
 from dataclasses import replace
@@ -16,18 +17,18 @@ from .surface import from_quads, strongest
 from .thinning import kept_branches, without_branches
 
 DETAILS = ("FILM", "DEFAULT", "GAME", "DRAFT")
-# A level that has more of the faces of the one before is not worth being one.
+# A level is used only if it has at most this share of the triangles of the level before.
 WORTHWHILE = 0.7
-# Of the faces of the one before, where branches are left out.
+# Target share of the triangles of the level before, for levels with fewer branches.
 FEWER_BRANCHES = 0.5
-# Rest bones may be so far from the kept skeleton's, as a share of the tree's height.
+# Maximum distance of rest bones from those of the stored skeleton, as a share of the tree's height.
 TOLERANCE = 1e-4
-# Values of the native face_part from here on are caps.
+# Values of the native face_part that are at least this large mean caps.
 FIRST_CAP = 2
 
 
 class _Builder:
-    """Builds meshes of a kept skeleton with the bones of `rig`. Raises ValueError where those are others by now."""
+    """Builds meshes of a stored skeleton with the bones of `rig`. Raises ValueError if the bones were changed."""
 
     def __init__(self, skeleton, built, rig):
         self._module, self._skeleton, self._built = native.load(), skeleton, built
@@ -36,7 +37,7 @@ class _Builder:
         self._check(self.mesh({"lod": 0}), rig)
 
     def mesh(self, fineness):
-        """The mesh of a fineness, built once."""
+        """The mesh for these arguments (`lod` or `detail`), built once."""
         key = tuple(fineness.items())
         if key not in self._meshes:
             self._meshes[key] = self._build(fineness)
@@ -54,7 +55,7 @@ class _Builder:
         return self._module.reduce_bones(whole, built["max_bones"], built["max_bone_level"])
 
     def joints(self, mesh):
-        """(joints, weights) by the armature's bones."""
+        """(joints, weights) with the armature's bone indices."""
         names = fitting_names(mesh.bone_names)
         number = np.array([self._number[name] for name in names])
         return strongest(number[mesh.bone_indices], mesh.bone_weights)
@@ -63,15 +64,15 @@ class _Builder:
         names = fitting_names(mesh.bone_names)
         gone = [name for name in names if name not in self._number]
         if gone:
-            raise ValueError(f"the armature has no bone '{gone[0]}' any more")
+            raise ValueError(f"the armature no longer has a bone '{gone[0]}'")
         heads = np.array([rig.data.bones[name].head_local for name in names])
         away = np.abs(heads - mesh.bone_heads).max()
         if away > TOLERANCE * self._skeleton.height:
-            raise ValueError(f"its bones stand up to {away:.3g} from where the import put them")
+            raise ValueError(f"its rest bones were moved by up to {away:.3g} units since the import")
 
 
 def _coarser(fineness):
-    """What build_tree_mesh takes for each level coarser than the finest in the scene."""
+    """Arguments of build_tree_mesh for each level that is coarser than the finest level in the scene."""
     if fineness["lod"] != BY_DETAIL:
         return [{"lod": lod} for lod in range(fineness["lod"] - 1, -1, -1)]
     after = DETAILS[DETAILS.index(fineness["detail"]) + 1 :]
@@ -79,7 +80,7 @@ def _coarser(fineness):
 
 
 def _material_of_joints(surface, joints):
-    """int (joints,): the commonest material of the triangles whose first point follows each joint first."""
+    """int (joints,): for each joint the most frequent material of the triangles whose first point follows it most."""
     first = surface.joints[surface.corner_point[surface.triangles[:, 0]], 0]
     materials = int(surface.material.max()) + 1
     counts = np.bincount(first.astype(np.int64) * materials + surface.material, minlength=joints * materials)
@@ -89,8 +90,8 @@ def _material_of_joints(surface, joints):
 
 
 def _stretch(surface):
-    """(u, v): how much larger TEXCOORD_2, the export's own coordinates, run than TEXCOORD_0 does; u whole, so that
-    it closes round the limb."""
+    """(u, v): factors from TEXCOORD_0 to TEXCOORD_2, the texture coordinates of the imported file. u is an integer, so
+    that the texture closes around the limb."""
     bark, own = (
         np.abs(np.diff(surface.corner_uvs[k][surface.triangles], axis=1)).reshape(-1, 2) for k in (0, 2)
     )
@@ -102,16 +103,16 @@ def _stretch(surface):
 
 
 def _is_cap(mesh):
-    """bool (F,): the faces that close a root or a tip. They are shaded by themselves: a ring whose normals lean towards
-    its cap would swell where shaders round it."""
+    """bool (F,): the faces that close a root or a tip. They are shaded flat: if normals of a ring leaned towards its
+    cap, shaders that round the surface would inflate the ring."""
     return np.asarray(mesh.face_part) >= FIRST_CAP
 
 
 def _as_surface(branches, mesh, quads, corner_uvs, faces, joints, finest):
-    """A native mesh of the branches, or part of it, as a Surface with the finest one's materials, as many UV maps, and
-    wind where that has it.
+    """A native mesh of the branches, or a part of it, as a Surface with the materials and the number of UV maps of the
+    `finest` level, and with wind attributes if that level has them.
 
-    faces: which of the mesh's faces each quad is.
+    faces: the index of each quad in the mesh.
     """
     if len(finest.corner_uvs) > 2:
         corner_uvs = [*corner_uvs, corner_uvs[0] * _stretch(finest)]
@@ -123,8 +124,8 @@ def _as_surface(branches, mesh, quads, corner_uvs, faces, joints, finest):
 
 
 def _with_flat_caps(surface, mesh):
-    """A Surface from the scene with the caps of the native mesh that it was made from; as it is where the artist has
-    changed it since."""
+    """A Surface of the scene with flat caps, which come from the native mesh. Unchanged if the artist has edited the
+    mesh."""
     same = len(surface.points) == len(mesh.vertices) and len(surface.triangles) == 2 * len(mesh.quads)
     if not same or not np.allclose(surface.points, mesh.vertices, atol=1e-5):
         return surface
@@ -132,7 +133,7 @@ def _with_flat_caps(surface, mesh):
 
 
 def _rebuilt(builder, branches, fineness, finest):
-    """Surfaces, ever coarser; each is built when it is asked for."""
+    """Yields coarser and coarser Surfaces. Each is built on demand."""
     for settings in _coarser(fineness):
         mesh = builder.mesh(settings)
         yield _as_surface(
@@ -147,7 +148,8 @@ def _rebuilt(builder, branches, fineness, finest):
 
 
 def _bared(builder, branches, finest, triangles):
-    """Surfaces of ever fewer branches, the first with half of `triangles`, down to the roots."""
+    """Yields Surfaces with fewer and fewer branches, the first with half of `triangles`, the last with only the
+    roots."""
     mesh = builder.mesh({"lod": 0})
     quads = np.asarray(mesh.quads)
     face_branch = np.asarray(mesh.face_branch)
@@ -164,7 +166,7 @@ def _bared(builder, branches, finest, triangles):
 
 
 def _append_worthwhile(levels, candidates, count):
-    """Appends those candidates that have clearly fewer triangles than the level before, up to `count` levels."""
+    """Appends candidates with at most WORTHWHILE of the triangles of the level before, up to `count` levels."""
     while len(levels) < count:
         surface = next(candidates, None)
         if surface is None:
@@ -174,21 +176,21 @@ def _append_worthwhile(levels, candidates, count):
 
 
 def complete(levels, lods, count, rig, warnings):
-    """`levels` (Surfaces in the armature's axes, the finest first) with coarser ones up to `count`; where none can be
-    built, or no more are worth it, warnings says why. lods: for each the level that it was imported as, or BY_DETAIL.
+    """`levels` (Surfaces in armature space, the finest first), completed with coarser ones up to `count`. If there are
+    fewer, `warnings` receives the reason. lods: for each level its imported LOD number, or BY_DETAIL.
     """
     levels, lods = levels[:count], lods[:count]
     try:
         found = kept_skeleton.kept(rig.data)
         if found is None:
-            raise ValueError("it comes from an import that kept no skeleton")
+            raise ValueError("it was imported by a version that stores no skeleton")
         skeleton, built = found
         builder = _Builder(skeleton, built, rig)
     except ValueError as error:
         if len(levels) < count:
             warnings.append(
-                f"'{rig.name}' has {len(levels)} of {count} levels of detail: coarser ones cannot be built, for "
-                f"{error}. Import the tree anew, or with Import LOD Chain"
+                f"'{rig.name}' has {len(levels)} of {count} levels of detail. Coarser levels cannot be built: "
+                f"{error}. Import the tree again, or import it with Import LOD Chain"
             )
         return levels
     for number, lod in enumerate(lods):
@@ -199,12 +201,14 @@ def complete(levels, lods, count, rig, warnings):
     finest = levels[0]
     if len(finest.corner_uvs) > 2:
         warnings.append(
-            "levels below those in the scene have the map `bark`, scaled, for the export's own texture "
-            "coordinates: with Import LOD Chain they have their own"
+            "coarser levels than those in the scene use the UV map `bark`, scaled, for the texture coordinates of "
+            "the imported file: use Import LOD Chain to keep these coordinates"
         )
     if len(levels) == 1:
         _append_worthwhile(levels, _rebuilt(builder, skeleton.branches, built["fineness"], finest), count)
     _append_worthwhile(levels, _bared(builder, skeleton.branches, finest, len(levels[-1].triangles)), count)
     if len(levels) < count:
-        warnings.append(f"'{rig.name}' has {len(levels)} levels of detail: no more are worth it")
+        warnings.append(
+            f"'{rig.name}' has {len(levels)} of {count} levels of detail: further levels would save too few triangles"
+        )
     return levels

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's materials as glTF's: the colour texture or colour of the first Principled BSDF, its normal map, and the
-opacity that snow goes by (scene.material_alpha) as the texture's alpha.
+"""Converts Blender's materials to glTF: the colour texture or colour of the first Principled BSDF, its normal map, and
+the opacity that the snow uses (scene.material_alpha) as the alpha of the texture.
 """
 
 from pathlib import Path
@@ -14,17 +14,17 @@ from . import texels
 from .tree_file import Material, Texture
 
 CUTOFF = 0.5
-# First bytes of the files that glTF takes.
+# First bytes of the image files that glTF allows.
 SIGNATURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
 
 
 def _kind_of(data):
-    """The MIME type of an image file; None for types that glTF does not take."""
+    """The MIME type of an image file; None for types that glTF does not allow."""
     return next((kind for start, kind in SIGNATURES.items() if data.startswith(start)), None)
 
 
 def _node_behind(socket):
-    """The node that an input gets its value from, or None."""
+    """The node that is linked to an input, or None. Skips reroutes."""
     while socket is not None and socket.is_linked:
         node = socket.links[0].from_node
         if node.type != "REROUTE":
@@ -34,7 +34,7 @@ def _node_behind(socket):
 
 
 def _pixels(image):
-    """float32 (H, W, 4) of an image as its file has them; None where it is missing."""
+    """float32 (H, W, 4) of an image, without colour conversion; None if the image is missing."""
     width, height = image.size
     if not width or not height:
         return None
@@ -49,13 +49,13 @@ def _pixels(image):
 
 
 def _srgb(linear):
-    """Colours as textures are written in."""
+    """Encodes linear colours as sRGB."""
     linear = np.clip(np.asarray(linear, dtype=np.float32), 0.0, 1.0)
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
 def _colors(image):
-    """float32 (H, W, 3) of a colour image in sRGB; None where it is missing. Images of floats are linear."""
+    """float32 (H, W, 3) of a colour image in sRGB; None if the image is missing. Float images are linear."""
     pixels = _pixels(image) if image is not None else None
     if pixels is None:
         return None
@@ -63,7 +63,7 @@ def _colors(image):
 
 
 def _file_of(image):
-    """The bytes of the file that an image is, as long as nobody painted on it; None otherwise."""
+    """The bytes of the image's file; None if there is no file or the image was painted on since it was saved."""
     if image.is_dirty:
         return None
     if image.packed_file is not None:
@@ -73,7 +73,7 @@ def _file_of(image):
 
 
 class _Maker:
-    """One material. uv_maps: names in the order of TEXCOORD_0, _1 and so on; warnings: what could not be kept."""
+    """Makes one material. uv_maps: names in the order of TEXCOORD_0, _1 and so on; warnings: receives the losses."""
 
     def __init__(self, material, uv_maps, warnings):
         self._material, self._uv_maps, self._warnings = material, uv_maps, warnings
@@ -82,18 +82,22 @@ class _Maker:
         self._warnings.append(f"material '{self._material.name}': {text}")
 
     def _placed(self, texture, uv_map, transform):
-        """The Texture as it lies on its UV map."""
+        """The Texture with its UV map and transform set."""
         (a, b, c), (d, e, f) = transform
         if max(abs(b), abs(d)) > 1e-6:
-            self._warn(f"the texture '{texture.name}' is turned, and was exported upright")
+            self._warn(f"the texture '{texture.name}' is rotated: it was exported without rotation")
         if uv_map and uv_map not in self._uv_maps:
-            self._warn(f"the texture '{texture.name}' lies on the UV map '{uv_map}', which is not exported")
+            self._warn(
+                f"the texture '{texture.name}' uses the UV map '{uv_map}', which is not exported: "
+                "it was exported with the first UV map"
+            )
         texture.texcoord = self._uv_maps.index(uv_map) if uv_map in self._uv_maps else 0
         texture.scale, texture.offset = (a, e), (c, f)
         return texture
 
     def _texture(self, node):
-        """The Texture of an image texture node, its file as it is where glTF takes that; None where it is missing."""
+        """The Texture of an image texture node; None if the image is missing. A file that glTF allows stays
+        unchanged."""
         image = node.image
         data = _file_of(image) if image is not None else None
         kind = _kind_of(data) if data else None
@@ -110,18 +114,18 @@ class _Maker:
         try:
             return material_alpha.coordinates(node.inputs["Vector"])
         except material_alpha.UnknownAlpha as error:
-            self._warn(f"{error}; exported on the first UV map")
+            self._warn(f"{error}: exported with the first UV map")
             return "", material_alpha.IDENTITY
 
     def _opacity(self):
         try:
             return material_alpha.of_material(self._material)
         except material_alpha.UnknownAlpha as error:
-            self._warn(f"{error}; exported as opaque")
+            self._warn(f"{error}: exported as opaque")
             return None
 
     def _masked(self, opacity, node, color):
-        """The colour of an image texture node, or one colour, with the opacity as alpha."""
+        """The Texture of an image texture node, or of one colour if that is None, with the opacity as alpha."""
         alpha = opacity.pixels.astype(np.float32) / 255.0
         rgb = _colors(node.image) if node is not None else None
         place = (opacity.uv_map, opacity.transform)
@@ -130,7 +134,8 @@ class _Maker:
         elif self._coordinates(node) != place:
             place = self._coordinates(node)
             self._warn(
-                f"colour and mask '{opacity.name}' lie differently: the mask was put where the colour is"
+                f"the colour and the mask '{opacity.name}' use different UVs: "
+                "the mask was exported with the UVs of the colour"
             )
         name = Path(node.image.name if node is not None and node.image is not None else opacity.name).stem
         data = native.load().encode_png(texels.masked(rgb, alpha))
@@ -141,7 +146,7 @@ class _Maker:
         if node is not None and node.type == "BUMP":
             height = _node_behind(node.inputs["Height"])
             if height is not None and height.type == "TEX_IMAGE":
-                self._warn("its bump map stays in Blender: engines take normal maps")
+                self._warn("its bump map was not exported: bake it to a normal map")
             node = _node_behind(node.inputs["Normal"])
         image = _node_behind(node.inputs["Color"]) if node is not None and node.type == "NORMAL_MAP" else None
         return self._texture(image) if image is not None and image.type == "TEX_IMAGE" else None
@@ -151,7 +156,7 @@ class _Maker:
         tree = self._material.node_tree if self._material.use_nodes else None
         surface = next((n for n in tree.nodes if n.type == "BSDF_PRINCIPLED"), None) if tree else None
         if surface is None:
-            self._warn("it has no Principled BSDF; its viewport colour was exported")
+            self._warn("it has no Principled BSDF: its viewport colour was exported")
             return Material(name, color=tuple(self._material.diffuse_color[:3]))
         made = Material(name, roughness=float(surface.inputs["Roughness"].default_value))
         base = surface.inputs["Base Color"]
@@ -159,9 +164,9 @@ class _Maker:
         image = node if node is not None and node.type == "TEX_IMAGE" else None
         color = tuple(base.default_value[:3])
         if node is not None and node.type == "VALTORGB":
-            # Procedural bark: what the eye makes of it from afar.
+            # Procedural bark: the mean colour of its ramp.
             color = tuple(np.mean([node.color_ramp.evaluate(t / 15)[:3] for t in range(16)], axis=0).tolist())
-            self._warn("its procedural bark was exported as one colour: bake it, or give it a texture")
+            self._warn("its procedural bark was exported as one colour: bake its colour to a texture")
         opacity = self._opacity()
         if opacity is not None:
             made.base, made.cutoff = self._masked(opacity, image, color), CUTOFF
@@ -173,7 +178,7 @@ class _Maker:
 
 
 def of_object(obj, uv_maps, double_sided, warnings):
-    """[Material] of an object's slots, in their order; one grey where it has none. See _Maker."""
+    """[Material] of an object's slots, in their order; one grey material if there are no slots. See _Maker."""
     made = []
     for slot in obj.material_slots:
         if slot.material is None:

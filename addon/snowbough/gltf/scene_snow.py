@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The baked snow of a tree's objects: surfaces as meshes in its file, or textures beside it (snow_maps) and what a
-shader must know of them."""
+"""Exports the baked snow of a tree's objects: surfaces as meshes in the tree's file, or textures beside it (snow_maps)
+with the parameters that a shader needs."""
 
 from pathlib import Path
 
@@ -20,12 +20,12 @@ from ..surface.point_cache import read_point_cache
 from . import snow_maps
 from .tree_file import Heap
 
-# TEXCOORD_<n> that the maps lie on.
+# Number of the TEXCOORD set of the maps.
 TEXCOORD = 1
 
 
 def _baked_folder(scene, obj, warnings):
-    """The folder of an object's bake; None, with the reason among the warnings, where there is none."""
+    """The folder of an object's bake. If there is none, returns None and adds the reason to the warnings."""
     receiver = receivers.find(scene, obj)
     folder = Path(bpy.path.abspath(receiver.folder)) if receiver is not None and receiver.folder else None
     if folder is None or not baked_frames(folder):
@@ -35,8 +35,8 @@ def _baked_folder(scene, obj, warnings):
 
 
 def surfaces(scene, objects, to_file, warnings):
-    """[Heap] of the baked surfaces of `objects` ({part's name: object}) in the current frame, or the nearest baked one.
-    to_file(object) -> (4, 4) from its own space to the file's metres, Z up."""
+    """[Heap] of the baked surfaces of `objects` ({part's name: object}) in the current frame, or in the nearest baked
+    frame. to_file(object) -> (4, 4) from object space to the file's space in metres, Z up."""
     heaps = []
     for name, obj in objects.items():
         folder = _baked_folder(scene, obj, warnings)
@@ -47,7 +47,7 @@ def surfaces(scene, objects, to_file, warnings):
             warnings.append(f"the bake of '{obj.name}' has no surface: use Update Surface, or bake again")
             continue
         file = read_mesh(folder / SURFACE_FACES)
-        # The first sample is without snow.
+        # The first sample has no snow.
         index = min(max(scene.frame_current - summary["first"], 0), summary["frames"] - 1) + 1
         points = read_point_cache(folder / SURFACE_POINTS)[index].astype(np.float64)
         matrix = np.array(to_file(obj), dtype=np.float64)
@@ -61,22 +61,23 @@ def surfaces(scene, objects, to_file, warnings):
 
 
 def _map_folder(scene, obj, warnings):
-    """The folder of an object's baked maps that fit the exported UVs; None, with the reason among the warnings."""
+    """The folder of an object's baked maps. If they do not fit the exported UVs, or are missing, returns None and adds
+    the reason to the warnings."""
     folder = _baked_folder(scene, obj, warnings)
     if folder is None:
         return None
     uv_map = baked_uv_map(str(folder))
     if uv_map not in ("", SNOW_UV):
         warnings.append(
-            f"the snow of '{obj.name}' was baked on the UV map '{uv_map}': only `{SNOW_UV}` is exported. "
-            "Choose it in the list of receivers, and bake again"
+            f"the snow of '{obj.name}' was baked on the UV map '{uv_map}', but only `{SNOW_UV}` is exported: "
+            "choose that UV map in the receiver's settings, and bake again"
         )
         return None
     return folder
 
 
 def chosen_frames(baked, options, current):
-    """Frames of the bake that go out: the current one, or the nearest to it, or as many as the atlas takes."""
+    """The frames to export: the baked frame nearest to the current one, or evenly spread frames for the atlas."""
     if options.snow == "FRAME":
         return [min(baked, key=lambda frame: abs(frame - current))]
     count = min(options.atlas_frames, len(baked))
@@ -90,7 +91,7 @@ def _read(module, folder, kind, frames, tile, empty):
 
 
 def _write_heights(module, heights, stem, options, attributes):
-    """(path, what turns its numbers into metres)."""
+    """Writes the height map. Returns (path, {scale, offset}): the conversion of its numbers to metres."""
     if options.snow_format == "EXR":
         path = stem.with_name(f"{stem.name}_snow_height.exr")
         module.write_exr(str(path), heights, attributes={"snowbough": attributes})
@@ -102,7 +103,7 @@ def _write_heights(module, heights, stem, options, attributes):
 
 
 def _write_maps(scene, obj, folder, stem, options, warnings):
-    """(what shaders must know of an object's maps, [paths])."""
+    """Writes the maps of an object. Returns (parameters for shaders, [paths])."""
     module = native.load()
     frames = chosen_frames(baked_frames(folder), options, scene.frame_current)
     tile = options.atlas_tile if options.snow == "ATLAS" else 0
@@ -131,13 +132,13 @@ def _write_maps(scene, obj, folder, stem, options, warnings):
         said["normal"] = {"uri": path.name, "space": "tangent, OpenGL (+Y up), of texCoord"}
         paths.append(path)
     else:
-        warnings.append(f"the bake of '{obj.name}' has no normal maps: switch on Normal Maps and bake again")
+        warnings.append(f"the bake of '{obj.name}' has no normal maps: enable Normal Maps and bake again")
     return said, paths
 
 
 def write(scene, objects, path, options, warnings):
-    """Writes the maps of `objects` ({part's name: object}) beside the file `path`; returns ({part's name: what shaders
-    must know}, [paths]). Bakes count in metres, as the file does."""
+    """Writes the maps of `objects` ({part's name: object}) beside the file `path`. Returns ({part's name: parameters
+    for shaders}, [paths]). Heights are in metres, like the file."""
     said, paths = {}, []
     for name, obj in objects.items():
         folder = _map_folder(scene, obj, warnings)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An imported tree as it stands in the scene: which objects it is, its bones, its meshes as Surfaces.
+"""Reads an imported tree from the scene: its objects, its bones, and its meshes as Surfaces.
 
-What counts are the objects' own meshes in rest: modifiers such as the snow's stay in Blender.
+The meshes are the objects' own data in rest pose, without modifiers such as those of the snow.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,8 @@ from ..tree.wind_attributes import AXIS, LENGTH, PHASE, PIVOT
 from .surface import Surface, strongest
 from .tree_file import Joint
 
-# UV maps in the order of TEXCOORD_0, _1 and so on; the last one only where the export had any.
+# UV maps in the order of TEXCOORD_0, _1 and so on. ORIGINAL_UV exists only if the imported file had texture
+# coordinates.
 BARK_MAPS, LEAF_MAPS = (BARK_UV, SNOW_UV, ORIGINAL_UV), (LEAF_UV, SNOW_UV)
 
 
@@ -35,7 +36,8 @@ def _is_bark(obj):
 
 
 def find(obj):
-    """The SceneTree that an object is part of: armature, bark or leaves. Raises ValueError where it is of none."""
+    """The SceneTree of an object: its armature, bark or leaves. Raises ValueError if the object is not part of a
+    tree."""
     rig = obj if obj is None or obj.type == "ARMATURE" else obj.find_armature()
     meshes = [
         o for o in bpy.data.objects if o.type == "MESH" and rig is not None and o.find_armature() == rig
@@ -43,8 +45,8 @@ def find(obj):
     meshes.sort(key=lambda o: o.name_full)
     barks = sorted(filter(_is_bark, meshes), key=lambda o: -o.get(LOD_PROPERTY, 0))
     if not barks:
-        named = f"'{obj.name}' is no tree" if obj is not None else "no object is active"
-        raise ValueError(f"{named} that Snowbough imported: select its armature, bark or leaves")
+        named = f"'{obj.name}' is not part of an imported tree" if obj is not None else "no object is active"
+        raise ValueError(f"{named}: select the armature, bark or leaves of a tree that Snowbough imported")
     leaves = [o for o in meshes if o not in barks and LEAF_UV in o.data.uv_layers]
     return SceneTree(rig, barks, leaves)
 
@@ -59,13 +61,13 @@ def all_trees(scene):
 
 
 def linear_part(rig, metres_per_unit):
-    """(3, 3): from the armature's own axes and units to metres as the scene shows it, without where it stands."""
+    """(3, 3): from armature space to world space in metres, without the translation."""
     return np.array(rig.matrix_world.to_3x3(), dtype=np.float64) * metres_per_unit
 
 
 def joints_of(rig, linear):
-    """[Joint], parents first, of an armature's bones in rest. linear: see linear_part; what it scales or shears goes
-    into the joints' places, never into their axes."""
+    """[Joint] of an armature's rest bones, parents first. linear: see linear_part; its scale and shear change the
+    positions of the joints, but not their axes."""
     u, _, v = np.linalg.svd(linear)
     turn = u @ np.diag((1.0, 1.0, np.linalg.det(u @ v))) @ v
     joints, number = [], {}
@@ -80,7 +82,7 @@ def joints_of(rig, linear):
 
 
 def bone_segments(rig):
-    """(heads, tails), float64 (B, 3), in the armature's own axes."""
+    """(heads, tails), float64 (B, 3), in armature space."""
     heads = np.array([bone.head_local for bone in rig.data.bones], dtype=np.float64)
     return heads, np.array([bone.tail_local for bone in rig.data.bones], dtype=np.float64)
 
@@ -116,7 +118,7 @@ def _point_levels(mesh, corner_point):
 
 
 def _wind(mesh):
-    """The mesh's wind attributes as Surface.wind has them; None where it lacks one."""
+    """The mesh's wind attributes in the form of Surface.wind; None if one is missing."""
     found = []
     for name, field, shape in (
         (PIVOT, "vector", (3,)),
@@ -134,14 +136,14 @@ def _wind(mesh):
 
 
 def surface_of(obj, rig, uv_maps):
-    """The Surface of a mesh object in its armature's axes. uv_maps: names in the order of TEXCOORD_0 and so on; those
-    that the mesh lacks are left out at the end, and raise ValueError before it."""
+    """The Surface of a mesh object in armature space. uv_maps: names in the order of TEXCOORD_0 and so on. Raises
+    ValueError if one of the first two is missing; further missing ones are skipped."""
     mesh = obj.data
     missing = [name for name in uv_maps[:2] if name not in mesh.uv_layers]
     if missing:
-        raise ValueError(f"'{obj.name}' has lost its UV map '{missing[0]}': import the tree anew")
+        raise ValueError(f"'{obj.name}' has lost its UV map '{missing[0]}': import the tree again")
     if not len(mesh.polygons):
-        raise ValueError(f"'{obj.name}' has no faces: there is nothing to export")
+        raise ValueError(f"'{obj.name}' has no faces: import the tree again")
     compat.ensure_triangles(mesh)
     count = len(mesh.loop_triangles)
     triangles = np.empty((count, 3), dtype=np.int32)

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A mesh on its way to an engine: corners that know all their UVs become vertices that do. No ``bpy``."""
+"""Meshes for export: converts corners with several UVs to vertices with one UV per map. No ``bpy``."""
 
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-# Bones that a vertex follows at most: JOINTS_0 holds so many.
+# Maximum number of bones per vertex, the size of JOINTS_0.
 INFLUENCES = 4
 
 
@@ -13,11 +13,12 @@ INFLUENCES = 4
 class Surface:
     """A mesh with UVs at its corners. Metres, Z up, UV origin bottom-left.
 
-    points float32 (V, 3); joints int32 and weights float32 (V, 4), weights 0 where unused and else summing to 1;
+    points float32 (V, 3); joints int32 and weights float32 (V, 4), unused weights are 0, the others sum to 1;
     corner_point int32 (C,); corner_uvs: float32 (C, 2) each, in the order of TEXCOORD_0, _1 and so on;
     triangles int32 (T, 3): corners, anticlockwise seen from outside; material int32 (T,);
-    smooth bool (T,): shaded by the points' normals, else by its own; level int32 (V,): branch level, None for leaves;
-    wind: float32 pivots (V, 3), axes (V, 3), lengths (V,) and phases (V,) of tree.wind_attributes, None without.
+    smooth bool (T,): shaded with the points' normals, otherwise with the triangle's normal;
+    level int32 (V,): branch level, None for leaves;
+    wind: float32 pivots (V, 3), axes (V, 3), lengths (V,) and phases (V,) of tree.wind_attributes, or None.
     """
 
     points: np.ndarray
@@ -49,7 +50,7 @@ def from_quads(points, quads, corner_uvs, joints, weights, material, level):
 
 
 def transformed(surface, linear):
-    """The Surface with its points multiplied by a (3, 3) matrix; turned right side out where that mirrors."""
+    """The Surface with its points multiplied by a (3, 3) matrix. If the matrix mirrors, the triangles are flipped."""
     linear = np.asarray(linear, dtype=np.float64)
 
     def moved(vectors):
@@ -66,9 +67,10 @@ def transformed(surface, linear):
 
 
 def strongest(indices, weights):
-    """(indices, weights) of at most four influences: float32 (V, 4), summing to 1, and 0 with index 0 where unused.
+    """(indices, weights) of the four largest influences: int32 and float32 (V, 4). Weights sum to 1; unused ones are 0
+    with index 0.
 
-    Points without any weight follow bone 0.
+    Points without weights follow bone 0.
     """
     indices, weights = np.asarray(indices), np.asarray(weights, dtype=np.float64)
     if indices.shape[1] < INFLUENCES:
@@ -83,14 +85,14 @@ def strongest(indices, weights):
 
 
 def unit(vectors):
-    """Vectors of unit length; those without a length point up."""
+    """Normalises vectors. Zero vectors become (0, 0, 1)."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.where(length > 0, vectors / np.maximum(length, 1e-300), (0.0, 0.0, 1.0))
 
 
 def corner_normals(surface):
-    """float32 (T, 3, 3): the normal at each triangle's corners. A point's normal is the mean of its smooth triangles',
-    weighted by their angles there.
+    """float32 (T, 3, 3): the normal at each triangle's corners. A point's normal is the mean of the normals of its
+    smooth triangles, weighted by their angles at the point.
 
     Source: G. Thuermer, C. A. Wuethrich, Computing Vertex Normals from Polygonal Facets, JGT 3 (1), 1998.
     """
@@ -113,7 +115,7 @@ def corner_normals(surface):
 
 @dataclass
 class Vertices:
-    """What a primitive of glTF holds: every vertex has one of each. Row k comes from point `point[k]`."""
+    """The vertices of a glTF primitive, each with one normal and one UV per map. Row k comes from point `point[k]`."""
 
     point: np.ndarray
     normals: np.ndarray
@@ -122,19 +124,19 @@ class Vertices:
 
 
 def split(surface, chosen):
-    """The Vertices of the triangles `chosen` (bool (T,)): a point becomes as many vertices as it has different UVs or
-    normals, in the order in which the triangles name them."""
+    """The Vertices of the triangles `chosen` (bool (T,)). A point becomes one vertex for each different combination of
+    UVs and normal, in the order in which the triangles use them."""
     normals = corner_normals(surface)[chosen].reshape(-1, 3)
     corners = surface.triangles[chosen].reshape(-1)
     point = surface.corner_point[corners]
     uvs = [uv[corners] for uv in surface.corner_uvs]
-    # Compared bit by bit; adding 0 makes one zero of both.
+    # Compared bit by bit; adding 0 turns -0 into 0.
     parts = [point[:, None].astype(np.int32)]
     parts += [np.ascontiguousarray(part + np.float32(0.0)).view(np.int32) for part in (normals, *uvs)]
     key = np.ascontiguousarray(np.concatenate(parts, axis=1))
     rows = key.view(np.dtype((np.void, key.dtype.itemsize * key.shape[1]))).reshape(-1)
     _, first, inverse = np.unique(rows, return_index=True, return_inverse=True)
-    # np.unique sorts by bytes; engines fetch vertices faster in the triangles' own order.
+    # np.unique sorts by bytes, but engines fetch vertices faster in the order of the triangles.
     order = np.argsort(first, kind="stable")
     number = np.empty(len(order), dtype=np.int64)
     number[order] = np.arange(len(order))

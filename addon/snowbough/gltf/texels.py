@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pixels of leaves' textures: colour and mask in one image, without fringes. No ``bpy``."""
+"""Textures of leaves: colour and mask in one image, without coloured fringes. No ``bpy``."""
 
 import numpy as np
 
 
 def resized(image, height, width):
-    """image (H, W, channels) at another size, bilinear between the texels' middles."""
+    """image (H, W, channels) resized, with bilinear interpolation between texel centres."""
 
     def places(size, wanted):
         at = np.clip((np.arange(wanted) + 0.5) * size / wanted - 0.5, 0, size - 1)
@@ -19,14 +19,14 @@ def resized(image, height, width):
 
 
 def _halved(image):
-    """Sums of blocks of 2 x 2; an odd line at the end stands alone."""
+    """Sums of blocks of 2 x 2. The last row or column of an odd size is padded with 0."""
     padded = np.pad(image, ((0, image.shape[0] % 2), (0, image.shape[1] % 2), (0, 0)))
     return padded[::2, ::2] + padded[1::2, ::2] + padded[::2, 1::2] + padded[1::2, 1::2]
 
 
 def filled(color, alpha):
-    """color (H, W, 3) with what alpha hides filled from its surroundings: smaller levels of the texture mix both, and
-    a white background would shine through as a rim around each leaf.
+    """color (H, W, 3) with hidden texels (alpha up to 0.5) filled from their surroundings. Mipmaps mix hidden and
+    visible texels, so a white background would appear as a fringe around each leaf.
 
     Source: S. J. Gortler and others, The Lumigraph, SIGGRAPH 1996, section 3.4 (pull and push).
     """
@@ -42,7 +42,7 @@ def filled(color, alpha):
 
 
 def masked(color, alpha):
-    """uint8 (H, W, 4) from color (h, w, 3) and alpha (h', w'), 0 to 1, at the larger of both sizes."""
+    """uint8 (H, W, 4) from color (h, w, 3) and alpha (h', w'), 0 to 1. The size is the larger of both."""
     height, width = (max(sizes) for sizes in zip(color.shape[:2], alpha.shape))
     alpha = resized(alpha[..., None], height, width)[..., 0]
     color = filled(resized(color, height, width), alpha)

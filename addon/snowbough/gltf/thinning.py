@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Levels of detail below the coarsest surface: fewer branches, fewer leaves. No ``bpy``."""
+"""Coarser levels of detail than the coarsest surface: fewer branches, fewer leaves. No ``bpy``."""
 
 from dataclasses import replace
 
@@ -7,8 +7,8 @@ import numpy as np
 
 
 def branch_sizes(branches):
-    """float64 (B,): how much of a branch is to be seen, as its length; a branch is at least as large as what grows
-    from it, so that none goes before its children. branches: native ones, parents first."""
+    """float64 (B,): the length of each branch, a measure of its visibility, but at least the size of its children, so
+    that no branch is removed before its children. branches: native branches, parents first."""
     size = np.array(
         [np.linalg.norm(np.diff(np.asarray(b.points, np.float64), axis=0), axis=1).sum() for b in branches]
     )
@@ -21,7 +21,7 @@ def branch_sizes(branches):
 def kept_branches(branches, faces, target):
     """bool (B,): the largest branches whose faces together are at most `target`; roots stay. faces int (B,)."""
     roots = np.array([branch.parent < 0 for branch in branches])
-    # Of equal ones the first: a parent comes before its children.
+    # Equal sizes: lower index first, so that a parent comes before its children.
     order = np.lexsort((np.arange(len(branches)), -branch_sizes(branches), ~roots))
     kept = np.zeros(len(branches), dtype=bool)
     kept[order] = np.cumsum(np.asarray(faces)[order]) <= target
@@ -29,7 +29,7 @@ def kept_branches(branches, faces, target):
 
 
 def _cut_at(branches, kept):
-    """int (B,): for a branch that goes, the outermost one that goes with it; -1 for those that stay."""
+    """int (B,): for each removed branch, its topmost removed ancestor, or itself; -1 for kept branches."""
     top = np.full(len(branches), -1)
     for index, branch in enumerate(branches):
         if not kept[index]:
@@ -39,10 +39,10 @@ def _cut_at(branches, kept):
 
 
 def _rims(quads, part):
-    """(rims (R, 4), beyond (R, 4)): the closed lines of four edges around each part >= 0 that is connected to others,
-    as numbers of edges, 4 * face + corner, in their order; and the edges that face them on the other side.
+    """(rims (R, 4), beyond (R, 4)): the loop of four half-edges around each part >= 0 that joins another part, as
+    indices 4 * face + corner, in order; and their opposite half-edges.
 
-    part int (F,). Raises ValueError where a part has another rim: the mesh is no closed, four-sided base.
+    part int (F,). Raises ValueError if a rim does not have four edges: the mesh is not a closed four-sided base.
     """
     begin, end = quads.reshape(-1).astype(np.int64), np.roll(quads, -1, axis=1).reshape(-1).astype(np.int64)
     count = int(quads.max()) + 1
@@ -51,14 +51,14 @@ def _rims(quads, part):
     place = np.minimum(np.searchsorted(forward[order], backward), len(order) - 1)
     twin = order[place]
     if not np.array_equal(forward[twin], backward):
-        raise ValueError("the mesh is not closed: no branches can be taken off it")
+        raise ValueError("the mesh is not closed: branches cannot be removed")
     of = np.repeat(part, 4)
     rim = np.flatnonzero((of >= 0) & (of != of[twin]))
     rim = rim[np.argsort(of[rim], kind="stable")]
     if len(rim) % 4 or (of[rim].reshape(-1, 4) != of[rim].reshape(-1, 4)[:, :1]).any():
         raise ValueError("a branch has not four sides: only the four-sided base can lose branches")
     rims = rim.reshape(-1, 4)
-    for k in range(1, 3):  # each edge after the one at whose end it begins
+    for k in range(1, 3):  # sort the edges so that each begins where the one before ends
         follows = begin[rims[:, k:]] == end[rims[:, k - 1]][:, None]
         found = k + np.argmax(follows, axis=1)
         rows = np.arange(len(rims))
@@ -69,12 +69,12 @@ def _rims(quads, part):
 
 
 def without_branches(quads, corner_uvs, face_branch, branches, kept):
-    """(quads, corner_uvs, faces): a closed four-sided mesh without the branches that are not `kept`, which has the
-    parents of all that it has.
+    """(quads, corner_uvs, faces): a closed four-sided mesh without the branches that are not `kept`. If a branch is
+    kept, its parent must be kept.
 
-    Where a branch was, a quad closes the hole; its UVs are those that the faces around have there, so that bark and
-    snow go on across it. corner_uvs: (F, 4, 2) each. faces int (F',): which face each is, for a quad that closes a
-    hole one beside it. Raises ValueError for a mesh that is no closed, four-sided base.
+    A quad closes the hole of each removed branch. It takes its UVs from the adjacent faces, so that bark and snow
+    continue across it. corner_uvs: (F, 4, 2) each. faces int (F',): the index of each face in the input; for a closing
+    quad the index of an adjacent face. Raises ValueError if the mesh is not a closed four-sided base.
     """
     part = _cut_at(branches, kept)[face_branch]
     stays = np.flatnonzero(part < 0)
@@ -83,8 +83,8 @@ def without_branches(quads, corner_uvs, face_branch, branches, kept):
     if not len(rims):
         return inside, [uv[stays] for uv in corner_uvs], stays
     caps = quads.reshape(-1)[rims]
-    # A corner of the cap is where its own edge begins, which is where the edge beyond ends; and where the one beyond
-    # the edge before begins. Next to another hole any face that stays tells.
+    # A corner of the cap is the start of its edge. The opposite half-edge ends there, and the opposite half-edge of the
+    # edge before begins there. If both belong to removed branches, any kept face at the point gives the UV.
     anywhere = np.zeros(int(quads.max()) + 1, dtype=np.int64)
     anywhere[inside.reshape(-1)] = (stays[:, None] * 4 + np.arange(4)).reshape(-1)
     source = anywhere[caps]
@@ -96,7 +96,8 @@ def without_branches(quads, corner_uvs, face_branch, branches, kept):
 
 
 def _leaf_of_points(surface):
-    """(leaves, int32 (V,)): which of them a point belongs to: those that triangles join; -1 where none does."""
+    """(number of leaves, int32 (V,)): the leaf of each point, a connected component of triangles; -1 for unused
+    points."""
     label = np.arange(len(surface.points))
     joined = surface.corner_point[surface.triangles]
     while True:
@@ -115,18 +116,18 @@ def _leaf_of_points(surface):
 
 
 def thinned_leaves(surface, share, stems=None):
-    """A Surface with `share` of the leaves, each larger by 1 / sqrt(share): together they cover as much.
+    """A Surface with `share` of the leaves, each enlarged by 1 / sqrt(share), so that the covered area stays the same.
 
-    Leaves that share points go together. Which ones stay is spread evenly and is the same each time, and those of a
-    smaller share are among those of a larger one. A leaf grows from its point nearest to `stems` (V, 3), the place of
-    its bone beside each point, or from its middle without.
+    Leaves that share points count as one. The choice is deterministic and evenly spread, and a smaller share is a
+    subset of a larger one. A leaf is enlarged about its point nearest to its bone, or about its centre without `stems`.
+    stems (V, 3): for each point the nearest position on its bone.
 
     Source: R. L. Cook, J. Halstead, M. Planck, D. Ryu, Stochastic Simplification of Aggregate Detail, SIGGRAPH 2007.
     """
     count, leaf = _leaf_of_points(surface)
     if count == 0 or share >= 1.0:
         return surface
-    # Multiples of the golden section: any first part of the order is spread evenly over the tree.
+    # Multiples of the golden ratio: each prefix of the order is evenly spread over the tree.
     order = np.argsort((np.arange(1, count + 1) * 0.6180339887498949) % 1.0, kind="stable")
     kept = np.zeros(count, dtype=bool)
     kept[order[: max(1, round(count * share))]] = True
@@ -150,7 +151,7 @@ def thinned_leaves(surface, share, stems=None):
 
 
 def _anchors(points, leaf, own, count, stems):
-    """(count, 3): where each leaf grows from."""
+    """(count, 3): the point about which each leaf is enlarged."""
     if stems is None:
         sums = np.stack([np.bincount(leaf[own], points[own, axis], count) for axis in range(3)], axis=1)
         return sums / np.bincount(leaf[own], minlength=count)[:, None]

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A tree as glTF 2.0: skin, meshes in levels of detail, materials, and what shaders need to know. No ``bpy``.
+"""A tree as glTF 2.0: skin, meshes in levels of detail, materials, and parameters for shaders. No ``bpy``.
 
-Levels hang together by MSFT_lod (Khronos Group's registry of extensions, vendor MSFT): the finest one's node is in the
-scene and names the others. Axes and units are glTF's: metres, Y up, +X right seen from +Z, UV origin top-left.
+The extension MSFT_lod (Khronos Group's registry of extensions, vendor MSFT) connects the levels: the node of the finest
+level is in the scene and lists the others. Axes and units are glTF's: metres, Y up, +X right seen from +Z, UV origin
+top-left.
 """
 
 from dataclasses import dataclass, field
@@ -18,14 +19,14 @@ MSFT_LOD, TEXTURE_TRANSFORM = "MSFT_lod", "KHR_texture_transform"
 # From Blender's axes to glTF's: (x, y, z) -> (x, z, -y).
 TO_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 FORMULA = "T = T_p * (1 - level / levels)"
-# Linear, as the real-time renderer has it.
+# Linear, the same as in the real-time renderer.
 SNOW_COLOR, SNOW_ROUGHNESS = (0.86, 0.88, 0.91), 0.6
 
 
 @dataclass
 class Joint:
-    """A bone: its parent's number (-1 for a root; parents come first) and, in Blender's axes, its rest matrix (4, 4)
-    of rotation and place alone."""
+    """A bone. parent: index of its parent, -1 for a root; parents come first. rest: its rest matrix (4, 4) in Blender's
+    axes, only rotation and translation."""
 
     name: str
     parent: int
@@ -34,7 +35,7 @@ class Joint:
 
 @dataclass
 class Texture:
-    """An image file's bytes and how it lies on TEXCOORD_<texcoord>: looked up at uv * scale + offset, v upwards."""
+    """The bytes of an image file, sampled at uv * scale + offset of TEXCOORD_<texcoord>, with v upwards."""
 
     name: str
     data: bytes
@@ -46,7 +47,8 @@ class Texture:
 
 @dataclass
 class Material:
-    """glTF's metallic-roughness, never metallic. cutoff: alpha below which nothing is there; None: opaque."""
+    """A metallic-roughness material of glTF, not metallic. cutoff: texels with lower alpha are invisible; None:
+    opaque."""
 
     name: str
     color: tuple = (1.0, 1.0, 1.0)
@@ -59,7 +61,8 @@ class Material:
 
 @dataclass
 class Part:
-    """Bark or leaves: one Surface a level of detail, the finest first. materials: what Surface.material counts."""
+    """Bark or leaves. levels: one Surface per level of detail, the finest first. materials: indexed by
+    Surface.material."""
 
     name: str
     levels: list
@@ -68,7 +71,7 @@ class Part:
 
 @dataclass
 class Heap:
-    """Snow as a mesh that stays where it is: float32 points (V, 3) and int32 triangles (T, 3), smooth."""
+    """Snow as a static mesh: float32 points (V, 3) and int32 triangles (T, 3), smooth shaded."""
 
     name: str
     points: np.ndarray
@@ -77,8 +80,8 @@ class Heap:
 
 @dataclass
 class Tree:
-    """name; joints: [Joint]; parts: [Part]; branch_levels: how many there are, the trunk included; extras: what is
-    added to the scene's own, plain data; heaps: [Heap]."""
+    """name; joints: [Joint]; parts: [Part]; branch_levels: number of levels, including the trunk; extras:
+    plain data that is added to the scene's extras; heaps: [Heap]."""
 
     name: str
     joints: list
@@ -93,7 +96,7 @@ def _y_up(points):
 
 
 def _quaternion(rotation):
-    """(x, y, z, w) of a (3, 3) rotation; the largest part is found first, which keeps all digits.
+    """(x, y, z, w) of a (3, 3) rotation. The largest component is computed first, for full precision.
 
     Source: S. W. Shepperd, Quaternion from Rotation Matrix, Journal of Guidance and Control 1 (3), 1978.
     """
@@ -112,7 +115,7 @@ def _quaternion(rotation):
 
 
 def _add_skin(document, tree):
-    """(root node, skin): the joints' nodes below a node with the tree's name."""
+    """Adds the joints as nodes below a root node with the tree's name. Returns (root node, skin)."""
     root = document.add("nodes", {"name": tree.name})
     upright = np.eye(4)
     upright[:3, :3] = TO_Y_UP
@@ -129,7 +132,7 @@ def _add_skin(document, tree):
         above = root if joint.parent < 0 else nodes[joint.parent]
         document.json["nodes"][above].setdefault("children", []).append(nodes[-1])
         bind = np.linalg.inv(matrix)
-        bind[3] = (0.0, 0.0, 0.0, 1.0)  # to the bit, as the specification asks
+        bind[3] = (0.0, 0.0, 0.0, 1.0)  # exactly, as the specification requires
         inverse.append(bind.T)
     bind = document.add_accessor(np.array(inverse, dtype=np.float32))
     skin = {"name": tree.name, "inverseBindMatrices": bind, "skeleton": root, "joints": nodes}
@@ -142,7 +145,7 @@ def _texture_info(document, texture):
         info["texCoord"] = texture.texcoord
     if texture.scale != (1.0, 1.0) or texture.offset != (0.0, 0.0):
         document.use_extension(TEXTURE_TRANSFORM)
-        # v runs the other way: 1 - (s (1 - v) + o) = s v + (1 - s - o).
+        # v points down in glTF: 1 - (s (1 - v) + o) = s v + (1 - s - o).
         offset = [texture.offset[0], 1.0 - texture.scale[1] - texture.offset[1]]
         info["extensions"] = {TEXTURE_TRANSFORM: {"offset": offset, "scale": list(texture.scale)}}
     return info
@@ -164,15 +167,15 @@ def _add_material(document, material):
 
 
 def level_color(level, branch_levels):
-    """uint8 (N, 4): white, which leaves the base colour as it is, and in alpha the share 1 - level / levels that
-    tessellation keeps. An opaque material's alpha is drawn nowhere."""
+    """uint8 (N, 4): white, which keeps the base colour, and in alpha the tessellation factor 1 - level / levels. Opaque
+    materials ignore alpha."""
     color = np.full((len(level), 4), 255, dtype=np.uint8)
     color[:, 3] = np.rint(255.0 * (1.0 - np.asarray(level, dtype=np.float64) / branch_levels))
     return color
 
 
 def _index_type(vertices):
-    # The highest number of a type means "restart" and must not be used.
+    # The highest value of an index type is reserved for primitive restart.
     return np.uint16 if vertices < 65535 else np.uint32
 
 
@@ -211,13 +214,13 @@ def _add_mesh(document, name, surface, materials, branch_levels):
 
 
 def screen_coverage(levels):
-    """MSFT_screencoverage: the share of the picture at which each level ends. Each level is for half the height on
-    the screen of the one before, a quarter of the area; the last is never left."""
+    """MSFT_screencoverage: the share of the screen at which each level ends. Each level ends at half the height of the
+    level before, a quarter of the area; the last level never ends."""
     return [*(0.25 ** (number + 1) for number in range(levels - 1)), 0.0]
 
 
 def _add_part(document, part, skin, branch_levels, first_level):
-    """The node of the part's finest level; the coarser ones hang on it by MSFT_lod."""
+    """Adds a part. Returns the node of its finest level, which lists the coarser levels in MSFT_lod."""
     used = np.unique(np.concatenate([surface.material for surface in part.levels])).tolist()
     materials = {number: _add_material(document, part.materials[number]) for number in used}
     nodes = []
@@ -234,7 +237,7 @@ def _add_part(document, part, skin, branch_levels, first_level):
 
 
 def _add_heap(document, heap, material):
-    """The node of a heap of snow."""
+    """Adds a heap of snow. Returns its node."""
     a, b, c = (heap.points[heap.triangles[:, k]].astype(np.float64) for k in range(3))
     normals = np.zeros(heap.points.shape)
     for k in range(3):
@@ -251,13 +254,13 @@ def _add_heap(document, heap, material):
 
 
 def build(tree, first_level=0):
-    """The Document of a Tree, whose finest level is named _LOD<first_level>. Raises ValueError for what glTF cannot
-    hold."""
+    """The Document of a Tree. first_level: number in the name of the finest level, _LOD<first_level>. Raises ValueError
+    for a number of bones that glTF cannot store."""
     if not tree.joints or len(tree.joints) > 65536:
-        raise ValueError(f"glTF's skin takes 1 to 65,536 bones, not {len(tree.joints)}")
+        raise ValueError(f"a glTF skin must have 1 to 65,536 bones, not {len(tree.joints)}")
     document = Document(GENERATOR)
     root, skin = _add_skin(document, tree)
-    # Nodes with a skin stand beside the joints: their own parents do not move them.
+    # Nodes with a skin are siblings of the joints, because their parents do not move them.
     parts = [_add_part(document, part, skin, tree.branch_levels, first_level) for part in tree.parts]
     if tree.heaps:
         snow = _add_material(document, Material("Snow", SNOW_COLOR, SNOW_ROUGHNESS))

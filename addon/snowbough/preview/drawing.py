@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws the snow of receivers over a 3D view with Blender's ``gpu`` module (3.4 to 5.2; OpenGL, Vulkan, Metal).
 
-Points and normals of a receiver's surface (receiver_surface) are uploaded at the next draw after a change.
+After a change, the points and normals of a receiver's surface (receiver_surface) are uploaded at the next redraw.
 """
 
 import bpy
@@ -11,7 +11,7 @@ from mathutils import Matrix, Vector
 
 from . import interface
 
-# Points of all surfaces together, and the factor on lengths of edges; the second where the processor draws.
+# (maximum number of points of all surfaces, factor on edge lengths), for a GPU and for a software renderer.
 BUDGET, SOFTWARE_BUDGET = (200_000, 1.0), (15_000, 2.0)
 SOFTWARE_RENDERERS = ("llvmpipe", "softpipe", "swiftshader", "software")
 # Direction to the light in the view: left, above and behind the viewer.
@@ -36,7 +36,7 @@ def unavailable_reason():
 
 
 def is_software():
-    """Whether the processor draws."""
+    """Whether Blender draws with a software renderer."""
     renderer = gpu.platform.renderer_get().lower()
     return any(name in renderer for name in SOFTWARE_RENDERERS)
 
@@ -60,8 +60,8 @@ def _shader():
 
 
 class ReceiverDrawing:
-    """The snow of one receiver on the driver. surface: its ReceiverSurface, None while the object is not in the
-    view."""
+    """The GPU buffers of the snow of one receiver. surface: its ReceiverSurface, or None while the object is not in
+    the view."""
 
     def __init__(self):
         self.surface = None
@@ -69,7 +69,7 @@ class ReceiverDrawing:
         self._triangles = self._indices = self._batch = None
 
     def _send(self):
-        """Hands over to the driver what it does not have yet."""
+        """Uploads the surface if it has changed since the last upload."""
         if self._sent is self.surface.shown:
             return
         self._sent = places, normals = self.surface.shown
@@ -93,7 +93,7 @@ class ReceiverDrawing:
 
 
 class Drawing:
-    """The snow of all receivers. metres: of a Blender unit."""
+    """Draws the snow of all receivers. metres: metres per Blender unit."""
 
     def __init__(self, metres):
         self._metres = metres
@@ -102,7 +102,7 @@ class Drawing:
         """Key -> ReceiverDrawing."""
 
     def show(self, key, surface):
-        """From the next draw on, the points that a ReceiverSurface shows, or nothing for None."""
+        """Sets the ReceiverSurface that the next redraws show for a receiver; None shows nothing."""
         self.receivers.setdefault(key, ReceiverDrawing()).surface = surface
 
     def draw(self, wireframe):
@@ -120,7 +120,7 @@ class Drawing:
         self._shader.uniform_float("view_projection", to_clip)
         self._shader.uniform_float("light", (*light.normalized(), ALPHA_IN_WIREFRAME if wireframe else 1.0))
         try:
-            if wireframe:  # the nearest depth first, or snow would show through snow
+            if wireframe:  # draw only depth first, otherwise snow would show through snow
                 gpu.state.color_mask_set(False, False, False, False)
                 self._draw_receivers()
                 gpu.state.color_mask_set(True, True, True, True)

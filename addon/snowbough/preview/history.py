@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The snow and the pose of played frames, in memory, within a budget. No ``bpy``.
 
-If the budget is exceeded, the moment whose neighbours are closest goes first, the oldest of equals, so that the
+If the budget is exceeded, the moment whose neighbours are closest is removed first (the oldest of equals), so that the
 remaining moments are evenly spread over the frames. The first and the newest always stay.
 """
 
@@ -18,9 +18,9 @@ class Moment:
 
     frame: int
     pose: object
-    """scene.pose.ScenePose under the snow."""
+    """The scene.pose.ScenePose of the frame."""
     total: float
-    """Metres on open, level ground after the frame."""
+    """Snow depth in metres on open, level ground after the frame."""
     state: dict
     """snowbough_native.simulation_state; None if only the pose is known."""
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inputs of the preview's shader and of its stages. No ``bpy``: drawing passes them to Blender, which writes the
-declarations that the files snow.*.glsl lack."""
+"""Inputs of the preview's shader and of its stages. No ``bpy``. The module drawing passes them to Blender, which
+generates the declarations that are missing in the files snow.*.glsl."""
 
 from pathlib import Path
 

@@ -26,9 +26,9 @@ PAUSE = 0.4
 
 
 def make_surfaces(simulated, most_points, scale):
-    """{key: ReceiverSurface} of a playback.Playback, without snow yet. most_points: of all together; scale: of the
-    lengths of edges."""
-    # What is larger gets more of them.
+    """{key: ReceiverSurface} of a playback.Playback, without snow. most_points: maximum of all surfaces together;
+    scale: factor on edge lengths."""
+    # Each surface gets points in proportion to its size.
     extent = {key: own.texel * own.resolution for key, own in simulated.maps.items()}
     surfaces = {}
     for key in simulated.maps:
@@ -48,12 +48,12 @@ class Preview:
         self.was_undone = False
         """Whether an undo may have changed anything, the frame included; only undo handlers are called for it."""
         self.revision = 0
-        """Counts changes of the snow and of its position."""
+        """Number of changes of the snow and of its position."""
         self._heights = {}
         self._metres = metres_per_unit(scene)
         self._draws = draws
         self._surfaces = {}
-        # The simulation that they were made for, and those whose points are those of now.
+        # The simulation for which the surfaces were made, and the keys of the surfaces whose points are current.
         self._shown = None
         self._computed = set()
         self._handle = None
@@ -85,13 +85,12 @@ class Preview:
 
     @property
     def depths(self):
-        """Metres of snow on open level ground, now and at the shot's end."""
+        """Snow depth in metres on open level ground, now and at the end of the shot."""
         settings = self.simulated.settings
         return settings.total(self.simulated.frame), max(settings.snowfall.totals[-1], LEAST_DEPTH)
 
     def surface(self, key):
-        """The ReceiverSurface of a receiver as it is now, computed when it is first asked for; None where the receiver
-        is not in the view."""
+        """The current ReceiverSurface of a receiver, computed on demand; None if the receiver is not in the view."""
         pose = self.simulated.pose.objects.get(key)
         if pose is None:
             return None

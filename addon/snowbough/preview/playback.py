@@ -74,7 +74,7 @@ class PreviewSettings:
         )
 
     def total(self, frame):
-        """Metres on open, level ground after a frame."""
+        """Snow depth in metres on open, level ground after a frame."""
         first, last = self.snowfall.frame_start, self.snowfall.frame_end
         return self.snowfall.totals[min(frame, last) - first] if frame >= first else self.snowfall.preroll
 
@@ -101,9 +101,9 @@ class Map:
 
     resolution: int
     texel: float
-    """Metres."""
+    """Size of a texel, in metres."""
     baked_texel: float
-    """Metres of a texel in a bake, the unit of the blur radius."""
+    """Size of a texel in a bake, in metres; the unit of the blur radius."""
 
 
 class Playback:
@@ -180,7 +180,7 @@ class Playback:
     # -- steps ---------------------------------------------------------------------------------------
 
     def _set_pose(self, pose):
-        """Passes new meshes to the simulation and the moved positions to the next step, and returns those."""
+        """Passes new meshes to the simulation. Stores the moved positions for the next step and returns them."""
         added, moved = self._tracker.register_changes(pose, self.frame, 0.0)
         self._registry.register_changes(added)
         self._registry.prepare()

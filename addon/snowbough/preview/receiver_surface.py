@@ -1,22 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The snow surface of one receiver in the live preview. No ``bpy``.
 
-It is planned from the snow that lies now, since the end of the shot is not known yet, and planned again when that snow
-has changed much."""
+The end of the shot is not known yet, so the faces are planned from the current snow, and again after a large change."""
 
 import numpy as np
 
 from ..surface.style import SurfaceStyle
 
-# A surface is planned again once the depth has changed by these factors, or snow lies on so much more of the map.
+# A surface is planned again if the depth has changed by these factors, or the covered area of the map by the last one.
 DEEPER, THINNER, WIDER = 1.6, 0.5, 1.25
-# Metres: thinner snow is planned for as if it were so deep, and counts as none on a map.
+# Metres. Planning assumes at least LEAST_DEPTH; texels with at most BARE count as bare.
 LEAST_DEPTH = 0.01
 BARE = 0.001
 
 
 class ReceiverSurface:
-    """Points of the snow on a receiver as it changes. native: the module; most_points: about as many it may have."""
+    """Points of the changing snow on a receiver. native: the module; most_points: approximate maximum; scale: factor on
+    edge lengths."""
 
     def __init__(self, native, topology, seed, most_points, scale):
         self._native = native
@@ -28,19 +28,19 @@ class ReceiverSurface:
         self._depth = 0.0
         self._covered = 0
         self.triangles = np.zeros((0, 3), np.int32)
-        """(T, 3) of the points; another array once the faces are others."""
+        """(T, 3) int32 indices of points. A change of the faces makes a new array."""
         self.shown = None
-        """What points() gave last."""
+        """The last result of points()."""
 
     def on(self, topology):
-        """The same snow on another mesh; itself while the mesh is the same."""
+        """A new ReceiverSurface for another mesh; the same object if the mesh is the same."""
         if self._topology.is_same(topology):
             return self
         return ReceiverSurface(self._native, topology, self._seed, self._most_points, self._scale)
 
     def points(self, heights, open_depth, positions, style=None):
-        """((P, 3) metres in the world, (P, 3) unit normals) for heights (R, R) in metres and vertices (V, 3); `shown`
-        from now on."""
+        """((P, 3) metres in world space, (P, 3) unit normals) for heights (R, R) in metres and vertices (V, 3). Stores
+        them in `shown`."""
         heights = np.ascontiguousarray(heights, dtype=np.float32)
         covered = int(np.count_nonzero(np.abs(heights) > BARE))
         depth = max(open_depth, LEAST_DEPTH)

@@ -6,7 +6,7 @@ const vec3 WHITE = vec3(0.97, 0.975, 0.98);
 
 void main() {
   vec3 normal = normalize(snow_normal);
-  // Light that wraps around, as it does in snow, and some from above.
+  // Wrapped diffuse light imitates scattering in snow; the second part is light from above.
   float sun = 0.5 + 0.5 * dot(normal, light.xyz);
   float sky = 0.5 + 0.5 * normal.z;
   vec3 color = mix(SHADE, WHITE, clamp(0.85 * sun * sun * sun + 0.18 * sky, 0.0, 1.0));

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The render engine ``SNOWBOUGH_REALTIME``, as Blender calls it: in a 3D view and for F12.
+"""The render engine ``SNOWBOUGH_REALTIME``, which Blender calls for 3D views and for F12.
 
-Nothing here draws with OpenGL itself: frames come from the native renderer's own thread, see viewport.
+This module makes no OpenGL calls: frames come from the native renderer's own thread, see viewport.
 """
 
 import weakref
@@ -16,14 +16,14 @@ from .final import FinalRenderer
 from .flakes import flakes_of
 from .reader import Reader
 
-# How often a class that waits for a job's end looks for it.
+# Seconds between checks for the end of a render job.
 POLL_SECONDS = 0.2
 
 _final = None
 
 
 def _final_renderer():
-    """One for all frames of a session's renders."""
+    """The FinalRenderer of this session, shared by all frames."""
     global _final
     if _final is None:
         _final = FinalRenderer(native.load())
@@ -52,19 +52,22 @@ class SNOWBOUGH_REALTIME(bpy.types.RenderEngine):
             self.update_stats("Snowbough", "Drawing")
             renderer = _final_renderer()
             picture = renderer.render(depsgraph, camera.evaluated_get(depsgraph))
-        except Exception as error:  # an exception that leaves render() would only be printed
+        except Exception as error:  # Blender only prints an exception that leaves render()
             self._fail(native.error_text(error))
             return
         if renderer.left_out:
             names = ", ".join(sorted(renderer.left_out))
-            self.report({"WARNING"}, f"Objects or faces beyond {FARTHEST:g} units are left out: {names}")
+            self.report(
+                {"WARNING"},
+                f"Objects or faces farther than {FARTHEST:g} units from the origin are not rendered: {names}",
+            )
         height, width = picture.shape[:2]
         result = self.begin_result(0, 0, width, height, layer=depsgraph.view_layer_eval.name)
         compat.set_pass_pixels(result.layers[0].passes["Combined"], picture)
         self.end_result(result)
 
     def _fail(self, text):
-        """Ends the render: a report makes it fail in scripts and on the command line, and nothing is written."""
+        """Ends the render without a file. The report makes it fail in scripts and on the command line."""
         self.error_set(f"Snowbough Realtime: {text}")
         self.report({"ERROR"}, f"Snowbough Realtime: {text}")
 
@@ -79,7 +82,7 @@ class SNOWBOUGH_REALTIME(bpy.types.RenderEngine):
                 self.report({"ERROR"}, f"Snowbough Realtime: {error}")
                 return
             self._reader = Reader(module, shows_live=True)
-            # As the engine goes its own attributes cannot be asked any more.
+            # When the engine is freed, its attributes can no longer be read.
             weakref.finalize(self, self._view.close)
         self._reader.forget(depsgraph)
         self._read(context, depsgraph)
@@ -88,7 +91,7 @@ class SNOWBOUGH_REALTIME(bpy.types.RenderEngine):
         space = context.space_data
         try:
             self._view.update(self._reader.read(depsgraph, lambda obj: obj.visible_in_viewport_get(space)))
-        except Exception as error:  # the picture stays as it was, and says why
+        except Exception as error:  # the view keeps its image and shows the reason
             self.update_stats("Snowbough", native.error_text(error))
 
     def view_draw(self, context, depsgraph):
@@ -108,8 +111,8 @@ class SNOWBOUGH_REALTIME(bpy.types.RenderEngine):
 
 
 def _when_no_job_renders(action):
-    """Calls action() at once, or when Blender's job that renders has ended: an engine's class that comes or goes
-    frees what all engines hold, and takes Blender down while one of them renders (a bake is such a job)."""
+    """Calls action() at once, or after the running render job. Registering or unregistering an engine class frees data
+    of all engines, which crashes Blender while an engine renders. A bake is a render job."""
     if not bpy.app.is_job_running("RENDER"):
         action()
         return

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A rendered picture: F12, animations, and ``blender -b``."""
+"""Final renders: F12, animations, and ``blender -b``."""
 
 import numpy as np
 
@@ -8,24 +8,25 @@ from .flakes import flakes_of
 from .reader import Reader
 from .records import View
 
-# Edge of what is drawn at a time, in pixels: a texture of floats of that size takes 256 MiB.
+# Maximum side of a tile, in pixels. A float texture of that size takes 256 MiB.
 LARGEST_TILE = 4096
 
 
 class FinalRenderer:
-    """Draws scenes as Blender's render evaluates them; what does not change from frame to frame stays uploaded."""
+    """Renders scenes that Blender has evaluated for rendering. Unchanged data stays on the GPU between frames."""
 
     def __init__(self, native):
         self._native = native
         self._renderer = native.Renderer()
         self._sync = sync.Sync(self._renderer)
         self.left_out = set()
-        """See Reader, of the last picture."""
+        """Reader.left_out of the last image."""
 
     def render(self, depsgraph, camera):
-        """(height, width, 4) float32, row 0 at the bottom: scene-linear light, premultiplied, as Blender wants it.
+        """Returns the image, (height, width, 4) float32, row 0 at the bottom: scene-linear, premultiplied, as Blender
+        expects it.
 
-        camera: the evaluated object that is looked through. Of a border, only that is there.
+        camera: the evaluated camera object. If the render has a border, the image contains only the border.
         """
         scene = depsgraph.scene_eval
         reader = Reader(self._native)
@@ -59,13 +60,13 @@ class FinalRenderer:
 
 
 def picture_size(render):
-    """(width, height) of what is rendered, in pixels."""
+    """(width, height) of the whole image in pixels, without a border."""
     share = render.resolution_percentage / 100.0
     return max(1, int(render.resolution_x * share)), max(1, int(render.resolution_y * share))
 
 
 def border_of(render, width, height):
-    """Slices of columns and rows within the render's border; of everything without one."""
+    """Slices of the columns and rows inside the render border, or of all pixels if there is no border."""
     if not render.use_border:
         return slice(0, width), slice(0, height)
     left, right = int(render.border_min_x * width), int(render.border_max_x * width)
@@ -74,12 +75,12 @@ def border_of(render, width, height):
 
 
 def final_view(render, camera, depsgraph):
-    """The records.View of a camera: its lens, shift, sensor and pixels' aspect as Blender counts them."""
+    """The records.View of a camera. Blender computes the projection from lens, shift, sensor and pixel aspect."""
     width, height = picture_size(render)
     projection = camera.calc_matrix_camera(
         depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y
     )
-    # A scaled camera sees what it would see unscaled.
+    # Blender ignores the scale of a camera.
     view = camera.matrix_world.normalized().inverted()
     rows = [tuple(tuple(row) for row in matrix) for matrix in (view, projection)]
     return View(*rows, width, height)

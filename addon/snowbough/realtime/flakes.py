@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flakes in the air, by the engine's own settings and the direction and flutter of the scene's snow."""
+"""Flakes in the air. The engine's settings and the direction and flutter of the scene's snow determine them."""
 
 from ..bake.plan import fall_direction
 from ..scene.pose import metres_per_unit
@@ -9,7 +9,7 @@ SECONDS_AN_HOUR = 3600.0
 
 
 def flakes_of(scene):
-    """The records.Flakes of an evaluated scene's frame; None where it shows none."""
+    """The records.Flakes of an evaluated scene's current frame, or None if it shows no flakes."""
     options, snow = scene.snowbough_realtime, scene.snowbough
     rate = options.flake_rate / SECONDS_AN_HOUR * snow.rate
     if not options.show_flakes or rate <= 0.0:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the renderer's frames travel: 24 bits in the float of a one-channel texture. No ``bpy``.
+"""The encoding of the renderer's frames: 24 bits in the float of a one-channel texture. No ``bpy``.
 
-A pixel's bits are 0x3F000000 + red, green, blue of a byte each; a byte is 255 * (c / (1 + c))^(1 / 2.2) of linear
-light c. shaders/lib/frame_code.h, which packs them, says why.
+The bits of a pixel are 0x3F000000 plus one byte each for red, green and blue. The byte of a linear value c is
+255 * (c / (1 + c))^(1 / 2.2). shaders/lib/frame_code.h packs them and gives the reason.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ void main()
 }
 """
 
-# A frame may have fewer pixels than the region: the four around a place are mixed, as light.
+# A frame may have fewer pixels than the region: bilinear interpolation of the linear values.
 FRAGMENT = """
 vec3 light_at(ivec2 place)
 {
@@ -41,7 +41,7 @@ void main()
 
 
 def light(frame):
-    """Linear light (H, W, 3) float32 of a packed frame (H, W) float32."""
+    """Decodes a packed frame, (H, W) float32, to linear colours, (H, W, 3) float32."""
     words = np.ascontiguousarray(frame, dtype=np.float32).view(np.uint32) - np.uint32(0x3F000000)
     shifts = np.array([16, 8, 0], np.uint32)
     share = (((words[..., None] >> shifts) & np.uint32(255)) / 255.0) ** GAMMA

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From Blender's lamps and world to the sun and the sky of the real-time renderer. No ``bpy``.
+"""Converts Blender's lights and world to the sun and the sky of the real-time renderer. No ``bpy``.
 
-Blender's sun has a strength of watts per square metre: a white matt surface that faces it sends back strength / pi.
-A world of one colour lights from all around with that colour.
+The strength of Blender's sun is in watts per square metre: a white diffuse surface that faces it has the radiance
+strength / pi. A world of one colour lights the scene from all directions with that colour.
 """
 
 import math
@@ -10,23 +10,23 @@ from dataclasses import dataclass
 
 from .records import Light
 
-# Light from below, against that from above: what stands there mostly keeps the sky off.
+# Light from below as a share of the light from above. Objects and ground block most of the sky there.
 GROUND_SHARE = 0.5
 
 
 @dataclass(frozen=True)
 class Lamp:
-    """A lamp as Blender has it."""
+    """A light object of Blender."""
 
     kind: str
     """SUN, POINT, SPOT or AREA."""
     location: tuple
     direction: tuple
-    """In which it shines, unit."""
+    """Unit vector in which the light shines."""
     color: tuple
-    """Linear."""
+    """Linear RGB."""
     energy: float
-    """Watts per square metre of a sun, else watts."""
+    """Watts per square metre for a sun, otherwise watts."""
 
 
 def _brightness(color):
@@ -34,7 +34,7 @@ def _brightness(color):
 
 
 def _towards(lamp, centre):
-    """Unit vector from the centre to where a lamp's light comes from, and the lamp's distance."""
+    """Unit vector from the centre towards the light's source, and the lamp's distance (1 for a sun)."""
     if lamp.kind == "SUN":
         return tuple(-d for d in lamp.direction), 1.0
     offset = [a - b for a, b in zip(lamp.location, centre)]
@@ -43,7 +43,7 @@ def _towards(lamp, centre):
 
 
 def _irradiance(lamp, direction, away):
-    """Watts per square metre of what faces the lamp there."""
+    """Watts per square metre on a surface that faces the lamp at that distance."""
     if lamp.kind == "SUN":
         return lamp.energy
     if lamp.kind == "AREA":
@@ -52,13 +52,14 @@ def _irradiance(lamp, direction, away):
     return lamp.energy / (4.0 * math.pi * away * away)
 
 
-# Of a view that is to show neither the scene's lamps nor its world.
+# Light of a view that does not use the scene's lights or its world.
 STUDIO_SUN = Light((0.35, -0.55, 0.76), (0.9, 0.9, 0.9))
 STUDIO_SKY = (0.3, 0.3, 0.3)
 
 
 def shown(light, with_lamps, with_world):
-    """The records.Light of a 3D view, which may be told to leave out the scene's lamps or its world."""
+    """The records.Light of a 3D view, with studio light instead of the scene's lamps or world where the view excludes
+    them."""
     sky, ground = (light.sky, light.ground) if with_world else (STUDIO_SKY, STUDIO_SKY)
     sun = light if with_lamps else STUDIO_SUN
     behind = light.behind if with_world else STUDIO_SKY
@@ -69,11 +70,11 @@ NO_SUN = (Light().direction, Light().sun)
 
 
 def light_of(lamps, world, centre=(0.0, 0.0, 0.0)):
-    """The records.Light of lamps and of a world's colour (linear, times its strength).
+    """The records.Light of lamps and of a world's colour (linear, multiplied by its strength).
 
-    The brightest sun is the sun; where there is none, the lamp that is brightest at `centre`, shining from there
-    as if from far away. The renderer has one sun with shadows: further suns are added to the light from above or
-    below, as bright as what lies level sees them, and other lamps are left out.
+    The renderer has one sun with shadows: the brightest sun lamp. If there is no sun lamp, the lamp that is brightest
+    at `centre` becomes the sun, with its direction there. Other sun lamps are added to the light from above or below,
+    with their irradiance on a horizontal surface. Other lamps are ignored.
     """
     suns = [lamp for lamp in lamps if lamp.kind == "SUN"]
     sky, ground = list(world), [GROUND_SHARE * c for c in world]

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a material looks like as one colour or one image.
+"""Approximates a material by one colour or one image.
 
-The nodes are followed from the output backwards to the first shader with a colour: its image, with where on the
-mesh it lies, or its colour. What no image gives, such as noise, becomes the mean of the colours that go in.
+The search follows the nodes backwards from the output to the first shader with a colour input. It takes the image
+there, with its UV map and transform, or the colour. A procedural texture, such as noise, becomes the mean of its input
+colours.
 """
 
 from dataclasses import dataclass
@@ -13,16 +14,16 @@ from ..scene import material_alpha
 from ..scene.material_alpha import IDENTITY, UnknownAlpha
 from .records import Bark, Paint
 
-# Texels a side of images at most.
+# Maximum side of images, in texels.
 MAX_SIZE = 1024
 SNOW_COLOR = (0.86, 0.88, 0.91)
 GREY = (0.8, 0.8, 0.8)
 
-# Of a sky texture, which cannot be looked up.
+# Colour of a sky texture, whose pixels cannot be read.
 CLEAR_SKY = (0.35, 0.5, 0.8)
 
 COLOR_INPUTS = ("Base Color", "Color", "Color1", "A", "Image", "Fac")
-# Where light comes through or back to: of a mix of shaders, the others say what a thing looks like.
+# Shaders that transmit light. In a mix, the other shaders determine the look.
 CLEAR_SHADERS = {"BSDF_TRANSPARENT", "BSDF_TRANSLUCENT", "HOLDOUT"}
 
 
@@ -32,16 +33,16 @@ class Look:
 
     paint: Paint
     uv_map: str = ""
-    """Of the image; empty: the mesh's UV map for rendering."""
+    """UV map of the image; empty for the mesh's active UV map for rendering."""
     transform: tuple = IDENTITY
     """Two rows (a, b, c): u' = a u + b v + c, likewise v'."""
     ramp: tuple = None
-    """(dark, light): the ends of the colour ramp that the colour comes from, if one does."""
+    """(dark, light): the ends of the colour ramp that gives the colour, or None."""
 
 
 @dataclass(frozen=True)
 class _Color:
-    """What a colour input shows: a constant, an image texture node, or both multiplied."""
+    """The value of a colour input: a constant, an image texture node, or the product of both."""
 
     constant: tuple
     image: object = None
@@ -53,7 +54,7 @@ SNOW = Look(Paint(SNOW_COLOR))
 
 
 def look_of(material):
-    """The Look of a material; of None, Blender's grey."""
+    """The Look of a material; Blender's default grey for None."""
     if material is None:
         return PLAIN
     color = _color_of(material)
@@ -73,7 +74,8 @@ def look_of(material):
 
 
 def bark_of(look):
-    """The Bark of a trunk's Look: the ends of its colour ramp, else of what its image or its colour has."""
+    """The Bark of a trunk's Look: the ends of its colour ramp; otherwise the mean of the darkest and of the lightest
+    fifth of its image; otherwise two shades of its colour."""
     if look.ramp is not None:
         return Bark(*look.ramp)
     color = np.array(look.paint.color)
@@ -87,8 +89,8 @@ def bark_of(look):
 
 
 def background_color(output):
-    """Linear light of a world's output node: the background's colour times its strength, the mean of an image;
-    None where it has no background."""
+    """Linear colour of a world's output node: the background's colour, or the mean of its image, multiplied by the
+    strength. None if there is no background."""
     try:
         found, groups, _ = material_alpha.source(output.inputs["Surface"], ())
         if found is None or found.node.type != "BACKGROUND":
@@ -103,7 +105,7 @@ def background_color(output):
 
 
 def _mean_light(image):
-    """Mean linear colour of an image around the scene, which may be of any brightness."""
+    """Mean linear colour of an environment image, over the sphere. Values are not clipped."""
     if image is None or not len(image.pixels) or image.channels < 3:
         return GREY
     flat = np.empty(len(image.pixels), np.float32)
@@ -111,7 +113,7 @@ def _mean_light(image):
     colors = flat.reshape(image.size[1], image.size[0], image.channels)[..., :3]
     if not image.is_float:
         colors = _linear(colors)
-    # A row's share of the sphere.
+    # The area of a row on the sphere.
     rows = np.cos(np.pi * ((np.arange(len(colors)) + 0.5) / len(colors) - 0.5))
     return np.average(colors.mean(axis=1), axis=0, weights=rows)
 
@@ -136,7 +138,7 @@ def _color_of(material):
 
 
 def _shader_color(socket, groups):
-    """_Color of what a shader input shows, or None where it is clear."""
+    """_Color of a shader input, or None if it is transparent or not linked."""
     output, groups, _ = material_alpha.source(socket, groups)
     if output is None:
         return None
@@ -173,7 +175,7 @@ def _socket_color(socket, groups):
 
 
 def _mixed(node, groups):
-    """_Color of a node that makes a colour of others: the first image that goes in, or the colours' mean."""
+    """_Color of a node that combines colours: its first image input, or the mean of its colour inputs."""
     found = []
     for socket in node.inputs:
         if socket.type == "RGBA" and socket.enabled:
@@ -185,7 +187,7 @@ def _mixed(node, groups):
 
 
 def _pixels(node):
-    """((H, W, 4) uint8, sRGB, opaque; UV map; transform) of an image texture node, or None for the first where it
+    """(pixels, UV map, transform) of an image texture node. pixels: (H, W, 4) uint8, sRGB, opaque; None if the image
     cannot be shown."""
     if node is None:
         return None, "", IDENTITY
@@ -205,7 +207,7 @@ def _pixels(node):
 
 
 def _resampled(pixels, shape):
-    """The nearest texels of (H, W) for another shape."""
+    """Resizes an image (H, W) to another shape, by the nearest texel."""
     rows, columns = ((np.arange(n) + 0.5) * m / n for n, m in zip(shape, pixels.shape))
     return pixels[rows.astype(int)[:, None], columns.astype(int)]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From an evaluated mesh of Blender's to a records.Shape."""
+"""Converts evaluated Blender meshes to records.Shape."""
 
 import numpy as np
 
@@ -10,10 +10,10 @@ from .records import Paint, Shape
 
 
 class MeshArrays:
-    """What is read of a mesh once, however many of its parts are asked for. Valid as long as the mesh is."""
+    """The arrays of a mesh, each read once. Valid only while the mesh exists."""
 
     corners = 3
-    """Of a face."""
+    """Corners per face."""
 
     def __init__(self, mesh):
         self._mesh = mesh
@@ -22,7 +22,8 @@ class MeshArrays:
         mesh.loop_triangles.foreach_get("loops", flat)
         self.triangle_corners = flat.reshape(-1, 3)
         self.positions = compat.read_positions(mesh)
-        """(N, 3) float32; of vertices beyond names.FARTHEST, or nowhere, 0: their triangles are left out."""
+        """(N, 3) float32. Vertices beyond names.FARTHEST or with non-finite coordinates are 0; their triangles are
+        omitted."""
         self._kept = slice(None)
         lost = outliers(self.positions)
         self.has_outliers = lost is not None
@@ -34,7 +35,7 @@ class MeshArrays:
 
     @property
     def triangles(self):
-        """(T, 3) int32 vertices."""
+        """(T, 3) int32 vertex indices."""
         return compat.read_corner_vertices(self._mesh)[self.triangle_corners]
 
     @property
@@ -43,13 +44,13 @@ class MeshArrays:
         return compat.read_corner_normals(self._mesh)[self.triangle_corners]
 
     def materials(self, count):
-        """(T,) int32 indices below `count`."""
+        """(T,) int32 material indices, clamped below `count`."""
         indices = np.empty(len(self._mesh.loop_triangles), dtype=np.int32)
         self._mesh.loop_triangles.foreach_get("material_index", indices)
         return np.clip(indices, 0, count - 1)[self._kept]
 
     def uv(self, name):
-        """(T, 3, 2) float32 of a UV map, of that for rendering where the name is empty; None without."""
+        """(T, 3, 2) float32 of a UV map, or None if there is none. An empty name is the active UV map for rendering."""
         layers = self._mesh.uv_layers
         if not name:
             name = next((layer.name for layer in layers if layer.active_render), "")
@@ -62,10 +63,10 @@ class MeshArrays:
 
 
 def painted(arrays, looks):
-    """(uv (T, corners, 2), paint (T,), paints) of MeshArrays, or what is asked like them, whose materials have these
-    Looks.
+    """(uv (T, corners, 2), paint (T,), paints) of MeshArrays, or of an object with the same interface. looks: the Look
+    of each material.
 
-    A material whose UV map the mesh does not have shows its colour without its image.
+    If the mesh lacks the UV map of a material's image, the material shows only its colour.
     """
     paint = arrays.materials(len(looks))
     uv = np.zeros((len(paint), arrays.corners, 2), dtype=np.float32)
@@ -84,10 +85,10 @@ def painted(arrays, looks):
 
 
 def looks_of(obj, mesh, look_of, plain):
-    """The Look of each material index of an evaluated object's mesh; `plain` where there is no material."""
+    """The Look of each material index of an evaluated object's mesh; [plain] if it has no materials."""
     return [look_of(material) for material in materials_of(obj, mesh)] or [plain]
 
 
 def shape_of(arrays, looks):
-    """The Shape of MeshArrays whose materials have these Looks."""
+    """The Shape of MeshArrays. looks: the Look of each material."""
     return Shape(arrays.positions, arrays.triangles, arrays.normals, *painted(arrays, looks))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The engine's own settings: ``scene.snowbough_realtime``."""
+"""The settings of the engine: ``scene.snowbough_realtime``."""
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
@@ -8,7 +8,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
     samples: IntProperty(
         name="Samples",
-        description="Images averaged for a render. Higher values give smoother edges and leaves, and slower renders",
+        description="Number of images averaged for a render. Higher values give smoother edges and slower renders",
         default=16,
         min=1,
         soft_max=64,
@@ -16,14 +16,14 @@ class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
     )
     target_pixels: FloatProperty(
         name="Detail",
-        description="Target edge length of tessellated bark. Higher values are coarser and faster (pixels)",
+        description="Target edge length of tessellated bark. Higher values give coarser bark and are faster (pixels)",
         default=4.0,
         min=0.5,
         soft_max=32.0,
     )
     shadow_resolution: EnumProperty(
         name="Shadows",
-        description="Side of the sun's shadow map, in texels",
+        description="Side of the sun's shadow map. Larger maps give sharper shadows and slower images (texels)",
         items=(
             ("0", "None", "No shadows"),
             ("512", "512 px", "Soft and coarse, for slow computers"),
@@ -41,8 +41,8 @@ class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
     )
     flake_rate: FloatProperty(
         name="Snowfall",
-        description="Snow depth that the flakes would add, multiplied by the scene's Rate. Higher values show more "
-        "flakes (metres an hour)",
+        description="Snowfall that the flakes represent, multiplied by the scene's Rate. Higher values show more "
+        "flakes (metres of depth per hour)",
         default=0.015,
         min=0.0,
         soft_max=0.2,
@@ -50,7 +50,7 @@ class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
     )
     flake_speed: FloatProperty(
         name="Speed",
-        description="Speed of the falling flakes (metres a second)",
+        description="Speed of the falling flakes (metres per second)",
         default=1.2,
         min=0.05,
         soft_max=10.0,
@@ -58,7 +58,7 @@ class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
     )
     flake_size: FloatProperty(
         name="Size",
-        description="Radius of a flake. Larger flakes are fewer for the same snowfall (metres)",
+        description="Radius of a flake. Higher values give larger and fewer flakes for the same snowfall (metres)",
         default=0.004,
         min=0.0005,
         soft_max=0.02,

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's own panels under our engine, and those of its settings."""
+"""Blender's own panels that this engine shows, and the panels of its settings."""
 
 import bpy
 
 from ..names import REALTIME_ENGINE as ENGINE
 
-# Panels that every engine shares say so by naming Blender's old one; of EEVEE's, those that hold for us, too.
+# Panels for all engines list the former engine BLENDER_RENDER. FROM_EEVEE are EEVEE's panels that also apply here.
 SHARED = "BLENDER_RENDER"
 FROM_EEVEE = {
     "EEVEE_MATERIAL_PT_context_material",
@@ -15,7 +15,7 @@ FROM_EEVEE = {
     "DATA_PT_EEVEE_light",
     "RENDER_PT_color_management",
 }
-# They set what we do not heed.
+# Panels of settings that this engine does not use.
 NOT_OURS = {"RENDER_PT_freestyle", "RENDER_PT_simplify_grease_pencil", "VIEWLAYER_PT_filter"}
 
 

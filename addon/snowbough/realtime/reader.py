@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From Blender's evaluated scene to a records.Scene.
+"""Converts Blender's evaluated scene to a records.Scene.
 
-All that the depsgraph shows is there: meshes, and curves, texts and metaballs as the meshes that it makes of them;
-many instances of one object are one mesh in many places. Bark and leaves of imported trees become records.Tree,
-one an instance, as long as the armature is all that moves them; else, and where snow lies on leaves or in a
-map of the artist's own on bark, they are meshes like others.
+The result contains all visible objects of the depsgraph: meshes, and the meshes that Blender makes of curves, texts and
+metaballs. Instances of one object share one mesh. Bark and leaves of an imported tree become one records.Tree per
+instance if only the armature deforms them. They become ordinary meshes otherwise, and also if snow lies on the leaves
+or if the bark's snow map uses another UV map than that of the import.
 
-What is read stays until `forget` hears that it changed: geometry is read once for all views of it.
+Data stays in memory until `forget` reports a change, so unchanged geometry is read only once.
 """
 
 import bpy
@@ -21,14 +21,14 @@ from .snow import NO_INDEX, SceneSnow, carrier_of
 
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 _Z = Vector((0.0, 0.0, 1.0))
-# Each instance of a tree has a pose of its own on the GPU; scattered forests beyond this many are plain meshes.
+# Each instance of a tree has its own pose on the GPU. Further instances are plain meshes.
 MOST_TREES = 64
-# Whichever changes, looks are worked out anew. Of a node group that changes, its materials say so.
+# A change of such a data-block clears all looks. Blender also reports the materials of a changed node group.
 LOOK_TYPES = (bpy.types.Material, bpy.types.Image)
 
 
 class Reader:
-    """Reads one scene again and again. native: the module; shows_live: the live preview's snow while it runs."""
+    """Reads a scene repeatedly. native: the module; shows_live: whether to show the snow of a running live preview."""
 
     def __init__(self, native, shows_live=False):
         self._snow = SceneSnow(native, shows_live)
@@ -40,10 +40,10 @@ class Reader:
         self._coats = {}
         self._places = {}
         self.left_out = set()
-        """Names of objects that are left out, or some of whose faces are: they are too far away, or nowhere."""
+        """Names of objects that are omitted in whole or in part: too far away, or with non-finite coordinates."""
 
     def forget(self, depsgraph):
-        """Drops what the depsgraph says has changed."""
+        """Drops the data that has changed according to the depsgraph."""
         for update in depsgraph.updates:
             block = update.id
             if isinstance(block, LOOK_TYPES):
@@ -51,7 +51,7 @@ class Reader:
                 self._shapes.clear()
                 self._leaves.clear()
                 self._coats.clear()
-            elif isinstance(block, bpy.types.Mesh):  # edited; where a pose bends it, only its object says so
+            elif isinstance(block, bpy.types.Mesh):  # edited; for a pose Blender reports only the object
                 _drop(self._leaves, block)
                 _drop(self._coats, block)
                 _drop(self._places, block)
@@ -64,7 +64,7 @@ class Reader:
         return self._snow.revision(depsgraph.scene_eval) != self._revision
 
     def read(self, depsgraph, is_shown=None):
-        """The records.Scene of a depsgraph. is_shown(original object) -> bool: what else decides about an object."""
+        """The records.Scene of a depsgraph. is_shown(original object) -> bool: an additional test for each object."""
         self._snow.begin(depsgraph.scene_eval)
         self._revision = self._snow.revision(depsgraph.scene_eval)
         self._meshes, self._trees, lamps = {}, {}, []
@@ -112,7 +112,8 @@ class Reader:
         self._add_shape(obj, np.array(instance.matrix_world), carrier)
 
     def _add_to_tree(self, instance, obj, rig, carrier, depsgraph):
-        """Draws bark or leaves as part of a tree; False where they cannot be. carrier: where snow lies on it."""
+        """Adds bark or leaves to a tree. Returns whether that is possible. carrier: the Carrier of its snow, or
+        None."""
         original = obj.original
         is_leaves = trees.is_leaves(original)
         if not is_leaves and not trees.is_unedited_bark(original):
@@ -139,7 +140,7 @@ class Reader:
         return True
 
     def _snow_on_bark(self, original, arrays, print_, carrier):
-        """The LyingSnow on a tree's base; None where none lies on it, or cannot."""
+        """The LyingSnow on a tree's base; None if there is none, or if its map does not fit the base."""
         if carrier is None:
             return None
         key = (original.data.name, library_path(original.data), print_)
@@ -148,7 +149,7 @@ class Reader:
         return self._snow.of(carrier, self._places[key])
 
     def _join_leaves(self):
-        """Gives leaves to their trees; those without bark to hang on are meshes."""
+        """Adds leaves to their trees. Leaves without bark become meshes."""
         slots, self._trees = self._trees, {}
         for key, slot in slots.items():
             tree, leaves = slot.get("tree"), slot.get("leaves")
@@ -161,7 +162,7 @@ class Reader:
             self._trees[key] = tree
 
     def _coat_of(self, original, rig, arrays, print_, looks):
-        """(Coat or None, its print) of a tree's bark with these looks."""
+        """(Coat or None, its print) of a tree's bark. looks: the Look of each material."""
         key = (original.data.name, library_path(original.data), print_)
         if key not in self._coats:
             coat = trees.coat_of(original, rig, arrays, looks)
@@ -180,13 +181,13 @@ class Reader:
     # -- meshes -----------------------------------------------------------------------------------------
 
     def _add_shape(self, obj, place, carrier):
-        """Draws an evaluated object in a place. carrier: where snow lies on it there, else None."""
+        """Adds an evaluated object with the matrix `place`. carrier: the Carrier of its snow, or None."""
         original = obj.original
         if outliers(place[:3]) is not None:
             self.left_out.add(original.name)
             return
         data = original.data.name if original.data is not None else ""
-        # Instances that geometry nodes make of nothing but a mesh share their object, not their mesh.
+        # Mesh instances of geometry nodes share their object but not their mesh.
         key = (
             original.name,
             library_path(original),
@@ -202,15 +203,14 @@ class Reader:
         name = f"mesh {' '.join(map(str, key[:3]))} {print_}"
         snow = None if carrier is None else self._snow.of(carrier, snow_arrays)
         if snow is not None and carrier.instancer:
-            # With a map of its own it is one in one place.
+            # An instance with its own map cannot share a mesh with others.
             name += f" of {carrier.key}"
         if name not in self._meshes:
             self._meshes[name] = (shape, print_, [], snow)
         self._meshes[name][2].append(place)
 
     def _read_shape(self, obj, carries):
-        """(Shape, its print, what SceneSnow asks for UV maps or None) of an evaluated object. carries: whether it may
-        be asked."""
+        """(Shape, its print, _KeptUvs) of an evaluated object. The last is None unless it `carries` snow."""
         temporary = obj.type != "MESH"
         mesh = obj.to_mesh() if temporary else obj.data
         try:
@@ -239,14 +239,14 @@ class Reader:
 
 
 def _drop(kept, block):
-    """Forgets what is kept under a data-block's name and library."""
+    """Removes the entries of a data-block, by its name and library."""
     name = (block.name, library_path(block))
     for key in [key for key in kept if key[:2] == name]:
         del kept[key]
 
 
 class _KeptUvs:
-    """The UV maps of a mesh that may be gone."""
+    """Copies of the UV maps of a mesh, which may be freed."""
 
     def __init__(self, arrays, mesh):
         self._uvs = {layer.name: arrays.uv(layer.name) for layer in mesh.uv_layers}
@@ -256,12 +256,12 @@ class _KeptUvs:
 
 
 def _instance_name(instance, obj):
-    """A name of an object's instance that stays from frame to frame."""
+    """A name of an object's instance that is the same in every frame."""
     name = f"{obj.name} {library_path(obj)}"
     if not instance.is_instance:
         return name
     parent = instance.parent.original.name if instance.parent else ""
-    # The last of them says which object of the collection it is: bark and leaves of one tree differ there.
+    # The first index identifies the object in the collection. It differs between bark and leaves of a tree, so skip it.
     order = [index for index in instance.persistent_id if index != NO_INDEX][1:]
     return f"{name} in {parent} {order}"
 
@@ -274,13 +274,13 @@ def _lamp(obj, matrix):
 
 
 def _centre(made):
-    """Mean of where meshes are."""
+    """Mean position of the meshes."""
     places = [mesh.places[:, :3, 3] for mesh in made]
     return tuple(np.concatenate(places).mean(axis=0).tolist()) if places else (0.0, 0.0, 0.0)
 
 
 def world_color(world):
-    """Linear light of a world; of one with an image or a sky texture, a mean."""
+    """Linear colour of a world; a mean if it has an image or a sky texture."""
     if world is None:
         return (0.0, 0.0, 0.0)
     output = world.node_tree.get_output_node("ALL") if world.use_nodes and world.node_tree else None

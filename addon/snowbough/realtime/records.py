@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the real-time renderer draws, as plain data: texts, numbers and numpy arrays. No ``bpy``.
+"""The input of the real-time renderer as plain data: texts, numbers and numpy arrays. No ``bpy``.
 
-Lengths are Blender's units, colours linear, angles radians. A ``print`` is a fingerprint of all arrays that are
-uploaded together: records of equal prints look the same.
+Lengths are in Blender units, colours are linear, angles are in radians. A ``print`` is a fingerprint of all arrays that
+are uploaded together: records with equal prints look the same.
 """
 
 from dataclasses import dataclass, field
@@ -14,11 +14,11 @@ from ..scene.inputs import fingerprint
 
 @dataclass(frozen=True)
 class Paint:
-    """A material: a colour, times an image if it has one."""
+    """A material: a colour, multiplied by an image if there is one."""
 
     color: tuple
     image: np.ndarray = None
-    """(H, W, 4) uint8, sRGB and alpha, row 0 = v 0; holes where alpha is below a half."""
+    """(H, W, 4) uint8, sRGB and alpha, row 0 = v 0. Texels with alpha below 0.5 are holes."""
 
     @property
     def has_holes(self):
@@ -32,22 +32,22 @@ class Paint:
 
 @dataclass
 class Shape:
-    """Triangles as they are drawn, in a space of their own."""
+    """Triangles in object space."""
 
     vertices: np.ndarray
     """(N, 3) float32."""
     triangles: np.ndarray
     """(T, 3) int32."""
     normals: np.ndarray
-    """(T, 3, 3) float32, one a corner."""
+    """(T, 3, 3) float32, one per corner."""
     uv: np.ndarray
-    """(T, 3, 2) float32, in the paint's image."""
+    """(T, 3, 2) float32, coordinates in the paint's image."""
     paint: np.ndarray
     """(T,) int32, index into paints."""
     paints: tuple
     """At least one Paint."""
     is_snow: bool = False
-    """Whether it is the surface of snow."""
+    """Whether it is a snow surface."""
 
     @property
     def print(self):
@@ -58,16 +58,16 @@ class Shape:
 
 @dataclass(frozen=True)
 class LyingSnow:
-    """Snow of a bake or of the live simulation on a shape, by its map: what has no surface of its own."""
+    """Snow on a shape that has no snow surface, as a height map from a bake or from the live preview."""
 
     heights: np.ndarray
-    """(H, W) float32, Blender's units along the normal, row 0 = v 0."""
+    """(H, W) float32, Blender units along the normal, row 0 = v 0."""
     uv: np.ndarray
-    """(T, 3, 2) float32 of the shape's corners."""
+    """(T, 3, 2) float32, coordinates of the shape's corners in the map."""
     open_depth: float
-    """Snow on open level ground in this frame, Blender's units."""
+    """Snow depth on open level ground in this frame, Blender units."""
     last_depth: float
-    """The same at the shot's end."""
+    """The same at the end of the shot."""
 
     @property
     def print(self):
@@ -77,20 +77,20 @@ class LyingSnow:
 
 @dataclass
 class Mesh:
-    """A shape in all of its places."""
+    """A shape and all its instances."""
 
     key: str
     shape: Shape
     print: str
-    """The shape's; kept, because working it out takes as long as uploading."""
+    """The shape's print, stored because computing it takes as long as an upload."""
     places: np.ndarray
-    """(P, 4, 4) float32."""
+    """(P, 4, 4) float32, the matrix of each instance."""
     snow: LyingSnow = None
 
 
 @dataclass
 class Leaves:
-    """Leaves that hang on a tree's bones, in the rest pose."""
+    """Leaves in the rest pose. Each leaf follows one bone of the tree."""
 
     triangles: np.ndarray
     """(T, 3, 3) float32."""
@@ -110,7 +110,7 @@ class Leaves:
 
 @dataclass(frozen=True)
 class Bark:
-    """How bark looks: colours of furrows and ridges, and how deep it is as a share of the limb's radius."""
+    """The look of bark: colours of furrows and of ridges, and its depth as a share of the limb's radius."""
 
     dark: tuple = (0.045, 0.03, 0.02)
     light: tuple = (0.24, 0.18, 0.13)
@@ -122,7 +122,7 @@ class Coat:
     """Images on a tree's bark."""
 
     uv: np.ndarray
-    """(Q, 4, 2) float32 of the corners of the surface's quads."""
+    """(Q, 4, 2) float32, coordinates of the corners of the surface's quads."""
     paint: np.ndarray
     """(Q,) int32."""
     paints: tuple
@@ -134,43 +134,43 @@ class Coat:
 
 @dataclass
 class Tree:
-    """An imported tree, drawn from its four-sided base."""
+    """An imported tree, tessellated from its four-sided base."""
 
     key: str
     surface: dict
-    """What the native tree_arrays gave."""
+    """The result of the native tree_arrays."""
     print: str
-    """Of the surface, the bark and its coat."""
+    """Fingerprint of the surface, the bark and its coat."""
     bark: Bark
     pose: np.ndarray
-    """(B, 4, 4) float32: for each bone what takes its rest pose to the world."""
+    """(B, 4, 4) float32: for each bone the matrix from its rest pose to world space."""
     leaves: Leaves = None
     leaves_print: str = ""
     coat: Coat = None
-    """What the bark shows in place of its two colours."""
+    """Images that the bark shows instead of its two colours."""
     snow: LyingSnow = None
-    """On the bark, its uv those of the surface's quads: (Q, 4, 2)."""
+    """Snow on the bark. Its uv are those of the surface's quads: (Q, 4, 2)."""
 
 
 @dataclass(frozen=True)
 class Light:
-    """What lights the scene."""
+    """The light of a scene."""
 
     direction: tuple = (0.0, 0.0, 1.0)
-    """Towards the sun."""
+    """Unit vector towards the sun."""
     sun: tuple = (0.0, 0.0, 0.0)
-    """Light that a white surface sends back that faces it."""
+    """Radiance of a white diffuse surface that faces the sun."""
     sky: tuple = (0.05, 0.05, 0.05)
-    """From above."""
+    """Light from above."""
     ground: tuple = (0.05, 0.05, 0.05)
-    """From below."""
+    """Light from below."""
     behind: tuple = (0.05, 0.05, 0.05)
-    """Behind everything."""
+    """Colour of the background."""
 
 
 @dataclass(frozen=True)
 class Flakes:
-    """Snow in the air, as the native Snowfall has it. Metres, seconds, radians."""
+    """Snow in the air: the fields of the native Snowfall. Metres, seconds, radians."""
 
     rate: float
     direction: tuple
@@ -181,12 +181,12 @@ class Flakes:
     time: float
     seed: int
     metre: float
-    """Blender's units a metre."""
+    """Blender units per metre."""
 
 
 @dataclass
 class Scene:
-    """A moment."""
+    """The content of one frame."""
 
     meshes: list = field(default_factory=list)
     trees: list = field(default_factory=list)
@@ -195,7 +195,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class View:
-    """What is looked through. Matrices as OpenGL's, rows first, nested tuples of floats."""
+    """A camera. Matrices in OpenGL's convention, row-major, as nested tuples of floats."""
 
     view: tuple
     projection: tuple
@@ -203,15 +203,15 @@ class View:
     height: int
 
     def divided(self, divisor):
-        """The same picture in fewer pixels."""
+        """The same view with width and height divided, rounded up."""
         size = (max(1, -(-self.width // divisor)), max(1, -(-self.height // divisor)))
         return View(self.view, self.projection, *size)
 
     def part(self, columns, rows):
-        """The pixels of two slices as a picture of its own, row 0 at the bottom."""
+        """The view of the pixels in two slices. Row 0 is at the bottom."""
         clip = np.array(self.projection, np.float64)
         for axis, span, size in ((0, columns, self.width), (1, rows, self.height)):
-            # From -1 to 1 over the part: x' = stretch * x + shift, of x / w.
+            # Clip coordinates from -1 to 1 over the part: x' = stretch * x + shift * w.
             stretch = size / (span.stop - span.start)
             shift = (size - span.start - span.stop) / (span.stop - span.start)
             clip[axis] = stretch * clip[axis] + shift * clip[3]

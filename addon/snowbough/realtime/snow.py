@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The snow on the receivers of a scene: that of a bake, and in 3D views that of the live preview while it runs."""
+"""The snow on the receivers of a scene: baked snow, or in 3D views the snow of a running live preview."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,34 +16,34 @@ from ..scene.pose import library_path, member_key, metres_per_unit, own_key
 from . import materials
 from .records import LyingSnow, Shape
 
-# Metres: shallower shots have the noise of such a one.
+# Minimum of LyingSnow.last_depth, in metres. It sets the noise of the snow.
 LEAST_DEPTH = 1e-4
-# Of a persistent_id, where it says nothing.
+# The value of unused entries of a persistent_id.
 NO_INDEX = 0x7FFFFFFF
 
 
 @dataclass(frozen=True)
 class Carrier:
-    """What a map may lie on: an object itself, or what one empty that instances a collection shows of it."""
+    """An object that may have a snow map: an object of the scene, or its instance in an instanced collection."""
 
     name: str
     library: str
     instancer: str = ""
     instancer_library: str = ""
     order: tuple = ()
-    """persistent_id without what is not set."""
+    """persistent_id without unused entries."""
 
     @property
     def key(self):
-        """As SceneReader calls the receiver."""
+        """The key of the receiver in SceneReader."""
         if not self.instancer:
             return own_key(self.name, self.library)
         return member_key(self.name, self.library, self.instancer, self.instancer_library, self.order)
 
 
 def carrier_of(instance, original):
-    """The Carrier of an instance of the depsgraph's that shows an original object; None where it can have no map of
-    its own: what geometry, particles and faces scatter."""
+    """The Carrier of a depsgraph instance of an original object. None if it cannot have its own map: instances made by
+    geometry nodes, particles or faces."""
     if not instance.is_instance:
         return Carrier(original.name, library_path(original))
     parent = instance.parent.original if instance.parent else None
@@ -54,51 +54,52 @@ def carrier_of(instance, original):
 
 
 class SceneSnow:
-    """Says which snow lies on Carriers. native: the module; shows_live: whether the live preview's counts."""
+    """Finds the snow on Carriers. native: the module; shows_live: whether to show the snow of a running live
+    preview."""
 
     def __init__(self, native, shows_live):
         self._baked = BakedSnow(native)
         self._live = LiveSnow() if shows_live else None
 
     def begin(self, scene):
-        """Looks up the receivers of a scene and its frame."""
+        """Reads the receivers and the current frame of a scene. Call it before the other methods."""
         runs = self._live is not None and running(scene) is not None
         self._now = self._live if runs else self._baked
         self._now.begin(scene)
 
     def revision(self, scene):
-        """What differs once the live simulation's snow has changed; None without one."""
+        """A value that changes whenever the live preview's snow changes; None without a live preview."""
         preview = running(scene) if self._live is not None else None
         return None if preview is None else (id(preview), preview.revision)
 
     def is_drawn_otherwise(self, shell):
-        """Whether a shell shows what this draws: that of a mesh which has a map."""
+        """Whether the snow of a shell (snow surface object) comes from this class instead of its mesh."""
         return self._now.is_drawn_otherwise(shell)
 
     def is_on(self, carrier):
-        """Whether there is a map for a Carrier, or None, and the frame."""
+        """Whether a Carrier has a map in the current frame. False for None."""
         return carrier is not None and self._now.is_on(carrier)
 
     def of(self, carrier, arrays):
-        """The LyingSnow on a Carrier that is_on, whose mesh has these UV maps: arrays.uv(name) gives one or None.
-        None where it has not that of the map."""
+        """The LyingSnow on a Carrier for which is_on() is true. arrays.uv(name) returns a UV map of its mesh or None.
+        Returns None if the mesh lacks the UV map of the snow map."""
         return self._now.of(carrier, arrays)
 
     def surface_of(self, carrier):
-        """(Shape, its print, [its place]) of the surface of the snow on a Carrier that is_on; None where only its map
-        is known."""
+        """(Shape, its print, [its matrix]) of the snow surface on a Carrier for which is_on() is true; None if there is
+        only a map."""
         return self._now.surface_of(carrier)
 
 
 def running(scene):
-    """The live preview of a scene, or None."""
+    """The running live preview of a scene, or None."""
     preview = session.preview
     is_its = preview is not None and preview.simulated is not None and preview.scene_name == scene.name
     return preview if is_its else None
 
 
 class LiveSnow:
-    """The snow of the running live preview, as SceneSnow's: surfaces, and maps for what is drawn as a tree."""
+    """The snow of the running live preview, with the methods of SceneSnow: surfaces, and maps for trees."""
 
     def __init__(self):
         self._lying = {}
@@ -117,7 +118,7 @@ class LiveSnow:
         return True
 
     def is_on(self, carrier):
-        # Keys take longer to work out than names, and forests are many.
+        # Compare names first: keys take longer to compute, and forests have many instances.
         return carrier.name in self._names and carrier.key in self._uv_maps
 
     def of(self, carrier, arrays):
@@ -153,7 +154,8 @@ class LiveSnow:
 
 
 class BakedSnow:
-    """Height maps of a bake, as SceneSnow's. The last one of each receiver is kept; native: the module."""
+    """Height maps of a bake, with the methods of SceneSnow. It caches the last map of each receiver. native: the
+    module."""
 
     def __init__(self, native):
         self._native = native
@@ -164,20 +166,20 @@ class BakedSnow:
     def begin(self, scene):
         self._unit = metres_per_unit(scene)
         self._frame = scene.frame_current
-        # What lies in a folder is looked up once a moment.
+        # Each folder is listed once per begin().
         self._paths = {}
-        # By what a Carrier says of itself but its order: an empty shows an object of its collection once.
+        # Keys are the fields of a Carrier except its order: an empty shows each object of its collection once.
         self._folders = {}
-        # Of the scene itself: a bake writes its folders there, and evaluation does not hear of it.
+        # Read the original scene: a bake writes its folders there, and the evaluated scene is not updated.
         for entry in scene.original.snowbough.receivers:
             if entry.object is None or not entry.enabled or not entry.folder:
                 continue
-            # A surface is a mesh of the scene's and is drawn as one.
+            # Receivers with a snow surface are skipped: the surface is a mesh of the scene.
             if not snow_surface.find(entry):
                 self._folders.update(self._folders_of(entry))
 
     def _folders_of(self, entry):
-        """{what a Carrier says of itself: (folder, UV map)} of a line of the list that was baked."""
+        """{fields of a Carrier except its order: (folder, UV map)} of a baked entry of the list of receivers."""
         obj, library = entry.object, library_path(entry.object)
         if obj.type == "MESH":
             return {(obj.name, library, "", ""): (entry.folder, entry.uv_map)}
@@ -210,12 +212,12 @@ class BakedSnow:
         return None
 
     def _found(self, carrier):
-        """(folder, UV map); empty ones where nothing was baked for it."""
+        """(folder, UV map) of a Carrier; empty texts if it was not baked."""
         named = (carrier.name, carrier.library, carrier.instancer, carrier.instancer_library)
         return self._folders.get(named, ("", ""))
 
     def _path(self, folder):
-        """The file that shows the frame: of a frame behind the last one, the last; None before the first."""
+        """The file of the current frame; after the last baked frame the last file, before the first one None."""
         if not folder:
             return None
         if folder not in self._paths:
@@ -228,7 +230,7 @@ class BakedSnow:
         return self._paths[folder]
 
     def _read(self, path):
-        """((H, W) float32, (open depth, that at the shot's end)) in Blender's units."""
+        """((H, W) float32, (open depth, open depth at the end of the shot)) in Blender units."""
         stamp = path.stat().st_mtime_ns
         known = self._maps.get(path.parent)
         if known is None or known[:2] != (path, stamp):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hands scenes to a renderer: what is new, other or gone since the scene before, and nothing else. No ``bpy``."""
+"""Passes to a renderer only the differences between a scene and the one before. No ``bpy``."""
 
 from dataclasses import asdict
 
@@ -9,7 +9,7 @@ from .records import LyingSnow
 
 
 class Sync:
-    """Keeps a native Renderer's content as that of the last scene."""
+    """Keeps the content of a native Renderer equal to the last scene."""
 
     def __init__(self, renderer):
         self._renderer = renderer
@@ -17,7 +17,7 @@ class Sync:
         self._trees = {}
 
     def update(self, scene):
-        """Makes the renderer hold a records.Scene. Returns whether anything but the light had to be changed."""
+        """Passes a records.Scene to the renderer. Returns whether anything except the light has changed."""
         changed = self._remove_gone(scene)
         for mesh in scene.meshes:
             changed |= self._update_mesh(mesh)
@@ -67,7 +67,7 @@ class Sync:
         )
 
     def _set_snow(self, mesh):
-        """Paints the snow of its map on a mesh; snow with a surface is a mesh of its own."""
+        """Sets the snow map of a mesh. Snow with a surface is a separate mesh."""
         if mesh.snow is None:
             self._renderer.set_mesh_snow(mesh.key)
         else:
@@ -140,7 +140,7 @@ def camera(native, view):
 
 
 def settings(native, light, flakes=None, **own):
-    """The native RenderSettings under a records.Light, with records.Flakes in the air; own: further fields."""
+    """The native RenderSettings of a records.Light and of records.Flakes or None. own: additional fields."""
     if flakes is not None:
         own["snowfall"] = native.Snowfall(**asdict(flakes))
     return native.RenderSettings(

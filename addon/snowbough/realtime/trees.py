@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From an imported tree's objects to a records.Tree: its base from the skeleton that is kept, its pose as the rig has
-it."""
+"""Converts the objects of an imported tree to a records.Tree. The base comes from the skeleton that the armature
+stores, the pose from the rig."""
 
 import numpy as np
 
@@ -14,10 +14,10 @@ from .records import Coat, Leaves, Tree
 
 
 def rig_of(obj, mode):
-    """The armature that moves an object of an imported tree, if that is all that moves it; else None.
+    """The armature object of an object of an imported tree, or None if anything else deforms the object.
 
-    obj: the original object. mode: the depsgraph's. What somebody has put other modifiers on, or has edited, is
-    not the tree any more that the importer kept.
+    obj: the original object. mode: the depsgraph's mode. An object with other modifiers or with shape keys no longer
+    matches the tree that the importer stored.
     """
     shown = "show_render" if mode == "RENDER" else "show_viewport"
     modifiers = [modifier for modifier in obj.modifiers if getattr(modifier, shown)]
@@ -34,18 +34,18 @@ def is_leaves(obj):
 
 
 def is_unedited_bark(obj):
-    """Whether an object is bark with the vertices that the import gave it."""
+    """Whether an object is bark that still has the number of vertices from the import."""
     return obj.data.snowbough.bark_vertices == len(obj.data.vertices) > 0
 
 
 class Surfaces:
-    """Bases of trees by what their armatures keep, built once."""
+    """Bases of trees, each built once from the skeleton that its armature stores."""
 
     def __init__(self):
         self._known = {}
 
     def of(self, rig):
-        """(arrays, fingerprint) of an armature object; (None, "") where it keeps none that can be read."""
+        """(arrays, fingerprint) of an armature object; (None, "") if its skeleton cannot be read."""
         text = rig.data.snowbough_skeleton
         if text not in self._known:
             arrays = kept_skeleton.base_arrays(rig.data)
@@ -55,10 +55,10 @@ class Surfaces:
 
 
 def pose_of(obj, rig, place):
-    """(B, 4, 4) float32: what takes each bone's rest pose, in the object's space, to the world.
+    """(B, 4, 4) float32: for each bone the matrix from its rest pose, in object space, to world space.
 
-    obj, rig: evaluated; the object's vertex groups are the bones in the order of the tree's arrays. place: where
-    this instance of the object is, (4, 4). Groups whose bone is gone are left out.
+    obj, rig: evaluated objects. The vertex groups of obj are the bones in the order of the tree's arrays; groups whose
+    bone was deleted are omitted. place: the matrix of this instance of the object, (4, 4).
     """
     bones, posed = rig.data.bones, rig.pose.bones
     count = len(bones)
@@ -76,12 +76,12 @@ def pose_of(obj, rig, place):
 
 
 class BaseArrays:
-    """What meshes.painted asks of a mesh, of a tree's four-sided base."""
+    """A tree's four-sided base with the interface that meshes.painted needs."""
 
     corners = 4
 
     def __init__(self, mesh, surface, kept):
-        """mesh: the finest one's data; surface: what the native tree_arrays gave; kept: kept_bark.kept(), or None."""
+        """mesh: data of the finest mesh; surface: result of the native tree_arrays; kept: kept_bark.kept(), or None."""
         self._slots = np.zeros(len(surface["quads"]), np.int32) if kept is None else kept.slots
         self._uv = {BARK_UV: surface["bark_uv"]}
         if kept is not None:
@@ -96,7 +96,7 @@ class BaseArrays:
 
 
 def coat_of(obj, rig, surface, looks):
-    """The Coat of a tree's bark object with these looks; None where no image is to be seen on it."""
+    """The Coat of a tree's bark object, or None if none of its looks has an image."""
     kept = kept_bark.kept(rig.data)
     if kept is not None and len(kept.slots) != len(surface["quads"]):
         kept = None
@@ -104,22 +104,22 @@ def coat_of(obj, rig, surface, looks):
     return coat if any(paint.image is not None for paint in coat.paints) else None
 
 
-# Of a side of the map: two places closer to each other are the same one.
+# Coordinates are rounded to multiples of this share of the map's side, then compared.
 SAME_PLACE = 2.0**-20
 
 
 class SnowPlaces:
-    """The UV maps in which a map of snow can lie on a tree's base: that of the import, as long as the bark's mesh
-    has it, too."""
+    """The UV maps of a tree's base that a snow map can use: only that of the import, if the bark's mesh still has it
+    unchanged."""
 
     def __init__(self, mesh, surface):
-        """mesh: the finest one's data, unedited; surface: what the native tree_arrays gave."""
+        """mesh: data of the finest mesh, unedited; surface: result of the native tree_arrays."""
         self._mesh = mesh
         self._places = surface["snow_uv"]
         self._is_kept = None
 
     def uv(self, name):
-        """(Q, 4, 2) float32 of the base's corners; None where the map is another."""
+        """(Q, 4, 2) float32, coordinates of the base's corners; None for other UV maps."""
         if name != SNOW_UV:
             return None
         if self._is_kept is None:
@@ -127,7 +127,7 @@ class SnowPlaces:
         return self._places if self._is_kept else None
 
     def _is_in_mesh(self):
-        """Whether the corners of the base are among those of the mesh, which is made by cutting it finer."""
+        """Whether the mesh, a subdivision of the base, has all UV coordinates of the base's corners."""
         layer = self._mesh.uv_layers.get(SNOW_UV)
         if layer is None or not len(self._places):
             return False
@@ -136,7 +136,7 @@ class SnowPlaces:
 
 
 def _numbered(places):
-    """One number a place (N, 2), the same for the same place."""
+    """(N,) numbers of the coordinates (N, 2); equal coordinates have equal numbers."""
     cells = np.round(places.astype(np.float64) / SAME_PLACE).astype(np.int64)
     return cells[:, 0] << 32 | cells[:, 1]
 
@@ -154,7 +154,7 @@ def leaves_of(obj, looks):
 
 
 def tree_of(key, surface, print_, look, pose, coat, snow):
-    """A records.Tree without leaves; look: the bark's; print_: of the surface and the Coat; snow: records.LyingSnow
-    on it, or None."""
+    """A records.Tree without leaves. look: the bark's Look; print_: fingerprint of the surface and the Coat; snow: the
+    records.LyingSnow on the bark, or None."""
     bark = bark_of(look)
     return Tree(key, surface, print_ + repr(bark), bark, pose, coat=coat, snow=snow)

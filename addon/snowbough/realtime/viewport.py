@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A 3D view that shows the renderer's frames.
+"""Shows the renderer's frames in a 3D view.
 
-Blender's main thread asks for a frame, goes on, and draws the newest that has arrived; our own OpenGL is on the
-renderer's thread alone. A timer looks for frames between the draws and has the view redrawn when there is one.
+Blender's main thread requests a frame, continues, and draws the newest finished frame. Only the renderer's own thread
+uses our OpenGL context. A timer checks for new frames between redraws and then redraws the view.
 """
 
 import time
@@ -22,7 +22,7 @@ _open = []
 
 
 def _frame_shader():
-    """The shader that shows a packed frame, made on first use, while Blender draws."""
+    """The shader that shows a packed frame. It is compiled on first use, during a redraw."""
     global _shader
     if _shader is None:
         interface = gpu.types.GPUStageInterfaceInfo("snowbough_frame_interface")
@@ -39,7 +39,7 @@ def _frame_shader():
 
 
 def texture_of(frame):
-    """A GPUTexture of one channel, 32 bits, from (H, W) float32."""
+    """A GPUTexture with one 32-bit channel, from (H, W) float32."""
     height, width = frame.shape
     pixels = gpu.types.Buffer("FLOAT", height * width, frame.reshape(-1))
     return gpu.types.GPUTexture((width, height), format="R32F", data=pixels)
@@ -59,9 +59,9 @@ def draw_frame(texture):
 
 
 class Viewport:
-    """One 3D view's renderer, and what it shows.
+    """The renderer of one 3D view, and the frame that the view shows.
 
-    redraw: called when there is something new to draw. Raises what the native Renderer raises.
+    redraw: called when there is a new frame to draw. Raises the errors of the native Renderer.
     """
 
     def __init__(self, native, redraw):
@@ -81,14 +81,14 @@ class Viewport:
         _open.append(self)
 
     def update(self, scene):
-        """Another moment: a records.Scene."""
+        """Passes a records.Scene to the renderer."""
         if self._sync.update(scene):
             self._generation += 1
         self.light = scene.light
 
     def draw(self, view, light, options, flakes=None):
-        """Draws the newest frame and asks for one of this records.View under a records.Light, with records.Flakes in
-        the air; options: fields of RenderSettings."""
+        """Draws the newest frame and requests a frame of this records.View, records.Light and records.Flakes. options:
+        additional fields of RenderSettings."""
         self._fetch_frame()
         key = (view, light, flakes, self._generation, tuple(sorted(options.items())))
         now = time.monotonic()
@@ -142,7 +142,7 @@ class Viewport:
         return self._pacing.is_done() or self.error is not None
 
     def poll(self):
-        """Between draws: whether to look again soon."""
+        """Checks for a new frame between redraws. Returns whether to check again."""
         if self._is_settled():
             return False
         if self._fetch_frame() or self.error is not None:
@@ -153,7 +153,7 @@ class Viewport:
 
     @property
     def shown(self):
-        """The Quality of what is on the screen, where it is of the present view; else None."""
+        """The Quality of the shown frame if it shows the current view and scene, otherwise None."""
         return self._pacing.last_shown
 
     def close(self):

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Baked maps as Blender images: the sequence of a folder, with the frames that exist.
 
-A frame outside the files renders magenta and gives extreme displacement, so the duration is counted from the files.
-After the last file Blender keeps showing it; before the first file there is none, and users of the sequence must show
-no snow.
+A frame outside the files renders magenta and gives extreme displacement, so the number of files determines the
+duration. After the last file, Blender shows the last file. Before the first file, users of the sequence must show no
+snow.
 """
 
 import re
@@ -16,7 +16,7 @@ import bpy
 from ..cache.manifest import read_manifest
 
 HEADER_BYTES = 4096
-# Name, type and size of the attribute that holds the first and last pixels (OpenEXR File Layout).
+# Name, type and size of the attribute with the first and last pixels (OpenEXR File Layout).
 DATA_WINDOW = b"dataWindow\0box2i\0\x10\0\0\0"
 
 
@@ -43,7 +43,7 @@ class BakedSequence:
 
 
 def frames_on_disk(folder, kind):
-    """Frame numbers of `<kind>_<frame>.exr` in `folder`: the first and all that follow it without a gap."""
+    """Frame numbers of `<kind>_<frame>.exr` in `folder`: the first and all consecutive ones."""
     pattern = re.compile(rf"{re.escape(kind)}_(\d+)\.exr")
     matches = (pattern.fullmatch(entry.name) for entry in Path(folder).glob(f"{kind}_*.exr"))
     frames = sorted(int(match.group(1)) for match in matches if match)
@@ -51,7 +51,7 @@ def frames_on_disk(folder, kind):
 
 
 def _load(path, name):
-    """The image of a file, loaded once, and reloaded if it is known."""
+    """The image of a file; it is reloaded if it was loaded before."""
     path = Path(path)
     for image in bpy.data.images:
         if image.library is None and image.filepath and Path(bpy.path.abspath(image.filepath)) == path:
@@ -70,8 +70,8 @@ def _load(path, name):
 
 
 def _width(path):
-    """Width of an EXR file in texels, from its header, or 0 if it is none. Blender would read the whole file, and the
-    sequence's own image is empty before the first frame."""
+    """Width of an EXR file in texels, from its header; 0 if the header is not valid. Blender would read the whole file,
+    and the image of a sequence is empty before the first frame."""
     with open(path, "rb") as stream:
         header = stream.read(HEADER_BYTES)
     at = header.find(DATA_WINDOW)
@@ -102,8 +102,8 @@ def baked_uv_map(folder):
 
 
 def folders_of_members(folder, instancer):
-    """{(object, library): folder} of all objects that the empty `instancer` instances. folder: that of any of them,
-    which was baked beside the others and has the empty's name at the bake."""
+    """{(object, library): folder} of all objects that the empty `instancer` instances. folder: the folder of any of
+    them. Its manifest contains the empty's name at the time of the bake, and the other folders are beside it."""
     one, found = read_manifest(Path(bpy.path.abspath(folder))) if folder else None, {}
     if one is not None:
         instancer = one["label"].removesuffix(f" / {one['object']}")

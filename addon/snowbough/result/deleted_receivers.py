@@ -26,7 +26,7 @@ def _remove():
 
 @bpy.app.handlers.persistent
 def _schedule_removal(scene, *_):
-    # Not during an update, in which Blender still works on the scene.
+    # Objects must not be removed during an update of the scene, so use a timer.
     if _deleted(scene) and not bpy.app.timers.is_registered(_remove):
         bpy.app.timers.register(_remove, first_interval=0.0)
 

@@ -2,9 +2,9 @@
 """Gives baked snow its thickness: in the material, with modifiers, or as a separate surface.
 
 ADAPTIVE  Cycles displaces the surface in the material and dices it to pixels.
-MODIFIER  Subdivision and Displace modifiers: geometry in every renderer and the viewport.
-SHELL     a snow surface, a separate object (see snow_surface); the receiver stays unchanged.
-NONE      the material only.
+MODIFIER  Subdivision and Displace modifiers make geometry for every renderer and the viewport.
+SHELL     A snow surface, a separate object (see snow_surface). The receiver stays unchanged.
+NONE      Only the material shows snow.
 """
 
 import math
@@ -31,12 +31,12 @@ MODES = (
     (
         "MODIFIER",
         "Modifiers",
-        "Subdivision and Displace modifiers: geometry in every renderer; needs a uniform scale",
+        "Subdivision and Displace modifiers make geometry for every renderer. The object needs a uniform scale",
     ),
     (
         "SHELL",
         "Snow Surface",
-        "A separate mesh with its own material, hems and overhangs; also for linked and instanced meshes",
+        "A separate mesh with its own material, hems and overhangs. It also works for linked and instanced meshes",
     ),
     ("NONE", "None", "The snow changes only the material"),
 )
@@ -136,7 +136,7 @@ def clear(scene, receiver):
 
 
 def apply(scene, receiver, mode):
-    """Adds snow of that mode to the receiver and replaces that of an earlier call. Materials of surfaces keep their
+    """Adds snow of that mode to the receiver and replaces the snow of earlier calls. Materials of surfaces keep their
     sliders.
 
     Raises ValueError, saying what to do, if the mode does not suit the object; then nothing is changed.
@@ -187,7 +187,8 @@ def remove(scene, receiver):
 
 
 class Muted:
-    """A context in which our own displacement is off, so that snow does not fall on snow, and surfaces read no points.
+    """A context that disables our own displacement, so that snow does not fall on displaced snow, and the modifiers of
+    surfaces, so that they read no files.
 
     switch: "show_render" for render evaluation, "show_viewport" for what the viewport shows.
     """

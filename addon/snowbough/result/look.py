@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Kinds of snow: their values for the sliders of all snow in a scene, and for the scene's repose and cohesion.
+"""Kinds of snow: values of the sliders of all snow in a scene, and of the scene's repose and cohesion.
 
-Choosing a kind sets the sliders once; afterwards they are the artist's.
+Choosing a kind sets the sliders once. Afterwards artists can change them.
 """
 
 import math

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lets deforming objects store the undeformed positions of their points, so that grains and relief stay in place.
 
-It is Blender's own switch (Object properties). The receiver's record notes if we turned it on.
+This uses Blender's own option (Object properties). The receiver's record stores whether we enabled it.
 """
 
 import bpy
@@ -12,7 +12,7 @@ _RECORD = "rest_position"
 
 
 def keep(obj, record):
-    """Turns it on for a local mesh object that deforms. Returns whether the object stores the positions."""
+    """Enables it for a local mesh object that deforms. Returns whether the object stores the positions."""
     if obj.library or obj.override_library or not hasattr(obj, "add_rest_position_attribute"):
         return False
     if not obj.data.shape_keys and all(modifier.name in OWN_MODIFIERS for modifier in obj.modifiers):
@@ -24,7 +24,7 @@ def keep(obj, record):
 
 
 def release(record):
-    """Turns it off where keep() turned it on."""
+    """Disables it for the objects for which keep() enabled it."""
     for name in record.pop(_RECORD, ()):
         if name in bpy.data.objects:
             bpy.data.objects[name].add_rest_position_attribute = False

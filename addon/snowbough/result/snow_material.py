@@ -71,8 +71,8 @@ def _sampled(builder, sequence, uv_map, location):
 def _height(builder, sequence, uv_map):
     """The height in metres: the sequence from its first frame on, nothing before it.
 
-    Before the first frame Blender has no file and would show magenta. A keyframed step, which artists can edit,
-    switches the snow off there.
+    Before the first frame Blender has no file and would show magenta. A keyframed step, which artists can edit, hides
+    the snow there.
     """
     if sequence is None:  # not baked yet: no snow
         value = builder.node("ShaderNodeValue", (-700, 0))
@@ -98,7 +98,7 @@ def _normal(builder, sequence, uv_map):
 
 
 def output_node(tree):
-    """The active material output; made if there is none."""
+    """The active material output. Adds one if there is none."""
     node = tree.get_output_node("ALL") or tree.get_output_node("CYCLES") or tree.get_output_node("EEVEE")
     return node or tree.nodes.new("ShaderNodeOutputMaterial")
 
@@ -122,7 +122,7 @@ def add_snow_nodes(material, height, normal, uv_map, displacement_scale, metres,
     """Mixes snow over the material.
 
     height, normal: BakedSequence or None. displacement_scale: Blender units per metre if the material displaces the
-    surface (Cycles displacement), else None. metres: of a unit of the object's own space, along its three axes. rest:
+    surface (Cycles displacement), else None. metres: metres per unit of object space, for each axis. rest:
     whether the object stores its undeformed positions. Returns the node of the group.
     """
     tree = material.node_tree
@@ -238,9 +238,9 @@ def _drop_copies(obj, record):
 
 
 def add(scene, receiver, displace):
-    """Adds snow to the receiver's materials, or renews it after a bake. displace: whether the material displaces.
+    """Adds snow to the receiver's materials, or updates it after a bake. displace: whether the material displaces.
 
-    Raises ValueError for objects without a UV map. Objects that is_shared() finds must not be passed.
+    Raises ValueError for objects without a UV map. The object must not be shared, see is_shared().
     """
     obj = receiver.object
     uv_map = uv_map_name(receiver)

@@ -12,8 +12,8 @@ from ..names import SNOW_GROUP
 from ..node_builder import NodeBuilder
 from .relief_nodes import add_relief
 
-# Light enters snow by some centimetres, red less than blue. Fresh snow has an albedo of about 0.9 and is nearly white
-# (S. G. Warren, Optical Properties of Snow, Reviews of Geophysics 20, 1982).
+# Light penetrates snow by some centimetres, red less than blue. Fresh snow has an albedo of about 0.9 and is nearly
+# white (S. G. Warren, Optical Properties of Snow, Reviews of Geophysics 20, 1982).
 SNOW_COLOR = (0.90, 0.93, 0.96, 1.0)
 SUBSURFACE_RADIUS = (0.010, 0.013, 0.018)
 # Depth in metres from which light scatters as in deep snow.

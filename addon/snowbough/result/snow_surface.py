@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The snow surface in the scene: a mesh object, child of its receiver (of the instancer, for an instance), whose points
-a Mesh Cache modifier reads from the bake's files. Nothing is computed when the frame changes.
+"""The snow surface in the scene: a mesh object, child of its receiver (for an instance: of the instancer). A Mesh Cache
+modifier reads its points from the bake's files, so nothing is computed when the frame changes.
 
-The mesh itself holds the shot's last frame, and its texture space is one Blender unit, so that a material's Generated
-coordinates are places in the snow that stay where they are while it grows.
+The mesh data has the points of the last frame, and its texture space is one Blender unit. So the Generated coordinates
+of a material are fixed to the snow while it grows.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ from . import baked_images, original_state, surface_material
 
 @dataclass
 class _Member:
-    """A mesh that carries snow: the receiver itself, or one of the collection that it instances."""
+    """A mesh with snow: the receiver itself, or an object of the collection that it instances."""
 
     obj: bpy.types.Object
     folder: Path
@@ -50,7 +50,7 @@ def _members(receiver):
 
 
 def _fill_mesh(mesh, file):
-    """A mesh's data from a surface.mesh_file.FileMesh."""
+    """Fills an empty mesh with the data of a surface.mesh_file.FileMesh."""
     corners, sides = file.corners, file.sides
     mesh.vertices.add(len(file.positions))
     mesh.vertices.foreach_set("co", np.ascontiguousarray(file.positions, np.float32).ravel())
@@ -69,7 +69,7 @@ def _fill_mesh(mesh, file):
 
 
 def blend_path(path):
-    """A path as the .blend stores it: beside a saved .blend relative to it, so that both may move together."""
+    """A path relative to the saved .blend file, so that both can be moved together; absolute if that is impossible."""
     if bpy.data.filepath:
         try:
             return bpy.path.relpath(str(path))
@@ -79,7 +79,7 @@ def blend_path(path):
 
 
 def show_points(obj, path, first):
-    """Lets a surface's modifier read a point cache whose second sample is that of frame `first`."""
+    """Sets the point cache of a surface's modifier. Its second sample belongs to frame `first`."""
     modifier = obj.modifiers[SURFACE_MODIFIER]
     modifier.filepath = blend_path(path)
     modifier.frame_start = first - 1
@@ -87,7 +87,7 @@ def show_points(obj, path, first):
 
 
 def _make_one(scene, member):
-    """The surface of one member, or None where none was computed."""
+    """Makes the surface object of one member. Returns None if no surface was computed."""
     summary = read_summary(member.folder)
     if summary is None:
         return None
@@ -113,8 +113,9 @@ def _make_one(scene, member):
 
 
 def make(scene, receiver, materials=None):
-    """Makes the receiver's surfaces from its baked files. materials: what touched_materials said of those before.
-    Returns the objects, none where nothing is baked yet. Raises CacheError for damaged files."""
+    """Makes the receiver's surfaces from its baked files. materials: result of touched_materials() for the
+    earlier surfaces. Returns the new objects, an empty list before the first bake. Raises CacheError for damaged files.
+    """
     surfaces = [_make_one(scene, member) for member in _members(receiver)]
     surfaces = [surface for surface in surfaces if surface is not None]
     for surface in surfaces:
@@ -126,12 +127,12 @@ def make(scene, receiver, materials=None):
 
 
 def find(receiver):
-    """The receiver's surfaces that are still there, also shells of earlier versions."""
+    """The receiver's existing surfaces, including shells of earlier versions."""
     record = original_state.read(receiver)
     names = [*record.get("shells", ()), *([record["shell"]] if "shell" in record else [])]
     named = [bpy.data.objects[name] for name in names if name in bpy.data.objects]
     parents = [receiver.object] if receiver.object is not None else []
-    # Renamed by the artist, or left by an undo.
+    # Surfaces that were renamed by the artist, or restored by undo.
     children = [
         child
         for parent in parents
@@ -142,7 +143,7 @@ def find(receiver):
 
 
 def touched_materials(receiver):
-    """{name of a surface: its material's sliders that an artist has set}."""
+    """{name of a surface: {slider of its material that the artist has changed: value}}."""
     return {
         surface.name: surface_material.touched(surface.data.materials[0])
         for surface in find(receiver)
@@ -178,8 +179,8 @@ def remove(receiver):
 
 
 def freeze(scene, receiver, depsgraph):
-    """The snow of the receiver as it is in the evaluated frame, as plain mesh objects, whatever displacement the
-    receiver has. Returns the new objects, linked beside the receiver; none where no surface was computed."""
+    """Makes mesh objects without modifiers of the receiver's snow in the evaluated frame, in every displacement mode.
+    Returns the new objects, which are in the collections of the surface; an empty list if no surface was computed."""
     surfaces = find(receiver)
     temporary = not surfaces
     surfaces = surfaces or make(scene, receiver)
@@ -201,7 +202,7 @@ def freeze(scene, receiver, depsgraph):
 
 
 def folders(scene):
-    """(receiver, surface object or None, folder) of all that a scene shows or may show as surfaces."""
+    """Yields (receiver, surface object or None, folder) for all baked meshes of a scene's receivers."""
     for receiver in scene.snowbough.receivers:
         if receiver.object is None:
             continue

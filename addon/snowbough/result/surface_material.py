@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The material of a snow surface: the snow of the scene's kind, with its depth looked up in the baked maps."""
+"""The material of a snow surface: the scene's kind of snow, with its depth from the baked maps."""
 
 import json
 
@@ -9,16 +9,17 @@ from .. import compat
 from ..node_builder import NodeBuilder
 from . import look, snow_nodes
 
-# In the Solid view, where all else is greyer.
+# Colour in the Solid view, where other objects are greyer.
 SOLID_COLOR = (1.0, 1.0, 1.0, 1.0)
-# The surface ends by itself, so that its material hides what is below even where maps are thin (metres).
+# Minimum depth for the material, in metres: the mesh already ends where snow ends, so its material must be opaque.
 LEAST_DEPTH = 0.01
-# The sliders that a material began with, as JSON: what an artist has changed outlives a new bake.
+# Initial values of the material's sliders, as JSON. A new bake keeps the sliders that the artist has changed.
 _RECORD = "snowbough_sliders"
 
 
 def make_material(scene, name, sequence, uv_map, metres_per_unit):
-    """Snow of the scene's kind. sequence: the BakedSequence of heights, or None; uv_map: of the surface's mesh."""
+    """A material with the scene's kind of snow. sequence: the BakedSequence of heights, or None; uv_map: UV map of the
+    surface's mesh."""
     material = bpy.data.materials.new(name)
     compat.use_material_nodes(material)
     material.diffuse_color = SOLID_COLOR
@@ -32,7 +33,7 @@ def make_material(scene, name, sequence, uv_map, metres_per_unit):
         sequence.configure(texture.image_user)
         builder.feed(texture, Vector=place)
         depth = builder.math("MAXIMUM", builder.absolute(texture.outputs["Color"]), LEAST_DEPTH)
-    # Generated coordinates are where points are in the mesh itself, which has the shot's last frame: see snow_surface.
+    # Generated coordinates come from the mesh data, which has the last frame: see snow_surface.
     place = builder.node("ShaderNodeTexCoord").outputs["Generated"]
     place = builder.vector("MULTIPLY_ADD", place, (2.0,) * 3, (-1.0,) * 3)
     group = builder.node("ShaderNodeGroup", node_tree=snow_nodes.ensure_group())
@@ -62,13 +63,13 @@ def _sliders(material):
 
 
 def touched(material):
-    """{name: value} of the sliders that are not as the material began."""
+    """{name: value} of the sliders that differ from their initial values."""
     begun = json.loads(material.get(_RECORD, "{}"))
     return {name: value for name, value in _sliders(material).items() if begun.get(name) != value}
 
 
 def put_back(material, values):
-    """Sets the sliders that touched() of another material named."""
+    """Sets sliders. values: result of touched() for another material."""
     for node in look.group_nodes(material):
         for name, value in values.items():
             if name in node.inputs:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shows what the sliders of snow surfaces do: in the frame at hand while they are dragged, in all frames by update_all.
+"""Previews the sliders of snow surfaces in the current frame. The operator Update Surface computes all frames.
 
-For the frame at hand the surface's modifier reads a file of its own in Blender's temporary folder; the next change of
-the frame puts the bake's file back.
+For the preview, the surface's modifier reads a file in Blender's temporary folder. The next frame change restores the
+bake's file.
 """
 
 import hashlib
@@ -20,12 +20,12 @@ from ..surface import compute
 from ..surface.point_cache import PointCacheWriter
 from . import displacement, snow_surface
 
-# Folders whose surface is kept in memory, so that a slider need not plan it again at every movement.
+# Maximum number of surfaces in memory. They are kept so that a slider's movement does not plan them again.
 MOST_KEPT = 256
 
 
 def _kept(folder, style):
-    """The compute.Surface of a folder, of that style."""
+    """The compute.Surface of a folder with a style, from memory if possible."""
     stamp = (folder / SURFACE_POINTS).stat().st_mtime_ns
     known = session.surfaces.get(folder)
     if known is None or known[0] != (stamp, style.detail):
@@ -42,7 +42,7 @@ def _kept(folder, style):
 
 def _show_now(scene, obj, folder, style):
     summary = compute.read_summary(folder)
-    # Faces stay those of the last update until the next one.
+    # The faces change only with Update Surface, so keep their detail.
     surface = _kept(folder, replace(style, detail=summary["style"]["detail"]))
     index = min(max(scene.frame_current - summary["first"], 0), summary["frames"] - 1)
     name = hashlib.blake2b(str(folder).encode(), digest_size=8).hexdigest()
@@ -56,7 +56,7 @@ def _show_now(scene, obj, folder, style):
 
 
 def show_sliders(context):
-    """The frame at hand with the sliders as they are. Where that cannot be shown nothing changes."""
+    """Shows the current frame with the current sliders. Surfaces that cannot be computed stay unchanged."""
     if session.bake is not None:
         return
     scene = context.scene
@@ -67,12 +67,12 @@ def show_sliders(context):
         try:
             _show_now(scene, obj, folder, style)
         except (ValueError, CacheError, OSError, native.NativeModuleMissing):
-            continue  # Update Surface says why
+            continue  # Update Surface reports the error
 
 
 @bpy.app.handlers.persistent
 def _put_back(*_):
-    """Before another frame: the bake's files again."""
+    """Restores the bake's files, before a frame change and before saving."""
     for name, folder in list(session.shown_surfaces.items()):
         del session.shown_surfaces[name]
         obj = bpy.data.objects.get(name)
@@ -82,7 +82,8 @@ def _put_back(*_):
 
 
 def tasks(scene, objects=()):
-    """[(receiver, folder, SurfaceStyle)] of what update_all would compute. objects: names; none are all."""
+    """[(receiver, folder, SurfaceStyle)] of the surfaces that Update Surface computes. objects: names of receivers; all
+    if empty."""
     found = []
     for receiver, _, folder in snow_surface.folders(scene):
         style = surface_style(scene, receiver)
@@ -92,7 +93,7 @@ def tasks(scene, objects=()):
 
 
 def refresh(scene, receivers):
-    """Shows new files of surfaces."""
+    """Shows the new surface files of receivers."""
     session.surfaces.clear()
     session.shown_surfaces.clear()
     for receiver in receivers:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Snow on objects that are on no list of receivers, such as appended ones.
+"""Removes snow from objects that are in no list of receivers, such as appended objects.
 
-The record of an object's original state stays in the scene that it came from. So our additions are recognised by their
+The record of an object's original state remains in its original scene. So this module finds our additions by their
 properties: modifiers by name, copies of materials by their node group, surfaces by their parent. If the mesh still has
 its own materials, the copies are removed; otherwise our nodes are removed from the copies.
 """

@@ -39,7 +39,8 @@ class SurfaceProperties:
     )
     surface_bridging: _slider(
         "Bridging",
-        "How easily snow closes narrow gaps, as between boards or stones: 1 is fresh snow, 0 keeps all gaps open",
+        "How fully snow closes gaps up to about half of its height, and how thick cushions on leaves and needles are: "
+        "1 is fresh snow, 0 keeps all gaps open",
     )
     surface_relief: _slider(
         "Relief Scale",

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The snow surface of baked receivers: recorded while a bake runs, computed from the cache alone. No ``bpy``."""
+"""The snow surface of baked receivers: recorded during a bake, computed only from the cache. No ``bpy``."""

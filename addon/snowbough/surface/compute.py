@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From a receiver's folder in the cache to the faces and points of its snow. No ``bpy``.
+"""Computes the faces and points of a receiver's snow surface from its folder in the cache. No ``bpy``.
 
-The manifest, the maps, ``receiver.ply`` and ``positions.pc2`` are all that is read: no scene is evaluated, and nothing
-is simulated. Written are ``surface.ply`` (faces), ``surface.pc2`` (points: one sample without snow, then one a frame)
-and ``surface.json`` (what they were made with).
+Reads only the manifest, the maps, ``receiver.ply`` and ``positions.pc2``: no scene is evaluated and nothing is
+simulated. Writes ``surface.ply`` (faces), ``surface.pc2`` (points: one sample without snow, then one per frame) and
+``surface.json`` (the style and the counts).
 """
 
 import hashlib
@@ -19,37 +19,37 @@ from ..cache.sealed import FORMAT, dict_of, read_sealed, whole, write_sealed
 from .mesh_file import FileMesh, read_mesh, write_mesh
 from .point_cache import PointCacheWriter, read_point_cache
 
-# Frames whose maps say where snow ever lies: so many, spread over the shot, and the last.
+# Number of frames, besides the last, whose maps determine the snow-covered area. They are spread over the shot.
 LOOKED_AT = 8
-# Their maps are kept for the frames themselves while they are no more than so many bytes.
+# These maps stay in memory for later use if they have at most this many bytes in total.
 MOST_KEPT_BYTES = 256 << 20
-# Maps that are read ahead.
+# Number of maps that are read ahead.
 AHEAD = 3
-# Two linear maps whose scales differ by less are a turn of one another.
+# Tolerance within which a matrix counts as a rotation.
 SAME_SCALE = 1e-4
 
 _SHAPE = {"style": dict_of(lambda value: True), "first": whole, "frames": whole, "points": whole}
 
 
 class NoSurface(ValueError):
-    """The folder does not hold what a surface is computed from; says what to do."""
+    """The folder lacks the inputs of a surface. The message says what to do."""
 
 
 class SurfaceInputs:
-    """What a receiver's folder says of its shape, and its maps."""
+    """The shape of a receiver and its maps, read from its folder."""
 
     def __init__(self, native, folder):
         self._native = native
         self.folder = Path(folder)
         self.manifest = read_manifest(self.folder)
         if self.manifest is None:
-            raise NoSurface(f"{self.folder} holds no bake: bake the snow first")
+            raise NoSurface(f"{self.folder} contains no bake: bake the snow first")
         self.label = self.manifest["label"]
         self.frames = [entry for entry in self.manifest["frames"] if "to_world" in entry]
         if not self.frames or not (self.folder / RECEIVER).is_file():
             raise NoSurface(
-                f"'{self.label}' was baked by an earlier version, or has other faces during the shot than at its end: "
-                "bake it again, or show its snow with Material"
+                f"'{self.label}' was baked by an earlier version, or its faces change during the shot: "
+                "bake it again, or choose Displacement > None"
             )
         self.mesh = read_mesh(self.folder / RECEIVER)
         self.local = read_point_cache(self.folder / POSITIONS)
@@ -58,7 +58,7 @@ class SurfaceInputs:
             len(self.frames),
         ):
             raise CacheError(
-                f"{self.folder / POSITIONS} does not fit its bake: free the bake, then bake again"
+                f"{self.folder / POSITIONS} does not match its bake: free the bake, then bake again"
             )
         self._matrices = [
             np.array(entry["to_world"], dtype=np.float64).reshape(4, 4) for entry in self.frames
@@ -72,7 +72,7 @@ class SurfaceInputs:
         return self.frames[0]["frame"]
 
     def height(self, index):
-        """The map of the frame of that index, (R, R) float32 metres; not to be written to."""
+        """The map of the frame with that index, (R, R) float32, metres. Do not modify it."""
         if index in self._maps:
             return self._maps[index]
         path = self.folder / frame_file("height", self.frames[index]["frame"])
@@ -82,7 +82,7 @@ class SurfaceInputs:
             raise CacheError(f"{error}. Bake again") from error
 
     def highest(self):
-        """The greatest thickness of some frames at each texel, (R, R) float32."""
+        """The maximum thickness over the sampled frames at each texel, (R, R) float32, metres."""
         count = len(self.frames)
         looked_at = sorted({round(i * (count - 1) / LOOKED_AT) for i in range(LOOKED_AT + 1)})
         with ThreadPoolExecutor(2) as pool:
@@ -95,18 +95,18 @@ class SurfaceInputs:
         return highest
 
     def world(self, index):
-        """Vertices of a frame in metres in the world, (V, 3) float32."""
+        """Vertices of a frame in world space, (V, 3) float32, metres."""
         local = self.local[index if len(self.local) > 1 else 0]
         matrix = self._matrices[index]
         return (local @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
 
     def wind(self):
-        """Horizontal part of the direction in which snow falls, on average."""
+        """Mean horizontal component (x, y) of the direction of snowfall."""
         ways = np.array([entry["direction"] for entry in self.frames], dtype=np.float64)
         return tuple(float(value) for value in ways[:, :2].mean(axis=0))
 
     def pose(self, index):
-        """What the native SnowSurface.points needs to know of a frame besides the map, a dict."""
+        """Keyword arguments of the native SnowSurface.points that describe the pose of a frame."""
         matrix, planned = self._matrices[index], self._matrices[-1]
         turn = planned[:3, :3] @ np.linalg.inv(matrix[:3, :3])
         is_rigid = len(self.local) == 1 and np.allclose(turn.T @ turn, np.eye(3), atol=SAME_SCALE)
@@ -149,14 +149,14 @@ class Surface:
         self._native.set_style(**style.sliders())
 
     def points(self, index, height=None):
-        """(P, 3) float32 of the frame of that index, in the space of the receiver or its instancer. height: its map,
-        where it was read already."""
+        """(P, 3) float32 points of the frame with that index, in the space of the receiver or its instancer. height:
+        its map, if it was read already."""
         inputs = self.inputs
         height = inputs.height(index) if height is None else height
         return self._native.points(height, inputs.depth(index), **inputs.pose(index))
 
     def bare_points(self):
-        """The points before the shot's first frame, without snow."""
+        """Points without snow, for the time before the first frame of the shot."""
         resolution = self.inputs.manifest["settings"]["receiver"]["resolution"]
         nothing = np.zeros((resolution, resolution), np.float32)
         return self._native.points(nothing, 0.0, **self.inputs.pose(0))
@@ -178,15 +178,15 @@ class Surface:
 
 
 def seed_of(label):
-    """A number for noise that differs from receiver to receiver and is the same everywhere."""
+    """A seed for noise. It differs between receivers and is the same on every machine."""
     return int.from_bytes(hashlib.blake2b(label.encode(), digest_size=4).digest(), "little")
 
 
 def update(native, folder, style, progress=lambda share: True, check=lambda: None):
-    """Computes the surface of the receiver in `folder` for all baked frames, and writes it.
+    """Computes and writes the surface of the receiver in `folder` for all baked frames. Returns whether it finished.
 
-    progress(0 to 1) is asked after each frame whether to go on; where it says no, nothing is changed and False is
-    returned. check() is called before files are put in their place. Raises NoSurface, CacheError.
+    progress(0 to 1) is called after each frame. If it returns False, nothing is changed and the function returns False.
+    check() is called before existing files are replaced. Raises NoSurface, CacheError.
     """
     folder = Path(folder)
     surface = Surface(native, folder, style)
@@ -206,7 +206,7 @@ def update(native, folder, style, progress=lambda share: True, check=lambda: Non
             if not progress((index + 1) / count):
                 return False
         check()
-        # The points go last: their number of points tells a mesh and points of different surfaces apart.
+        # Publish the points after the mesh: the number of points reveals files of different surfaces.
         write_mesh(folder / SURFACE_FACES, mesh)
         cache.publish()
         write_sealed(

@@ -26,21 +26,21 @@ class FileMesh:
     triangle_uv: np.ndarray
     """(T, 3, 2) float32."""
     smooth: np.ndarray = None
-    """(T, 3) int32: corners of one number share a normal, -1 is flat; None where all are flat or nobody asks."""
+    """(T, 3) int32: corners with equal numbers share a normal, -1 is flat; None if all are flat or it is unknown."""
 
     @property
     def corners(self):
-        """(L,) int32 of all faces, quads first."""
+        """(L,) int32 vertex indices of the corners of all faces, quads first."""
         return np.concatenate([self.quads.ravel(), self.triangles.ravel()])
 
     @property
     def corner_uv(self):
-        """(L, 2) float32."""
+        """(L, 2) float32, in the order of `corners`."""
         return np.concatenate([self.quad_uv.reshape(-1, 2), self.triangle_uv.reshape(-1, 2)])
 
     @property
     def sides(self):
-        """(F,) int32, how many corners each face has."""
+        """(F,) int32, the number of corners of each face."""
         return np.repeat(np.array([4, 3], np.int32), [len(self.quads), len(self.triangles)])
 
 
@@ -64,7 +64,7 @@ def _rows(faces, uv, smooth):
 
 
 def write_mesh(path, mesh):
-    """Writes a FileMesh whole or not at all. Raises CacheError."""
+    """Writes a FileMesh atomically. Raises CacheError."""
     header = [
         "ply", "format binary_little_endian 1.0",
         f"comment quads {len(mesh.quads)}",
@@ -93,7 +93,7 @@ def read_mesh(path):
         smooth = "list uchar int smooth" in header
         records = (_record(4, smooth), quads), (_record(3, smooth), faces - quads)
         if len(raw) != end + 12 * points + sum(record.itemsize * count for record, count in records):
-            raise ValueError("it is cut short")
+            raise ValueError("it is truncated")
         positions = np.frombuffer(raw, "<f4", 3 * points, end).reshape(-1, 3)
         end += 12 * points
         four = np.frombuffer(raw, records[0][0], quads, end)
@@ -102,7 +102,7 @@ def read_mesh(path):
             len(rows) and not 0 <= rows["corner"].min() <= rows["corner"].max() < points
             for rows in (four, three)
         ):
-            raise ValueError("a face names points that are not there")
+            raise ValueError("a face refers to missing points")
     except (OSError, ValueError, AttributeError) as error:
         raise CacheError(f"{path} cannot be read ({error}): bake again, or use Update Surface") from error
     return FileMesh(

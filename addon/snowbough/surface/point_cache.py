@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""PC2 files: the positions of a mesh's points, frame after frame, as Blender's Mesh Cache modifier reads them. No
-``bpy``.
+"""PC2 files: the positions of a mesh's points in each frame, the format of Blender's Mesh Cache modifier. No ``bpy``.
 
-Layout: 12 bytes ``POINTCACHE2\\0``, int32 version 1, int32 points, float32 first sample, float32 samples a frame, int32
-samples, then float32 x, y, z of all points of all samples; all little-endian.
+Layout: 12 bytes ``POINTCACHE2\\0``, int32 version 1, int32 points, float32 first sample, float32 samples per frame,
+int32 samples, then float32 x, y, z of all points of all samples; all little-endian.
 """
 
 import os
@@ -21,9 +20,9 @@ _MAGIC = b"POINTCACHE2\0"
 
 
 class PointCacheWriter:
-    """Writes a PC2 file whole or not at all: ``with PointCacheWriter(path, points) as cache: ...; cache.publish()``.
+    """Writes a PC2 file atomically: ``with PointCacheWriter(path, points) as cache: ...; cache.publish()``.
 
-    Raises CacheError with path and reason where the disk refuses.
+    Raises CacheError with path and reason if the file cannot be written.
     """
 
     def __init__(self, path, points):
@@ -49,7 +48,7 @@ class PointCacheWriter:
         self.samples += 1
 
     def publish(self):
-        """Puts the file in its place."""
+        """Completes the file and moves it to its path."""
         with self._naming_errors():
             self._stream.seek(0)
             self._stream.write(_HEADER.pack(_MAGIC, 1, self._points, 0.0, 1.0, self.samples))
@@ -59,7 +58,7 @@ class PointCacheWriter:
             os.replace(self._temporary, self._path)
 
     def close(self):
-        """Removes what was not published."""
+        """Closes the file and removes it if it was not published."""
         self._stream.close()
         self._temporary.unlink(missing_ok=True)
 
@@ -72,7 +71,7 @@ class PointCacheWriter:
 
 
 class _Naming:
-    """Context: an OSError becomes a CacheError that names the file, and nothing is left behind."""
+    """A context that converts an OSError to a CacheError with the path, and removes the temporary file."""
 
     def __init__(self, writer):
         self._writer = writer
@@ -92,14 +91,14 @@ class _Naming:
 
 
 def read_point_cache(path):
-    """(samples, points, 3) float32 of a PC2 file, read from disk as it is used. Raises CacheError for a damaged one."""
+    """(samples, points, 3) float32 of a PC2 file, memory-mapped. Raises CacheError for a missing or damaged file."""
     path = Path(path)
     try:
         with open(path, "rb") as stream:
             magic, version, points, _, _, samples = _HEADER.unpack(stream.read(_HEADER.size))
         wanted = _HEADER.size + 12 * points * samples
         if magic != _MAGIC or version != 1 or points < 0 or samples < 1 or path.stat().st_size != wanted:
-            raise ValueError("it is no PC2 file, or cut short")
+            raise ValueError("it is not a PC2 file, or it is truncated")
         if not points:
             return np.zeros((samples, 0, 3), np.float32)
         return np.memmap(path, "<f4", "r", _HEADER.size, (samples, points, 3))

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bake records of a receiver's shape, so that its snow surface can be computed without the scene. No ``bpy``.
+"""Records the shape of a receiver during a bake, so that its snow surface can be computed without the scene. No
+``bpy``.
 
-``receiver.ply`` has the faces in the shot's last pose, ``positions.pc2`` the vertices of every frame, or of one where
-they stand still in the space of the receiver (of an instance: of its instancer). Where that space is in each frame
-stands in the manifest.
+``receiver.ply`` contains the faces in the last pose of the shot. ``positions.pc2`` contains the vertices of every
+frame, or of one frame if they do not move in the space of the receiver (for an instance: of its instancer). The
+manifest contains the matrix of that space for each frame.
 """
 
 import numpy as np
@@ -12,12 +13,12 @@ from ..cache.files import POSITIONS, RECEIVER
 from .mesh_file import FileMesh, write_mesh
 from .point_cache import PointCacheWriter
 
-# Positions that differ by less than this part of the mesh's size are the same: those of an instance come from matrices.
+# Tolerance of equal positions, as a share of the mesh's size. Positions of instances have rounding errors.
 SAME = 1e-6
 
 
 class ReceiverRecorder:
-    """Takes the poses of one receiver in the order of the frames and writes them with finish()."""
+    """Records the poses of one receiver in the order of the frames. finish() completes the files."""
 
     def __init__(self, folder):
         self._folder = folder
@@ -25,10 +26,10 @@ class ReceiverRecorder:
         self._count = 0
         self._cache = None
         self.changed_at = None
-        """The first frame with other faces than the shot's first; no surface is made of such a receiver."""
+        """The first frame whose faces differ from those of the first frame, or None. Such receivers get no surface."""
 
     def add(self, frame, obj):
-        """obj: the scene.pose.ObjectPose of the frame."""
+        """Records a frame. obj: its scene.pose.ObjectPose."""
         if self._first is None:
             self._first = obj
         elif not self._first.topology.is_same(obj.topology):
@@ -52,7 +53,7 @@ class ReceiverRecorder:
         return bool(np.abs(before - now).max() <= SAME * size)
 
     def finish(self):
-        """Writes the files. Nothing for a receiver whose faces changed. Raises CacheError."""
+        """Writes the files, unless the faces changed. Raises CacheError."""
         if self._last is None or self.changed_at is not None:
             return
         topology = self._last.topology
@@ -76,6 +77,6 @@ class ReceiverRecorder:
             self._cache.publish()
 
     def close(self):
-        """Drops what was not finished."""
+        """Removes unfinished files."""
         if self._cache is not None:
             self._cache.close()

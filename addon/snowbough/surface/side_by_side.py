@@ -1,24 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs the surfaces of several receivers at the same time. No ``bpy``.
+"""Computes the surfaces of several receivers in parallel. No ``bpy``.
 
-A small receiver keeps one core busy, because most of its work is in parts that cannot be split.
+A small receiver uses only one core, because most of its work cannot be parallelised.
 """
 
 import os
 import threading
 from concurrent.futures import ThreadPoolExecutor, wait
 
-# Each keeps a receiver's maps in memory.
+# Maximum number of threads. Each has the maps of one receiver in memory.
 MOST_WORKERS = 4
 POLL_SECONDS = 0.05
 
 
 def run_side_by_side(jobs, progress):
-    """Calls each job(its own progress) in a worker thread. A job returns False if its progress told it to stop.
+    """Calls each job(own_progress) in a worker thread. A job returns False if its own_progress returned False.
 
-    progress(share of all jobs, 0 to 1) is called on the calling thread and returns whether to go on. Returns False if
-    it said no. Raises the error of the first job, in the order of the list, that failed; jobs that had not begun are
-    left out then.
+    progress(share of all jobs, 0 to 1) is called on the calling thread and returns whether to continue. Returns False
+    if a job was stopped. If jobs fail, raises the error of the first one in the order of the list; jobs that have not
+    started are skipped.
     """
     shares = [0.0] * len(jobs)
     stop = threading.Event()

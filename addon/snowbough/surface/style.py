@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a snow surface looks and how fine it is, as plain data. No ``bpy``."""
+"""The look and the detail of a snow surface, as plain data. No ``bpy``."""
 
 from dataclasses import asdict, dataclass
 
-# Detail: (factor on lengths of edges, points that a scene has at most).
+# Detail: (factor on edge lengths, maximum number of points in a scene).
 DETAILS = {"DRAFT": (1.7, 60_000), "DEFAULT": (1.0, 250_000), "FILM": (0.6, 1_000_000)}
 
-# However small its part of a scene's points, a receiver may have so many.
+# Every receiver may have this many points, however small its share.
 LEAST_POINTS = 400
 
 
@@ -22,15 +22,15 @@ class SurfaceStyle:
 
     @property
     def scale(self):
-        """Factor on the lengths of edges."""
+        """Factor on edge lengths."""
         return DETAILS[self.detail][0]
 
     def most_points(self, share):
-        """share: the receiver's part of all points of the scene, 0 to 1."""
+        """Maximum number of points. share: the receiver's share of the points of the scene, 0 to 1."""
         return max(LEAST_POINTS, int(share * DETAILS[self.detail][1]))
 
     def sliders(self):
-        """What the native SnowSurface.set_style takes."""
+        """Keyword arguments of the native SnowSurface.set_style."""
         return {name: value for name, value in asdict(self).items() if name != "detail"}
 
     def as_dict(self):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""``cli.py surface``: computes the snow surfaces of the loaded file's bakes again, without simulating and without
+"""``cli.py surface``: recomputes the snow surfaces of the loaded file's bakes, without simulating and without
 evaluating the scene. The exit codes are those of ``bake``.
 """
 
@@ -34,7 +34,9 @@ def run(args):
     try:
         module, tasks = native.load(), surface_preview.tasks(scene, names)
         if not tasks:
-            raise ValueError("There is no baked receiver that shows its snow as a surface: bake first")
+            raise ValueError(
+                "No baked receiver shows its snow as a surface: bake with Displacement > Snow Surface first"
+            )
         jobs = [partial(compute.update, module, folder, style) for _, folder, style in tasks]
         run_side_by_side(jobs, lambda share: True)
         for _, folder, _ in tasks:

@@ -188,7 +188,7 @@ def test_a_point_cache_cut_short_is_refused(tmp_path, length):
 
 def test_a_file_of_another_kind_is_no_point_cache(tmp_path):
     (tmp_path / "a.pc2").write_bytes(b"ply\n" + bytes(64))
-    with pytest.raises(CacheError, match="it is no PC2 file"):
+    with pytest.raises(CacheError, match="it is not a PC2 file"):
         point_cache.read_point_cache(tmp_path / "a.pc2")
 
 
@@ -229,7 +229,7 @@ def test_a_mesh_whose_faces_name_no_points_is_refused(tmp_path, corner):
     mesh = mesh_of()
     mesh.triangles[1, 2] = corner
     mesh_file.write_mesh(tmp_path / "a.ply", mesh)
-    with pytest.raises(CacheError, match="a.ply cannot be read .*names points that are not there"):
+    with pytest.raises(CacheError, match="a.ply cannot be read .*a face refers to missing points"):
         mesh_file.read_mesh(tmp_path / "a.ply")
 
 
@@ -375,7 +375,7 @@ def test_sliders_change_points_and_not_faces(folder):
 
 
 def test_a_folder_without_a_bake_says_so(tmp_path):
-    with pytest.raises(compute.NoSurface, match="holds no bake: bake the snow first"):
+    with pytest.raises(compute.NoSurface, match="contains no bake: bake the snow first"):
         compute.update(native, tmp_path, SurfaceStyle())
 
 
@@ -390,7 +390,7 @@ def test_positions_of_another_shot_are_refused(folder):
         cache.add(CORNERS)
         cache.add(CORNERS)
         cache.publish()
-    with pytest.raises(CacheError, match="positions.pc2 does not fit its bake"):
+    with pytest.raises(CacheError, match="positions.pc2 does not match its bake"):
         compute.update(native, folder, SurfaceStyle())
 
 
