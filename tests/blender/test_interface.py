@@ -15,7 +15,7 @@ PACKAGE = os.environ["SNOWBOUGH_TEST_ADDON"]
 
 # Units that a tooltip may name, in brackets: "(metres)", "(texels)".
 UNITS = re.compile(
-    r"\((metres|metres an hour|metres a second|degrees|seconds|frames|texels|pixels|radii of the limb|levels|bones|"
+    r"\((metres|metres per hour|metres per second|degrees|seconds|frames|texels|pixels|radii of the limb|levels|bones|"
     r"keys|poses a frame|directions a shot|0 to 1)\)"
 )
 # Units by which names.unit_of knows the settings.

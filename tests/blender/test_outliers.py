@@ -106,7 +106,7 @@ def test_a_stray_vertex_leaves_the_picture_as_it_was(scene, capfd, x):
     expected = rendered(scene)
     add_stray(square, x)
     assert np.array_equal(rendered(scene), expected)
-    assert "left out: Square" in capfd.readouterr().out
+    assert "not rendered: Square" in capfd.readouterr().out
 
 
 def test_an_object_that_is_nowhere_leaves_the_picture_as_it_was(scene, capfd):
@@ -115,4 +115,4 @@ def test_an_object_that_is_nowhere_leaves_the_picture_as_it_was(scene, capfd):
     expected = rendered(scene)
     s.square("Square").location.x = 1e30
     assert np.array_equal(rendered(scene), expected)
-    assert "left out: Square" in capfd.readouterr().out
+    assert "not rendered: Square" in capfd.readouterr().out

@@ -13,7 +13,7 @@ class ExportProperties:
 
     levels: IntProperty(
         name="Levels",
-        description="Maximum number of levels of detail. The finest level is the tree in the scene",
+        description="Maximum number of levels of detail. The finest level is the tree in the scene (levels)",
         default=4,
         min=1,
         max=MOST_LEVELS,
@@ -25,8 +25,8 @@ class ExportProperties:
     )
     leaf_share: FloatProperty(
         name="Leaves Kept",
-        description="Share of leaves that each level keeps from the level before, 0 to 1. The kept leaves are enlarged "
-        "to fill the crown",
+        description="Share of leaves that each level keeps from the level before. The kept leaves are enlarged "
+        "to fill the crown (0 to 1)",
         default=0.5,
         min=0.01,
         max=1.0,
@@ -61,7 +61,7 @@ class ExportProperties:
     )
     atlas_frames: IntProperty(
         name="Frames",
-        description="Number of frames in the atlas, evenly spread from the first to the last baked frame",
+        description="Number of frames in the atlas, evenly spread from the first to the last baked frame (frames)",
         default=16,
         min=2,
         max=256,

@@ -42,7 +42,7 @@ class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
     flake_rate: FloatProperty(
         name="Snowfall",
         description="Snowfall that the flakes represent, multiplied by the scene's Rate. Higher values show more "
-        "flakes (metres of depth per hour)",
+        "flakes (metres per hour)",
         default=0.015,
         min=0.0,
         soft_max=0.2,
