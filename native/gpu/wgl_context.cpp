@@ -11,7 +11,7 @@
 
 // OpenGL needs a window on Windows: each context has one of its own, never shown. opengl32's
 // functions are called directly, since libepoxy's wrappers of them crash on a second thread;
-// libepoxy is told afterwards.
+// libepoxy is notified afterwards.
 extern "C" void epoxy_handle_external_wglMakeCurrent(void);
 
 namespace snowbough::gpu {

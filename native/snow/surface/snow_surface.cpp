@@ -101,9 +101,9 @@ SnowSurface::Heights SnowSurface::heights(const SurfaceFrame& frame,
   for (size_t f = 0; f < front_.size(); ++f) {
     if (front_[f].distance < 0.0f) continue;
     const auto p = static_cast<size_t>(front_point_[f]);
-    const float more =
-        kUpright * inland_height(f, heights.shown) - std::max(heights.shown[p], 0.0f);
-    volume.y += static_cast<double>(area_[p] * front_[f].presence * more);
+    const float inland = inland_height(f, heights.shown);
+    const float more = kUpright * inland - std::max(heights.shown[p], 0.0f);
+    volume.y += static_cast<double>(area_[p] * presence(f, inland) * more);
   }
   const float factor = volume.y > 0.0 ? std::clamp(static_cast<float>(volume.x / volume.y),
                                                    kLeastFactor, kMostFactor)
@@ -151,7 +151,7 @@ std::vector<glm::vec3> SnowSurface::offsets(const SurfaceFrame& frame,
       const glm::vec3 drawn =
           front_offset(front, style_, inland * 0.94f, normal_[p], heights.shown[p], point_[p].bumps,
                        std::min(kSink, point_[p].deepest));
-      offsets[p] = glm::mix(offsets[p], drawn, front.presence);
+      offsets[p] = glm::mix(offsets[p], drawn, presence(f, inland));
     }
   });
   return offsets;

@@ -100,6 +100,9 @@ class SnowSurface {
   void smooth_presence();
   /// Mean height behind the rim of a front; bare points count as 0.
   float inland_height(size_t front, const std::vector<float>& height) const;
+  /// Share of a front's shape in the surface, 0 to 1, with `inland` metres of snow behind its rim.
+  /// A bridge is a front as a whole: it holds the snow that the map has in the gap.
+  float presence(size_t front, float inland) const;
   void find_convexity(float depth);
   void find_bumps(const SurfacePlan& plan, const std::vector<glm::vec3>& shown);
   void make_faces();

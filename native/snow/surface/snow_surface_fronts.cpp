@@ -144,6 +144,11 @@ float SnowSurface::inland_height(size_t front, const std::vector<float>& height)
   return inland;
 }
 
+float SnowSurface::presence(size_t front, float inland) const {
+  const float own = front_[front].presence;
+  return own > 0.0f ? std::max(own, bridged_part(front_[front], style_, inland)) : 0.0f;
+}
+
 void SnowSurface::find_presence(const SurfacePlan& plan, const std::vector<float>& last) {
   SurfaceFrame frame;
   frame.height = last.data();
@@ -183,15 +188,9 @@ void SnowSurface::find_presence(const SurfacePlan& plan, const std::vector<float
     const float fullness = std::clamp(held / upright, 0.0f, 0.999f);
     const float wide = eased(room_[f], kNarrowFront * depth, kWideFront * depth);
     const float more = glm::mix(kMoreSnow, kMoreOnWide, wide);
-    const float presence = std::min(more * fullness / (1.0f - fullness), 1.0f);
-    front.presence *= presence;
+    front.presence *= std::min(more * fullness / (1.0f - fullness), 1.0f);
   });
   smooth_presence();
-  // Bridges hold the snow that the map has in the gap.
-  for (size_t f = 0; f < front_.size(); ++f) {
-    const float inland = inland_height(f, last_heights.shown);
-    front_[f].presence = std::max(front_[f].presence, bridged_part(front_[f], style_, inland));
-  }
 }
 
 void SnowSurface::smooth_presence() {
