@@ -4,21 +4,20 @@
     blender --factory-startup -P tests/ui/inside.py -- ZIP FOLDER
 
 A test writes FOLDER/request.py; a timer in Blender's own event loop runs it and answers in
-FOLDER/answer.json. The timer also counts its beats in `heartbeat`: while they go on, the window is alive.
+FOLDER/answer.json.
 """
 
 import importlib.util
 import json
 import os
 import sys
-import time
 import traceback
 from pathlib import Path
 
 import bpy
 
 ZIP, FOLDER = (Path(argument) for argument in sys.argv[sys.argv.index("--") + 1 :][:2])
-INTERVAL = 0.05
+INTERVAL = 0.01
 
 
 def blender_tests():
@@ -30,23 +29,7 @@ def blender_tests():
     return module
 
 
-class Heartbeat:
-    """How often Blender's event loop came by, and its longest absence in seconds."""
-
-    def __init__(self):
-        self.start()
-
-    def start(self):
-        self.beats, self.longest_gap, self.last = 0, 0.0, time.monotonic()
-
-    def beat(self):
-        now = time.monotonic()
-        self.longest_gap = max(self.longest_gap, now - self.last)
-        self.beats, self.last = self.beats + 1, now
-
-
-heartbeat = Heartbeat()
-names = {"bpy": bpy, "heartbeat": heartbeat}
+names = {"bpy": bpy}
 
 
 def view3d():
@@ -60,7 +43,6 @@ names["view3d"] = view3d
 
 
 def serve():
-    heartbeat.beat()
     request = FOLDER / "request.py"
     if request.exists():
         source = request.read_text()

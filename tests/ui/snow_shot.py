@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A small snowy shot in the window: set up, baked, and looked at afterwards."""
 
-import time
+from window import wait_for
 
 # A ground and a box over it, the default camera, and a saved file, since caches lie beside it.
 SNOW_SCENE = """
@@ -38,12 +38,7 @@ def heights(folder):
 
 def wait_for_heights(folder, count, timeout=180):
     """Waits until that many maps are written, of all receivers together."""
-    end = time.monotonic() + timeout
-    while len(heights(folder)) < count:
-        assert time.monotonic() < end, (
-            f"{len(heights(folder))} of {count} maps in {folder} within {timeout} s"
-        )
-        time.sleep(0.05)
+    wait_for(lambda: len(heights(folder)) >= count, f"{count} maps in {folder}", timeout)
 
 
 def bake_in_the_background(window, folder):

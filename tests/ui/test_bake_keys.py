@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What an artist, or another add-on, does in the middle of a bake: no harm, and the bake can be resumed."""
 
-import time
-
 import pytest
 from PIL import ImageChops, ImageStat
 from snow_shot import (
@@ -13,7 +11,11 @@ from snow_shot import (
     bake_in_the_background,
     wait_for_heights,
 )
-from window import BlenderWindow
+from window import BlenderWindow, wait_for
+
+
+def change(before, after):
+    return ImageStat.Stat(ImageChops.difference(before, after).convert("L")).mean[0]
 
 
 def test_the_view_is_drawn_and_can_be_turned_while_a_bake_runs(window, tmp_path):
@@ -23,10 +25,8 @@ def test_the_view_is_drawn_and_can_be_turned_while_a_bake_runs(window, tmp_path)
     window.move(500, 500)
     for _ in range(4):
         window.xdotool("click", "4")
-    time.sleep(2.0)
-    after = window.view()
-    assert ImageStat.Stat(after.convert("L")).mean[0] > 30
-    assert ImageStat.Stat(ImageChops.difference(before, after).convert("L")).mean[0] > 1
+    wait_for(lambda: change(before, window.view()) > 1, "another view")
+    assert ImageStat.Stat(window.view().convert("L")).mean[0] > 30
     window.key("Escape")
     window.wait_for_bake()
 
@@ -42,7 +42,6 @@ def test_keys_that_edit_do_nothing_while_a_bake_runs_and_the_button_stops_it(win
     window.move(500, 500)
     for key in ("ctrl+z", "x", "Return", "Delete", "Tab", "ctrl+s", "shift+d"):
         window.key(key)
-        time.sleep(0.1)
     window.click(60, 13)
     assert window.run(state) == before
     assert window.run("result = bpy.app.is_job_running('RENDER')")
@@ -63,9 +62,7 @@ def test_undo_after_a_bake_does_not_harm_its_files(window, tmp_path):
     window.wait_for_bake()
     window.move(500, 500)
     window.key("ctrl+z")
-    time.sleep(1.0)
     window.key("ctrl+shift+z")
-    time.sleep(1.0)
     assert window.run("result = len(bpy.context.scene.snowbough.receivers)") == 2
     assert_resumable(window, tmp_path)
 
@@ -95,7 +92,7 @@ except RuntimeError as error:
     )
     print(script, outcome)
     assert outcome == "done" or "can't modify blend data" in outcome
-    time.sleep(1.0)
+    window.settle()
     if window.run("result = bpy.app.is_job_running('RENDER')"):
         window.key("Escape")
     window.wait_for_bake()
@@ -179,8 +176,7 @@ def stop(window):
     window.key("Escape")
     window.wait_for_bake()
     window.wait_until("'Snowbough Bake Camera' not in bpy.data.cameras")
-    time.sleep(0.5)
-    assert window.run(LEFT) == [[], [], [], False]
+    wait_for(lambda: window.run(LEFT) == [[], [], [], False], "no trace of the bake")
 
 
 SCENE_NOW = "result = [bpy.data.objects['Cube'].location.x, addon in bpy.context.preferences.addons]"
@@ -190,7 +186,6 @@ def test_reload_delete_undo_and_switching_off_wait_for_the_end_of_the_bake(windo
     begin_with_keys(window, tmp_path)
     for key in ("F8", "Return", "ctrl+z", "Delete", "F9", "ctrl+o"):
         window.key(key)
-        time.sleep(0.2)
     assert window.run(SCENE_NOW) == [1.0, True]
     assert window.run("result = [len(w.screen.areas) for w in bpy.context.window_manager.windows][1:]") == []
     assert window.run("result = bpy.app.is_job_running('RENDER')")
@@ -207,11 +202,9 @@ def test_reload_delete_undo_and_switching_off_wait_for_the_end_of_the_bake(windo
         if window.run("result = bpy.data.objects['Cube'].location.x") == 0.0:
             break
         window.key("ctrl+z")
-        time.sleep(0.7)
     assert window.run(SCENE_NOW) == [0.0, True]
     assert window.run("bpy.data.objects['Cube'].location.x = 2.0\nresult = True")
     window.key("F8")
-    time.sleep(0.7)
     window.screenshot("revert")
     window.key("Return")
     window.wait_until("bpy.data.objects['Cube'].location.x == 0.0")

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A tree leaves through the file browser: its options stand beside it, and the menu has it."""
 
-import time
-
 from test_import import BROWSER, MAPLE
 
 OPEN_BROWSER = """
@@ -31,7 +29,6 @@ def test_a_tree_is_exported_through_the_file_browser(window, tmp_path):
     window.run(f"bpy.ops.import_scene.xfrog_tree(filepath={str(MAPLE)!r}, max_bones=50)\nresult = True")
     window.run(OPEN_BROWSER)
     window.wait_until("browser()[1] is not None and browser()[1].spaces.active.params is not None")
-    time.sleep(1.0)  # until it is drawn
     window.screenshot("export_browser")
     assert window.run("result = browser()[1].spaces.active.params.filename") == "small_maple.glb"
     window.run(CHOOSE.format(folder=str(tmp_path)))

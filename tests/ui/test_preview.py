@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The live preview in the window: it is seen, follows timeline and settings, and leaves nothing behind."""
 
-import time
-
 import pytest
 from PIL import ImageChops, ImageStat
+from window import wait_for
 
 # A grey square of 8 m below the view, as the only receiver; 100 frames lay 0.2 m. Lines and markers off.
 SCENE = """
@@ -48,7 +47,6 @@ def scene(window):
 
 def middle(window):
     """Red, green and blue of the middle of the view, 0 to 255."""
-    time.sleep(0.5)
     image = window.view().convert("RGB")
     x, y = image.size
     return ImageStat.Stat(image.crop((x // 3, y // 3, 2 * x // 3, 2 * y // 3))).mean
@@ -58,13 +56,9 @@ def is_snow(color):
     return min(color) > 200
 
 
-def wait_for(window, wanted, timeout=30):
+def wait_for_snow(window, wanted, timeout=30):
     """Waits until the middle of the view is snow, or is none."""
-    end = time.monotonic() + timeout
-    while is_snow(middle(window)) != wanted:
-        if time.monotonic() > end:
-            window.screenshot("preview_missing")
-            raise AssertionError(f"the middle of the view is {middle(window)}")
+    wait_for(lambda: is_snow(middle(window)) == wanted, "snow" if wanted else "no snow", timeout)
 
 
 def test_the_button_shows_snow_and_takes_it_away_without_a_trace(scene):
@@ -74,12 +68,14 @@ def test_the_button_shows_snow_and_takes_it_away_without_a_trace(scene):
     before, there = scene.view(), scene.run(names)
     assert not is_snow(middle(scene))
     scene.press_button("snowbough.toggle_preview")
-    wait_for(scene, True)
+    wait_for_snow(scene, True)
     scene.screenshot("preview")
     assert scene.run(names) == there
     scene.run(TOGGLE)
-    time.sleep(1.0)
-    assert ImageChops.difference(scene.view().convert("RGB"), before.convert("RGB")).getbbox() is None
+    wait_for(
+        lambda: ImageChops.difference(scene.view().convert("RGB"), before.convert("RGB")).getbbox() is None,
+        "the picture of before",
+    )
 
 
 def test_it_plays_by_the_space_key(scene):
@@ -89,12 +85,12 @@ def test_it_plays_by_the_space_key(scene):
         "result = [region.x, region.y, region.width, region.height]"
     )
     scene.move(x + width / 2, 900 - y - height / 2)
-    time.sleep(0.5)
+    scene.settle()
     scene.key("space")
     scene.wait_until("bpy.context.scene.frame_current >= 12", timeout=60)
     scene.key("space")
     scene.wait_until("not bpy.context.screen.is_animation_playing")
-    wait_for(scene, True)
+    wait_for_snow(scene, True)
     frame, shown = scene.run(f"result = [bpy.context.scene.frame_current, {STATE}.simulated.frame]")
     assert shown == frame
 
@@ -102,9 +98,9 @@ def test_it_plays_by_the_space_key(scene):
 def test_settings_show_while_the_timeline_stands_still(scene):
     scene.run("scene.snowbough.end_depth = 0.0\nscene.frame_set(50)\nresult = True")
     scene.run(TOGGLE)
-    wait_for(scene, False)
+    wait_for_snow(scene, False)
     scene.run("scene.snowbough.end_depth = 0.3\nresult = True")
-    wait_for(scene, True)
+    wait_for_snow(scene, True)
     # From the side and nearly level, in the lee of a wall.
     scene.run(
         """
@@ -117,7 +113,7 @@ scene.frame_set(50)
 result = True
 """
     )
-    wait_for(scene, False)
+    wait_for_snow(scene, False)
 
 
 def test_back_and_forth_shows_the_snow_of_then(scene):
@@ -131,17 +127,17 @@ result = True
 """
     )
     scene.run(TOGGLE)
-    wait_for(scene, False)
+    wait_for_snow(scene, False)
     scene.run("[scene.frame_set(frame) for frame in range(2, 21)]\nresult = True")
-    wait_for(scene, True)
+    wait_for_snow(scene, True)
     scene.run("scene.frame_set(4)\nresult = True")
-    wait_for(scene, False)
+    wait_for_snow(scene, False)
     scene.run("scene.frame_set(20)\nresult = True")
-    wait_for(scene, True)
+    wait_for_snow(scene, True)
 
 
 def test_undo_and_saving_go_on_beside_it(scene, tmp_path):
-    """Undo brings back the frame, too, which was not told of."""
+    """Undo brings back the frame, too, although no handler runs for it."""
     scene.run("scene.frame_set(50)\nresult = True")
     scene.run(TOGGLE)
     scene.run(
@@ -152,12 +148,12 @@ bpy.ops.ed.undo_push(message="moved")
 result = True
 """
     )
-    wait_for(scene, False)
+    wait_for_snow(scene, False)
     scene.run("with bpy.context.temp_override(window=view3d()[0]):\n    bpy.ops.ed.undo()\nresult = True")
-    wait_for(scene, True)
+    wait_for_snow(scene, True)
     path = str(tmp_path / "shot.blend")
     scene.run(f"bpy.ops.wm.save_as_mainfile(filepath={path!r})\nresult = True")
-    wait_for(scene, True)
+    wait_for_snow(scene, True)
     scene.run(f"bpy.ops.wm.open_mainfile(filepath={path!r})\nresult = True")
     assert scene.run("result = sorted(obj.name for obj in bpy.data.objects)") == ["Camera", "Light", "Plane"]
     assert scene.run(f"result = {STATE} is None")
@@ -180,12 +176,10 @@ result = True
 """
     )
     scene.run(TOGGLE)
-    wait_for(scene, True)
+    wait_for_snow(scene, True)
     scene.run("view3d()[1].spaces.active.shading.type = 'WIREFRAME'\nresult = True")
-    time.sleep(1.0)
     through = middle(scene)
     scene.run(TOGGLE)
-    time.sleep(1.0)
     assert min(through) > max(middle(scene)) + 30
     scene.run("view3d()[1].spaces.active.shading.type = 'SOLID'\nresult = True")
 
@@ -223,7 +217,7 @@ result = True
 """
     )
     scene.run(TOGGLE)
-    time.sleep(2.0)
+    scene.wait_until(f"{STATE}.simulated is not None")
     x, ground, top, y, height = scene.run(
         """
 area = view3d()[1]

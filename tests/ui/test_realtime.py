@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Snowbough Realtime in a 3D view: it shows the scene, follows the view and the scene, and goes without a trace."""
 
-import time
 from pathlib import Path
 
 import window as ui
@@ -61,9 +60,8 @@ def show(window, engine="SNOWBOUGH_REALTIME"):
 
 def settled(window):
     """The 3D view once its picture has all of its pixels and smooth edges."""
-    time.sleep(0.5)
+    window.settle()
     window.wait_until(SHOWN, timeout=120)
-    time.sleep(1.0)
     return window.view()
 
 
@@ -111,18 +109,16 @@ def test_the_view_follows_the_scene(window):
 def test_the_windows_thread_goes_on_while_a_picture_is_drawn(window):
     show(window)
     settled(window)
-    longest = window.run(
+    window.run(
         f"""
-import time
 viewport = {VIEWPORTS}[0]
-calls, draw = [], viewport.draw
+shown, draw = [], viewport.draw
 
-def timed(*given):
-    begun = time.perf_counter()
+def noting(*given):
     draw(*given)
-    calls.append(time.perf_counter() - begun)
+    shown.append(viewport.shown == sys.modules[addon + ".realtime.pacing"].FINE)
 
-viewport.draw = timed
+viewport.draw = noting
 result = True
 """
     )
@@ -131,11 +127,13 @@ result = True
             f"view.view_rotation = Euler((1.3, 0, {angle})).to_quaternion()\narea.tag_redraw()\nresult = True"
         )
         settled(window)
-    calls = window.run("result = calls")
-    print(f"{len(calls)} draws, longest {1e3 * max(calls):.1f} ms")
-    assert len(calls) >= 6
-    assert sorted(calls)[len(calls) // 2] < 0.05
-    assert longest
+    finished = window.run("result = shown")
+    print(
+        f"{len(finished)} draws, of which {finished.count(False)} returned before the whole picture was there"
+    )
+    # A draw that waited for its picture would find it whole each time.
+    assert finished.count(False) >= 3
+    assert finished[-1]
 
 
 def test_another_shading_and_switching_the_addon_off_end_it(window):
@@ -146,7 +144,6 @@ def test_another_shading_and_switching_the_addon_off_end_it(window):
     window.run("space.shading.type = 'RENDERED'\nresult = True")
     settled(window)
     window.run("bpy.ops.preferences.addon_disable(module=addon)\nresult = True")
-    time.sleep(1.0)
     # The view falls to Blender's own engine, whose shaders take minutes to compile on a busy software renderer.
     assert window.run("result = bpy.context.scene.render.engine", timeout=300) != "SNOWBOUGH_REALTIME"
     window.run("bpy.ops.preferences.addon_enable(module=addon)\nresult = True")
@@ -169,7 +166,7 @@ result = True
     )
     x, y, width, height = window.run("result = [area.x, area.y, area.width, area.height]")
     window.move(x + width // 2, ui.HEIGHT - y - height // 2)
-    time.sleep(0.5)
+    window.settle()
     window.key("F12")
     window.wait_until("rendered == ['SNOWBOUGH_REALTIME'] and not bpy.app.is_job_running('RENDER')")
     path = str(tmp_path / "f12.png")

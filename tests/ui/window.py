@@ -41,6 +41,13 @@ for panel in bpy.types.Panel.__subclasses__():
 result = True
 """
 
+SIDEBAR = """
+area = view3d()[1]
+area.spaces.active.show_region_ui = True
+region = next(region for region in area.regions if region.type == "UI")
+result = [region.x, region.y, region.width, region.height]
+"""
+
 
 class BlenderWindow:
     """A Blender with the add-on installed from its zip into a fresh user directory."""
@@ -106,19 +113,23 @@ class BlenderWindow:
                 )
             if time.monotonic() > end:
                 raise AssertionError(f"no answer from Blender within {timeout} s:\n{self.messages()[-3000:]}")
-            time.sleep(0.03)
+            time.sleep(0.005)
         said = json.loads(answer.read_text())
         if "error" in said:
             raise AssertionError(said["error"])
         return said["result"]
 
+    def settle(self):
+        """Waits until Blender has handled all keys and clicks so far, and has drawn their result.
+
+        A request runs at the start of a turn of the event loop, before input is handled and the window is drawn.
+        """
+        for _ in range(3):
+            self.run("result = True")
+
     def wait_until(self, expression, timeout=180):
         """Waits until a Python expression is true inside Blender."""
-        end = time.monotonic() + timeout
-        while not self.run(f"result = bool({expression})"):
-            if time.monotonic() > end:
-                raise AssertionError(f"not within {timeout} s: {expression}")
-            time.sleep(0.1)
+        wait_for(lambda: self.run(f"result = bool({expression})"), expression, timeout)
 
     def wait_for_bake(self, timeout=180):
         """Waits until no bake runs any more and the scene is as it was before it.
@@ -141,8 +152,9 @@ class BlenderWindow:
         ).stdout
 
     def key(self, name):
-        """A real key press."""
+        """A real key press, with its result on the screen."""
         self.xdotool("key", KEYCODES.get(name, name))
+        self.settle()
 
     def move(self, x, y):
         """Moves the pointer; x, y in pixels from the screen's upper left corner."""
@@ -150,20 +162,19 @@ class BlenderWindow:
 
     def click(self, x, y):
         self.move(x, y)
-        time.sleep(0.3)
+        self.settle()
         self.xdotool("click", "1")
+        self.settle()
 
     def sidebar(self):
         """The 3D view's sidebar in pixels of the screen: left, top, width, height."""
-        x, y, width, height = self.run(
-            """
-area = view3d()[1]
-area.spaces.active.show_region_ui = True
-region = next(region for region in area.regions if region.type == "UI")
-result = [region.x, region.y, region.width, region.height]
-"""
-        )
-        return x, HEIGHT - y - height, width, height
+        x, y, width, height = self.run(SIDEBAR)
+        while True:  # it slides to its place
+            self.settle()
+            before = x, y, width, height
+            x, y, width, height = self.run(SIDEBAR)
+            if before == (x, y, width, height):
+                return x, HEIGHT - y - height, width, height
 
     def open_sidebar_tab(self):
         """Opens the sidebar and clicks down its tabs until the add-on's panels are drawn."""
@@ -175,7 +186,6 @@ result = [region.x, region.y, region.width, region.height]
         for y in [*self.tab_at, *range(top + 20, top + height, 25)]:
             self.run("drawn.clear()\nresult = True")
             self.click(x + width - 13, y)
-            time.sleep(0.3)
             if self.run("result = any(name.startswith('SNOWBOUGH') for name in drawn)"):
                 self.tab_at = [y]
                 return
@@ -197,15 +207,13 @@ region = next(region for region in area.regions if region.type == "WINDOW")
 result = [region.x, region.y, region.width, region.height]
 """
         )
-        time.sleep(1.0)
+        self.settle()
         top = HEIGHT - y - height
         for down in range(top + 30, top + height, 14):
             if self.run("result = len(drawn)"):
                 break
             self.move(x + 0.6 * width, down)
-            time.sleep(0.15)
             self.key("a")
-            time.sleep(0.25)
         return self.run("result = sorted(set(drawn))")
 
     def find_button(self, operator):
@@ -214,30 +222,16 @@ result = [region.x, region.y, region.width, region.height]
         The pointer goes down the sidebar; over a button Ctrl+C copies the call that it makes.
         """
         x, top, width, height = self.sidebar()
-        passed = []
-        self.clear_clipboard()
+        self.run("bpy.context.window_manager.clipboard = ''\nresult = True")
         for y in range(top + 8, top + height, 9):
             # Two buttons may stand side by side.
             for share in (0.25, 0.7):
-                passed.append((x + width * share, y))
-                if self._is_over(operator, passed[-1], 0.1):
-                    # On a busy machine the copy may be that of the place before.
-                    for at in reversed(passed[-4:]):
-                        self.clear_clipboard()
-                        if self._is_over(operator, at, 0.5):
-                            return at
+                at = x + width * share, y
+                self.move(*at)
+                self.key("ctrl+c")
+                if f"bpy.ops.{operator}(" in self.run("result = bpy.context.window_manager.clipboard"):
+                    return at
         return None
-
-    def clear_clipboard(self):
-        self.run("bpy.context.window_manager.clipboard = ''\nresult = True")
-
-    def _is_over(self, operator, at, pause):
-        """Whether a button for the operator is there; pause: seconds that Blender is given to see the pointer."""
-        self.move(*at)
-        time.sleep(pause)
-        self.key("ctrl+c")
-        time.sleep(pause)
-        return f"bpy.ops.{operator}(" in self.run("result = bpy.context.window_manager.clipboard")
 
     def press_button(self, operator):
         at = self.find_button(operator)
@@ -248,16 +242,16 @@ result = [region.x, region.y, region.width, region.height]
 
     def wait_for_menu(self, box, timeout=30):
         """Waits until a menu covers the part (left, top, right, bottom) of the screen: it is darker there."""
-        end = time.monotonic() + timeout
-        while True:
+
+        def is_dark():
             part = ImageGrab.grab(xdisplay=self.display).crop(box).convert("L")
-            if ImageStat.Stat(part).median[0] < 40:
-                return
-            assert time.monotonic() < end, f"no menu in {box} within {timeout} s"
-            time.sleep(0.2)
+            return ImageStat.Stat(part).median[0] < 40
+
+        wait_for(is_dark, f"a menu in {box}", timeout)
 
     def view(self):
         """The part of the 3D view that no panel covers, as a PIL image."""
+        self.settle()
         x, y, width, height = self.run(
             """
 area = view3d()[1]
@@ -271,7 +265,7 @@ result = [region.x, region.y, region.width, region.height]
 
     def screenshot(self, name):
         """Keeps build/ui/<name>.png and returns it as a PIL image."""
-        time.sleep(0.4)
+        self.settle()
         image = ImageGrab.grab(xdisplay=self.display)
         image.save(SCREENSHOTS / f"{name}.png")
         return image
@@ -294,6 +288,14 @@ result = [region.x, region.y, region.width, region.height]
                 process.kill()
                 process.wait()
         self.log.close()
+
+
+def wait_for(condition, what, timeout=180):
+    """Waits until condition() is true. `what` says in an error what was waited for."""
+    end = time.monotonic() + timeout
+    while not condition():
+        assert time.monotonic() < end, f"not within {timeout} s: {what}"
+        time.sleep(0.02)
 
 
 def addon_zip():

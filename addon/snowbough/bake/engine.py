@@ -141,19 +141,28 @@ class SNOWBOUGH_BAKE(bpy.types.RenderEngine):
             self.frame_set(frame, subframe)
             return reader.read(depsgraph, frame)
 
-        def report(result):
-            running.last_result = result
-            self.update_progress(running.fraction)
+        shown = 0.0
+
+        def show_progress(fraction):
+            """Blender redraws the window after each call of these, which takes time from the bake."""
+            nonlocal shown
+            now = time.monotonic()
+            if in_window and now - shown < REDRAW_SECONDS:
+                return
+            shown = now
+            self.update_progress(fraction)
             if in_window:
                 self.update_stats("Snowbough", running.status())
+
+        def report(result):
+            running.last_result = result
+            show_progress(running.fraction)
             if running.on_frame is not None:
                 running.on_frame(result)
 
         def shaping(share):
             running.shaping = share
-            self.update_progress(share)
-            if in_window:
-                self.update_stats("Snowbough", running.status())
+            show_progress(share)
 
         def cancelled():
             return running.stop_requested or self.test_break()

@@ -36,7 +36,7 @@ from .map_writer import MapWriter, WriteFailed
 from .request import BakeCancelled
 from .snow_engine import driver_text, engine_info
 
-# Maximum time in seconds for computing surfaces after a bake was stopped.
+# After a bake was stopped, surfaces are computed only if they take at most this long, in seconds.
 STOPPING_SECONDS = 4.0
 
 
@@ -133,24 +133,24 @@ class BakeJob:
                 self._bake(begin, evaluate, snowfall, baker, writer, report, cancelled, log)
             except BakeCancelled:
                 # Make surfaces of the finished frames while the user waits; Update Surface makes the rest.
-                end = time.monotonic() + STOPPING_SECONDS
                 with contextlib.suppress(BakeCancelled):
-                    self._make_surfaces(settings, shaping, lambda: time.monotonic() > end)
+                    self._make_surfaces(settings, shaping, takes_longer_than(STOPPING_SECONDS))
                 raise
             if request.last < request.frame_end:
                 baker.stop()
             writer.flush()
-            self._make_surfaces(settings, shaping, cancelled)
+            self._make_surfaces(settings, shaping, lambda share: cancelled())
             if request.last == request.frame_end:
                 for receiver in self.receivers:
                     receiver.complete(settings, self.native, baker.inputs)
 
     def _make_surfaces(self, settings, shaping, cancelled):
-        """Computes the surfaces after the last map, because the faces of snow depend on the whole shot."""
+        """Computes the surfaces after the last map, because the faces of snow depend on the whole shot.
+        cancelled(0 to 1): whether to stop when this share is done."""
 
         def progress(share):
             shaping(share)
-            return not cancelled()
+            return not cancelled(share)
 
         jobs = [partial(receiver.make_surface, settings, self.native) for receiver in self.receivers]
         if not run_side_by_side(jobs, progress):
@@ -385,3 +385,20 @@ class BakeJob:
         if self._simulation is not None:
             self._simulation.close()
             self._simulation = None
+
+
+def takes_longer_than(seconds, clock=time.monotonic):
+    """A function of the share of some work, 0 to 1, that is done: whether the work has taken this long, or will by the
+    pace since the first share was done. Preparations before it count, but not for the pace."""
+    begun, first = clock(), None
+
+    def is_too_long(share):
+        nonlocal first
+        now = clock()
+        if share <= 0.0:
+            return now - begun > seconds
+        first = first or (now, share)
+        pace = (now - first[0]) / (share - first[1]) if share > first[1] else 0.0
+        return now - begun + pace * (1.0 - share) > seconds
+
+    return is_too_long

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <numeric>
 #include <unordered_map>
 
 #include "base/parallel_for.h"
@@ -13,11 +14,6 @@ namespace snowbough::snow {
 namespace {
 
 using Triangle = std::array<int32_t, 3>;
-
-uint64_t edge_key(int32_t a, int32_t b) {
-  const auto low = static_cast<uint64_t>(std::min(a, b));
-  return low << 32 | static_cast<uint64_t>(std::max(a, b));
-}
 
 /// Angle of a triangle at corner k.
 float angle_at(const std::array<glm::vec3, 3>& corners, int k) {
@@ -78,29 +74,41 @@ class Parts {
 }  // namespace
 
 SurfaceEdges surface_edges(const std::vector<Triangle>& triangles) {
+  // Sides in order of their lower vertex (a counting sort), then of their upper one.
   struct Side {
-    uint64_t key;
+    int32_t upper;
     uint32_t corner;
   };
-  std::vector<Side> sides(triangles.size() * 3);
-  base::for_each_item(triangles.size(), 4096, [&](size_t t) {
-    for (uint32_t k = 0; k < 3; ++k) {
-      sides[t * 3 + k] = {edge_key(triangles[t][k], triangles[t][(k + 1) % 3]),
-                          static_cast<uint32_t>(t * 3 + k)};
+  int32_t vertices = 0;
+  for (const Triangle& t : triangles) vertices = std::max({vertices, t[0] + 1, t[1] + 1, t[2] + 1});
+  std::vector<uint32_t> begin(static_cast<size_t>(vertices) + 1, 0);
+  const auto for_sides = [&](const auto& visit) {
+    for (size_t t = 0; t < triangles.size(); ++t) {
+      for (uint32_t k = 0; k < 3; ++k) {
+        const auto [lower, upper] = std::minmax(triangles[t][k], triangles[t][(k + 1) % 3]);
+        visit(static_cast<size_t>(lower), Side{upper, static_cast<uint32_t>(t * 3 + k)});
+      }
     }
-  });
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    return a.key != b.key ? a.key < b.key : a.corner < b.corner;
-  });
+  };
+  for_sides([&](size_t lower, const Side&) { ++begin[lower + 1]; });
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<Side> sides(triangles.size() * 3);
+  std::vector<uint32_t> next = begin;
+  for_sides([&](size_t lower, const Side& side) { sides[next[lower]++] = side; });
+
   SurfaceEdges edges;
   edges.of_triangle.resize(triangles.size());
-  for (size_t i = 0; i < sides.size(); ++i) {
-    if (i == 0 || sides[i].key != sides[i - 1].key) {
-      edges.ends.push_back({static_cast<int32_t>(sides[i].key >> 32),
-                            static_cast<int32_t>(sides[i].key & 0xffffffffu)});
+  for (int32_t lower = 0; lower < vertices; ++lower) {
+    const auto first = sides.begin() + begin[lower], last = sides.begin() + begin[lower + 1];
+    std::sort(first, last, [](const Side& a, const Side& b) {
+      return a.upper != b.upper ? a.upper < b.upper : a.corner < b.corner;
+    });
+    for (auto side = first; side != last; ++side) {
+      if (side == first || side->upper != (side - 1)->upper)
+        edges.ends.push_back({lower, side->upper});
+      edges.of_triangle[side->corner / 3][side->corner % 3] =
+          static_cast<int32_t>(edges.ends.size()) - 1;
     }
-    edges.of_triangle[sides[i].corner / 3][sides[i].corner % 3] =
-        static_cast<int32_t>(edges.ends.size()) - 1;
   }
   return edges;
 }
