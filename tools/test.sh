@@ -7,15 +7,16 @@
 #   ./tools/test.sh --blender bpy[=VERSION]   tests/blender in PyPI's official bpy; with a version, on the package
 #   ./tools/test.sh --platform windows     tests/python on the wheel for Windows, under wine
 #
-# The last lines give the reasons for skips and `N passed, N failed, N skipped`; the exit code is 0 only if nothing
-# failed. SNOWBOUGH_SETUP=0 skips tools/setup.sh.
+# build/tests/times.txt has the time of each layer and test. The last lines name the slowest tests and the reasons for
+# skips, and count: `N passed, N failed, N skipped`; the exit code is 0 only if nothing failed. SNOWBOUGH_SETUP=0 skips
+# tools/setup.sh.
 set -uo pipefail
 cd "$(dirname "$0")/.."
 # Absolute: the layers run in different folders.
 results="$PWD/build/tests"
 
 usage() {
-  sed -n '2,11s/^# \{0,1\}//p' "$0"
+  sed -n '2,12s/^# \{0,1\}//p' "$0"
 }
 
 layers=()
@@ -115,6 +116,7 @@ for layer in "${layers[@]}"; do
   started=$SECONDS
   "run_$layer" </dev/null
   echo $? >"$results/$layer.exit"
+  echo $((SECONDS - started)) >"$results/$layer.seconds"
   echo "== $layer: $((SECONDS - started)) s =="
 done
 

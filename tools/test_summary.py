@@ -3,9 +3,10 @@
 
     test_summary.py FOLDER LAYER...
 
-Reads FOLDER/LAYER.xml and the layer's exit status FOLDER/LAYER.exit. A layer that ended with an error without naming a
-failed test (a crash, a missing report) counts as one failure. The last line is `N passed, N failed, N skipped`; the
-exit status is 1 if anything failed.
+Reads FOLDER/LAYER.xml, the layer's exit status FOLDER/LAYER.exit and its time FOLDER/LAYER.seconds. Writes the times of
+the layers and of their tests, slowest first, to FOLDER/times.txt and prints the ten slowest tests. A layer that ended
+with an error without naming a failed test (a crash, a missing report) counts as one failure. The last line is
+`N passed, N failed, N skipped`; the exit status is 1 if anything failed.
 """
 
 import re
@@ -48,8 +49,30 @@ def read_layer(folder, layer):
     return passed, failed, reasons
 
 
+def read_times(folder, layers):
+    """Returns (seconds, layer, test) of all tests, slowest first."""
+    times = []
+    for layer in layers:
+        report = folder / f"{layer}.xml"
+        cases = ElementTree.parse(report).getroot().iter("testcase") if report.is_file() else ()
+        for case in cases:
+            names = dict.fromkeys((case.get("classname"), case.get("name")))
+            times.append((float(case.get("time") or 0.0), layer, " ".join(filter(None, names))))
+    return sorted(times, reverse=True)
+
+
+def write_times(folder, layers):
+    """Writes times.txt and prints the ten slowest tests."""
+    times = read_times(folder, layers)
+    lines = [f"{seconds:8.1f} s  {layer}: {test}" for seconds, layer, test in times]
+    wholes = [f"{(folder / f'{layer}.seconds').read_text().strip():>8} s  {layer}" for layer in layers]
+    (folder / "times.txt").write_text("\n".join([*wholes, *lines]) + "\n")
+    print("\n".join(["slowest tests:", *lines[:10]]))
+
+
 def main(folder, layers):
     passed = failed = skipped = 0
+    write_times(Path(folder), layers)
     for layer in layers:
         layer_passed, layer_failed, reasons = read_layer(Path(folder), layer)
         for reason, count in sorted(reasons.items()):

@@ -62,6 +62,7 @@ def test_setup_script_refuses_unknown_arguments_before_it_does_anything():
 
 def test_summary_counts_a_layer_that_crashed(tmp_path):
     (tmp_path / "blender.exit").write_text("139\n")
+    (tmp_path / "blender.seconds").write_text("7\n")
     ended = subprocess.run(
         ["/usr/bin/python3", ROOT / "tools" / "test_summary.py", tmp_path, "blender"],
         capture_output=True,
@@ -82,9 +83,10 @@ def test_summary_gives_googletest_and_pytest_reasons_for_skips(tmp_path):
         ("python", '<skipped type="pytest.skip" message="no EGL"/>'),
     ):
         (tmp_path / f"{layer}.exit").write_text("0\n")
+        (tmp_path / f"{layer}.seconds").write_text("5\n")
         (tmp_path / f"{layer}.xml").write_text(
             f'<testsuite><testcase classname="a" name="b">{case}</testcase>'
-            '<testcase classname="a" name="c"/></testsuite>'
+            f'<testcase classname="a" name="c" time="{len(layer)}.25"/></testsuite>'
         )
     ended = subprocess.run(
         ["/usr/bin/python3", ROOT / "tools" / "test_summary.py", tmp_path, "native", "python"],
@@ -93,7 +95,17 @@ def test_summary_gives_googletest_and_pytest_reasons_for_skips(tmp_path):
     )
     assert ended.returncode == 0
     assert ended.stdout.splitlines() == [
+        "slowest tests:",
+        "     6.2 s  python: a c",
+        "     6.2 s  native: a c",
+        "     0.0 s  python: a b",
+        "     0.0 s  native: a b",
         "skipped: native: 1 x ../shared/data is absent",
         "skipped: python: 1 x no EGL",
         "2 passed, 0 failed, 2 skipped",
+    ]
+    assert (tmp_path / "times.txt").read_text().splitlines()[:3] == [
+        "       5 s  native",
+        "       5 s  python",
+        "     6.2 s  python: a c",
     ]

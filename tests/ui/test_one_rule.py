@@ -2,9 +2,15 @@
 """One rule for how snow looks: Workbench with the Mesh Cache object, the live preview's draw handler and Snowbough
 Realtime draw one scene, and what they draw is compared pixel by pixel."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 import snow_shot
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import golden  # noqa: E402
 
 SIZE = 256
 
@@ -57,6 +63,9 @@ def by_workbench(draw=lambda: None):
         gpu.matrix.load_projection_matrix(projection)
         draw()
         depth = gpu.state.active_framebuffer_get().read_depth(0, 0, SIZE, SIZE)
+    color = offscreen.texture_color.read()
+    color.dimensions = SIZE * SIZE * 4
+    np.save({folder!r} + "/color.npy", np.array(color, np.uint8).reshape(SIZE, SIZE, 4))
     depth = np.array(depth.to_list(), np.float32).reshape(SIZE, SIZE)
     offscreen.free()
     return depth
@@ -81,6 +90,7 @@ result = True
 BAKED = """
 surfaces = [obj for obj in scene.objects if obj.snowbough.is_shell]
 save("workbench", by_workbench())
+__import__("os").replace({folder!r} + "/color.npy", {folder!r} + "/workbench_color.npy")
 save("realtime", by_realtime(False))
 for obj in surfaces:
     obj.hide_viewport = True
@@ -120,9 +130,11 @@ def pictures(blender, tmp_path_factory):
     blender.wait_for_bake()
     blender.run("scene.frame_set(4)\nresult = True")
     blender.run(WAYS.format(size=SIZE, folder=str(folder)))
-    assert blender.run(BAKED, timeout=120) == ["Cube Snow", "Sphere Snow"]
+    assert blender.run(BAKED.format(folder=str(folder)), timeout=120) == ["Cube Snow", "Sphere Snow"]
     blender.run(LIVE, timeout=120)
-    return {path.stem: metres(np.load(path)) for path in folder.glob("*.npy")}
+    colors = np.load(folder / "workbench_color.npy")
+    shown = {path.stem: metres(np.load(path)) for path in folder.glob("*.npy") if "color" not in path.stem}
+    return {**shown, "workbench_color": colors}
 
 
 def snow_of(pictures, way):
@@ -164,3 +176,12 @@ def test_another_shape_is_noticed(pictures):
     """The preview without overhangs, which are 12 mm to 6 cm."""
     drawn, snow, apart = agreement(pictures, "workbench", "other")
     assert drawn < 0.9985 and snow < 0.985 and np.median(apart) > 0.0012
+
+
+def test_workbench_draws_what_it_drew_before(pictures):
+    drawn = np.isfinite(pictures["workbench"])
+    # Workbench draws linear light.
+    color = 255.0 * (pictures["workbench_color"][..., :3] / 255.0) ** (1.0 / 2.2)
+    picture = np.dstack([color, 255.0 * drawn])
+    halved = picture.reshape(SIZE // 2, 2, SIZE // 2, 2, 4).mean(axis=(1, 3))
+    golden.assert_looks_like("workbench", halved[::-1].round().astype(np.uint8))
