@@ -96,7 +96,10 @@ run_blender() {
   case "$blender" in
     4.3 | 5.2) tools/blender_debian.sh "$blender" "$results/blender.xml" ;;
     bpy*) tools/blender_bpy.sh "$results/blender.xml" "${blender#bpy}" ;;
-    *) /usr/bin/python3 tests/blender/run.py --blender /usr/bin/blender --junitxml "$results/blender.xml" ;;
+    *)
+      /usr/bin/python3 tests/blender/run.py --blender /usr/bin/blender --zip "$SNOWBOUGH_TEST_ZIP" \
+        --junitxml "$results/blender.xml"
+      ;;
   esac
 }
 
@@ -110,15 +113,36 @@ if [ "${SNOWBOUGH_SETUP:-1}" != 0 ]; then
   tools/setup.sh || exit 1
 fi
 
-for layer in "${layers[@]}"; do
+# Runs a layer; its exit status and its time in seconds go to files.
+run_layer() {
+  local layer=$1 started=$SECONDS
   echo
   echo "== $layer =="
-  started=$SECONDS
   "run_$layer" </dev/null
   echo $? >"$results/$layer.exit"
   echo $((SECONDS - started)) >"$results/$layer.seconds"
   echo "== $layer: $((SECONDS - started)) s =="
+}
+
+[ -n "$blender$platform" ] || SNOWBOUGH_TEST_ZIP="$PWD/$(tools/package.sh)" || exit 1
+export SNOWBOUGH_TEST_ZIP
+
+# The native tests use all cores. Of the other layers each uses about one, so tests/blender runs beside the other two;
+# its output comes last.
+beside=
+for layer in native blender python ui; do
+  case " ${layers[*]} " in *" $layer "*) ;; *) continue ;; esac
+  if [ "$layer" = blender ] && [ ${#layers[@]} -gt 1 ]; then
+    run_layer blender >"$results/blender.log" 2>&1 &
+    beside=$!
+  else
+    run_layer "$layer"
+  fi
 done
+if [ -n "$beside" ]; then
+  wait "$beside"
+  cat "$results/blender.log"
+fi
 
 echo
 /usr/bin/python3 tools/test_summary.py "$results" "${layers[@]}"
