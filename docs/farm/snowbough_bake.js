@@ -27,6 +27,8 @@ const JOB_TYPE = {
           description: "Cache folder on storage that all workers share" },
         { key: "cli", type: "string", subtype: "file_path", required: true,
           description: "The add-on's cli.py as the workers see it" },
+        { key: "attempts", type: "int32", default: 30, propargs: {min: 1}, visible: "submission",
+          description: "Attempts, one per minute, while another bake holds the cache, or the disk is full or unreachable" },
         { key: "render_output", type: "string", subtype: "file_path", required: true,
           eval: "abspath(C.scene.render.filepath) + '######'",
           description: "Path of the rendered frames" },
@@ -84,6 +86,7 @@ function bakeTask(settings, set) {
         "--cache", settings.cache,
         "--objects", set,
         "--resume",
+        "--attempts", String(settings.attempts),
     ]));
     return task;
 }

@@ -226,6 +226,7 @@ def blender_command(addon, blend, *arguments):
     names = ("frames", "cache", "json", "objects", "engine")
     given = {name: None for name in names}
     given.update(zip((a.lstrip("-") for a in arguments[::2]), arguments[1::2]))
+    given.update({name: int(given[name]) for name in ("attempts", "wait") if name in given})
     resume = given.pop("resume", "no") == "yes"
     enable = (
         f"import sys; sys.path.insert(0, {os.path.dirname(folder)!r}); import snowbough; snowbough.register()"
@@ -407,6 +408,51 @@ def test_the_lock_of_a_bake_killed_at_its_very_end_goes_with_the_next_one(addon,
         s.bake(resume=True)
         assert [(folder / "lock").exists() for folder in folders] == [True, False, False]
     assert s.files_of(tmp_path / "cache") == undisturbed
+
+
+def start_waiting(addon, tmp_path, *arguments):
+    """Starts a command that bakes what another bake has locked; returns it when it waits."""
+    running = subprocess.Popen(
+        blender_command(addon, tmp_path / "shot.blend", *arguments),
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    for line in running.stderr:
+        if line.startswith("SNOWBOUGH waiting="):
+            assert "is being baked by" in line
+            return running
+    raise AssertionError("it did not wait")
+
+
+def test_a_command_with_attempts_waits_for_the_other_bake(addon, undisturbed, tmp_path):
+    assert run_part(addon, 1, 4).error is None
+    folder = next((tmp_path / "cache").rglob("object.json")).parent
+    with addon("cache.lock").lock_folder(folder):
+        running = start_waiting(addon, tmp_path, "--resume", "yes", "--attempts", "100", "--wait", "1")
+    error = running.communicate(timeout=120)[1]
+    assert running.returncode == 0, error
+    assert s.files_of(tmp_path / "cache") == undisturbed
+
+
+def test_a_command_whose_attempts_are_used_up_says_what_to_do(addon, undisturbed, tmp_path):
+    assert run_part(addon, 1, 4).error is None
+    folder = next((tmp_path / "cache").rglob("object.json")).parent
+    with addon("cache.lock").lock_folder(folder):
+        done = run_blender(
+            addon, tmp_path / "shot.blend", "--resume", "yes", "--attempts", "2", "--wait", "1"
+        )
+    assert done.returncode == 5 and done.stderr.count("SNOWBOUGH waiting=1 ") == 1
+    last = done.stderr.strip().splitlines()[-1]
+    assert 'next="Do what the message says, then run the command again with --resume"' in last
+
+
+def test_ctrl_c_ends_the_waiting(addon, undisturbed, tmp_path):
+    assert run_part(addon, 1, 4).error is None
+    folder = next((tmp_path / "cache").rglob("object.json")).parent
+    with addon("cache.lock").lock_folder(folder):
+        running = start_waiting(addon, tmp_path, "--resume", "yes", "--attempts", "2", "--wait", "3600")
+        running.send_signal(signal.SIGINT)
+        running.communicate(timeout=120)
+    assert running.returncode == 130
 
 
 @pytest.mark.parametrize("times", [1, 2, 5])

@@ -13,8 +13,10 @@ engine) and ``files`` (packing and writing) run in parallel.
 AUTO (GL on a graphics card, else CPU). The default is the add-on's preference, or AUTO without one.
 
 Problems that do not stop the bake, such as overlapping UVs, are printed before it as ``SNOWBOUGH warning="..."`` on
-standard error, and each receiver that is left out as ``SNOWBOUGH refused="..."``. Errors are printed last, as
-``SNOWBOUGH error="..." code=N``. The JSON report also has ``notes``, such as the space that the maps take.
+standard error, and each receiver that is left out as ``SNOWBOUGH refused="..."``. With ``--attempts``, each pause
+between two attempts is printed as ``SNOWBOUGH waiting=SECONDS error="..."``. Errors are printed last, as
+``SNOWBOUGH error="..." code=N next="..."``; ``next`` says what a person must do. The JSON report also has ``notes``,
+such as the space that the maps take.
 
 Exit codes, also in the JSON report:
 
@@ -31,10 +33,12 @@ Exit codes, also in the JSON report:
 ===  ==================================================================================================
 """
 
+import argparse
 import contextlib
 import json
 import signal
 import sys
+import time
 from pathlib import Path
 
 import bpy
@@ -83,10 +87,37 @@ def add_arguments(parser):
         "(default: list it and bake the others)",
     )
     parser.add_argument(
+        "--attempts",
+        type=_positive,
+        default=1,
+        metavar="N",
+        help="try up to N times if the cache is locked by another bake, full or out of reach (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--wait",
+        type=_positive,
+        default=WAIT_SECONDS,
+        metavar="SECONDS",
+        help="time between two attempts (default: %(default)s)",
+    )
+    parser.add_argument(
         "--engine",
         choices=[name for name, *_ in ENGINES],
         help="engine that computes the snow (default: the add-on's preference, else AUTO)",
     )
+
+
+# What a person, or a farm, must do after an exit code.
+NEXT_STEPS = {
+    EXIT_FAILED: "Change what the message names, then run the command again",
+    EXIT_NO_CHECKPOINT: "Bake from the first frame of the shot",
+    EXIT_CHANGED: "Undo the change, or bake the shot again without --resume",
+    EXIT_CACHE: "Do what the message says, then run the command again with --resume",
+    EXIT_NO_NATIVE: "Run the command with --engine CPU, or on another machine",
+    EXIT_LOCK_LOST: "Make sure that no other task bakes these receivers, then run the command again with --resume",
+    EXIT_STOPPED: "Run the command again with --resume",
+}
+WAIT_SECONDS = 60
 
 
 def exit_code(error):
@@ -115,30 +146,22 @@ def frame_line(result, seconds_left):
 
 def run(args):
     """Bakes and returns the exit code. args: see add_arguments; those that are missing have their defaults."""
-    scene = bpy.context.scene
     report = {"exit_code": EXIT_FAILED, "error": None, "frames": [], "receivers": {}}
-    code, message = EXIT_FAILED, None
-    try:
-        with _stopping() as pressed:
-            settings = scene.snowbough
-            first, last = settings.frame_start, settings.frame_end
-            if args.frames:
-                first, last = plan.parse_frames(args.frames, first, last)
-            objects = [name.strip() for name in (args.objects or "").split(",") if name.strip()]
-            request = make_request(
-                scene,
-                resume=bool(args.resume),
-                first=first,
-                last=last,
-                objects=objects,
-                directory=args.cache,
-                allow_other_driver=bool(getattr(args, "allow_other_driver", False)),
-                engine=args.engine,
-                strict=bool(getattr(args, "strict", False)),
-            )
-            code, message = _bake(request, report, pressed)
-    except (ValueError, RuntimeError, OSError) as error:
-        code, message = exit_code(error), one_line(error)
+    with _stopping() as pressed:
+        for attempts_left in reversed(range(getattr(args, "attempts", 1))):
+            code, message = _attempt(args, report, pressed)
+            if code != EXIT_CACHE or not attempts_left or pressed:
+                break
+            wait = getattr(args, "wait", WAIT_SECONDS)
+            print(f"SNOWBOUGH waiting={wait} error={json.dumps(message)}", file=sys.stderr, flush=True)
+            end = time.monotonic() + wait
+            while time.monotonic() < end and not pressed:
+                time.sleep(min(wait, 0.1))
+            if pressed:
+                code, message = EXIT_STOPPED, "The bake was stopped while it waited"
+                break
+    # A frame after the last checkpoint is baked again by the next attempt.
+    report["frames"] = list({frame["frame"]: frame for frame in report["frames"]}.values())
     report["exit_code"], report["error"] = code, message
     if args.json:
         try:
@@ -147,12 +170,46 @@ def run(args):
         except (CacheError, OSError) as error:
             message, code = message or one_line(error), code or EXIT_CACHE
     if message:
-        print(f"SNOWBOUGH error={json.dumps(message)} code={code}", file=sys.stderr, flush=True)
+        step = json.dumps(NEXT_STEPS[code])
+        print(f"SNOWBOUGH error={json.dumps(message)} code={code} next={step}", file=sys.stderr, flush=True)
     else:
         print(
             f"SNOWBOUGH done frames={len(report['frames'])} version={report.get('version', '')}", flush=True
         )
     return code
+
+
+def _attempt(args, report, pressed):
+    """(exit code, message or None)"""
+    scene = bpy.context.scene
+    settings = scene.snowbough
+    first, last = settings.frame_start, settings.frame_end
+    try:
+        if args.frames:
+            first, last = plan.parse_frames(args.frames, first, last)
+        objects = [name.strip() for name in (args.objects or "").split(",") if name.strip()]
+        request = make_request(
+            scene,
+            # An attempt continues the bake that the one before began.
+            resume=bool(args.resume or report["frames"]),
+            first=first,
+            last=last,
+            objects=objects,
+            directory=args.cache,
+            allow_other_driver=bool(getattr(args, "allow_other_driver", False)),
+            engine=args.engine,
+            strict=bool(getattr(args, "strict", False)),
+        )
+        return _bake(request, report, pressed)
+    except (ValueError, RuntimeError, OSError) as error:
+        return exit_code(error), one_line(error)
+
+
+def _positive(text):
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"{text} is not a whole number of 1 or more")
+    return number
 
 
 @contextlib.contextmanager

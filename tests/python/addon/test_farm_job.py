@@ -32,6 +32,7 @@ SETTINGS = {
     "chunk_size": 4,
     "receiver_sets": "Ground; Bench, Cart ;",
     "cache": "/farm/cache",
+    "attempts": 30,
     "cli": "/opt/snowbough/cli.py",
     "render_output": "/farm/render/######",
     "blendfile": "/farm/shot.blend",
@@ -63,7 +64,7 @@ def test_the_bake_command_is_the_documented_one():
     command = compile_job()[1]["commands"][0]["parameters"]
     assert command["args"] == (
         "--python-exit-code 1 -P /opt/snowbough/cli.py -- bake --frames 1-48 --cache /farm/cache "
-        "--objects Bench,Cart --resume"
+        "--objects Bench,Cart --resume --attempts 30"
     ).split(" ")
 
 
