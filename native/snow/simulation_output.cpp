@@ -40,20 +40,20 @@ std::string describe(const SimulationSettings& s,
                      const std::map<std::string, std::shared_ptr<SceneObject>>& objects,
                      const Engine& engine) {
   std::string text;
-  text += "pixel_size=" + number(s.pixel_size) + "\n";
-  text += "noise_density=" + number(s.noise_density) + "\n";
-  // Older checkpoints hold `flutter` in degrees; 0 is the same in both.
-  text += (s.flutter > 0.0 ? "flutter in radians=" : "flutter=") + number(s.flutter) + "\n";
-  text += "max_depth=" + number(s.max_depth) + "\n";
-  text += "slide_half_life=" + number(s.slide_half_life) + "\n";
-  text += "repose=" + number(s.repose) + "\n";
-  if (s.cohesion > 0.0) text += "cohesion=" + number(s.cohesion) + "\n";
+  for (const NumberSetting& one : kNumberSettings) {
+    const double value = s.*one.field;
+    if (one.line == CheckpointLine::kNever) continue;
+    if (one.line == CheckpointLine::kUnlessZero && value == 0.0) continue;
+    // Older checkpoints hold `flutter` in degrees; 0 is the same in both.
+    const bool is_angle = one.field == &SimulationSettings::flutter && value > 0.0;
+    text += std::string(one.name) + (is_angle ? " in radians=" : "=") + number(value) + "\n";
+  }
   text += "seed=" + std::to_string(s.seed) + "\n";
   text += std::string("mapping=") +
-          (s.mapping == gl::DepositMapping::kCompute ? "COMPUTE" : "GEOMETRY") + "\n";
+          (s.mapping == DepositMapping::kCompute ? "COMPUTE" : "GEOMETRY") + "\n";
   // Older checkpoints of the scattered deposit lack this line.
   text += "deposit=gathered\n";
-  text += "driver=" + engine.name() + ", " + engine.driver() + "\n";
+  text += "driver=" + engine_name(engine.kind()) + ", " + engine.driver() + "\n";
   for (const auto& [name, object] : objects) {
     const MapTopology& topology = object->description.topology;
     uint64_t hash = digest(topology.triangles.data(), topology.triangles.size() * 4);
@@ -166,11 +166,11 @@ MapOutput OutputSnapshot::output() {
   return filter->run(std::move(stored_), surface_);
 }
 
-MapOutput SnowSimulation::output(const std::string& name, bool with_normals) {
-  return snapshot(name, with_normals).output();
+MapOutput SnowSimulation::output(const std::string& name, const MapRequest& maps) {
+  return snapshot(name, maps).output();
 }
 
-OutputSnapshot SnowSimulation::snapshot(const std::string& name, bool with_normals) {
+OutputSnapshot SnowSimulation::snapshot(const std::string& name, const MapRequest& maps) {
   const std::scoped_lock lock(mutex_);
   require_open();
   const std::shared_ptr<SceneObject>& object = find_stepped_receiver(name);
@@ -183,7 +183,8 @@ OutputSnapshot SnowSimulation::snapshot(const std::string& name, bool with_norma
         layer_terms(topology.triangles, object->description.shading, object->positions));
   }
   snapshot.surface_.layers = object->layers;
-  if (with_normals) {
+  snapshot.surface_.maps = maps;
+  if (maps != MapRequest{}) {
     const std::vector<glm::vec3> positions(object->positions.begin(),
                                            object->positions.begin() + topology.vertex_count);
     snapshot.surface_.metrics = surface_metrics(topology, positions);
@@ -197,7 +198,7 @@ std::shared_ptr<const gpu::ThreadTexture> SnowSimulation::live_output(const std:
   const std::scoped_lock lock(mutex_);
   require_open();
   const std::shared_ptr<SceneObject>& object = find_stepped_receiver(name);
-  if (!scene_is_current_ || engine().name() != "GL") return nullptr;
+  if (!scene_is_current_ || engine().kind() != EngineKind::kGl) return nullptr;
   const double blur_radius = blur_radius_of(*object);
   const SeamTable& seams = outputs_.get(object, blur_radius)->seams();
   const size_t index = index_of(name);

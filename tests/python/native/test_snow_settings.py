@@ -73,3 +73,48 @@ def test_a_closed_simulation_takes_no_settings(ground):
     ground.close()
     with pytest.raises(RuntimeError, match="closed"):
         ground.change_settings(seed=1)
+
+
+# Each number with a value that no other one has.
+NUMBERS = {
+    "pixel_size": 0.03,
+    "noise_density": 0.5,
+    "flutter": 0.25,
+    "max_depth": 2.0,
+    "slide_half_life": 4.0,
+    "repose": 0.75,
+    "cohesion": 0.125,
+}
+
+
+def test_every_number_arrives_under_its_own_name(tmp_path):
+    with native.SnowSimulation(engine="CPU", **NUMBERS) as sim:
+        sim.save(str(tmp_path / "state"))
+    lines = native.read_checkpoint(str(tmp_path / "state"))["description"].splitlines()
+    written = {name: float.fromhex(value) for name, _, value in (line.partition("=") for line in lines[:7])}
+    assert written == {**{k: v for k, v in NUMBERS.items() if k != "flutter"}, "flutter in radians": 0.25}
+
+
+def test_a_checkpoint_has_no_line_for_cohesion_0_and_for_the_blur(tmp_path):
+    with native.SnowSimulation(engine="CPU", blur_radius=0.5) as sim:
+        sim.save(str(tmp_path / "state"))
+    description = native.read_checkpoint(str(tmp_path / "state"))["description"]
+    assert "flutter=0x0p+0\n" in description
+    assert "cohesion" not in description and "blur_radius" not in description
+
+
+def test_the_docstring_names_every_number_with_default_and_valid_values():
+    lines = native.SnowSimulation.__doc__.splitlines()
+    assert [line.partition(" = ")[0] for line in lines if " = " in line] == [*NUMBERS, "blur_radius"]
+    assert [line for line in lines if line.startswith("max_depth = 1: ") and "(0 metres or more)" in line]
+
+
+def test_unknown_settings_and_wrong_types_are_type_errors(ground):
+    with pytest.raises(TypeError, match="there is no setting 'pixelsize'"):
+        native.SnowSimulation(pixelsize=0.1)
+    with pytest.raises(TypeError, match="cohesion must be a number"):
+        native.SnowSimulation(cohesion="1")
+    with pytest.raises(TypeError, match="pixel_size cannot change: make a new SnowSimulation"):
+        ground.change_settings(pixel_size=0.1)
+    with pytest.raises(TypeError, match="there is no such map"):
+        ground.output("ground", albedo=True)
