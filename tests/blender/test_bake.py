@@ -263,6 +263,20 @@ def test_the_manifest_says_settings_and_statistics(tmp_path):
     assert sorted(os.listdir(folder)) == ["ever_covered.exr", *heights, "inputs.json", "object.json"]
 
 
+def test_a_bake_writes_every_kind_of_map_whose_switch_is_on(addon, native, tmp_path):
+    kinds = addon("map_kinds")
+    s.receive(s.square("Ground"))
+    s.settings(tmp_path, (1, 1), **{kind.setting: True for kind in kinds.ON_REQUEST})
+    s.bake()
+    for kind in kinds.MAP_KINDS:
+        pixels, header = native.read_exr(str(s.folder_of(tmp_path, "Ground") / f"{kind.name}_0001.exr"))
+        assert pixels.shape == ((64, 64) if kind.channels == 1 else (64, 64, kind.channels)), kind.name
+        assert header["half"] == kind.is_half, kind.name
+        if kind.name == "normal":  # of level snow, (0, 0, 1)
+            middle = dict(zip(header["channels"], pixels[32, 32].tolist()))
+            assert middle == {"R": 0.5, "G": 0.5, "B": 1.0}
+
+
 def test_ever_covered_marks_where_snow_lay(native, tmp_path):
     s.receive(s.square("Ground"))
     s.square("Roof", 1.0, z=1.0)

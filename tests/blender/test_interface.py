@@ -18,8 +18,8 @@ UNITS = re.compile(
     r"\((metres|metres per hour|metres per second|degrees|seconds|frames|texels|pixels|radii of the limb|levels|bones|"
     r"keys|poses a frame|directions a shot|0 to 1)\)"
 )
-# Units by which names.unit_of knows the settings.
-SHOWN_AS = {"metres": "m", "seconds": "s", "degrees": "°"}
+# Units as labels and messages show them.
+SHOWN_AS = {"metres": "m", "seconds": "s", "degrees": "°", "texels": "texels"}
 FRAMES = re.compile(r"frame|checkpoint_interval")
 UNITLESS = {
     "rate", "strength", "seed", "samples", "surface_overhang", "surface_hem_variation", "surface_bridging",
@@ -108,8 +108,7 @@ def test_every_number_names_its_unit(addon):
         if not unit:
             continue
         assert (prop.subtype == "ANGLE") == (unit[1] == "degrees"), name
-        shown = addon("names").unit_of(identifier)
-        assert shown == SHOWN_AS.get(unit[1], "texels" if identifier == "blur_radius" else ""), name
+        assert addon("names").unit_of(prop.description) == SHOWN_AS.get(unit[1], ""), name
         if FRAMES.search(identifier):
             assert unit[1] == "frames", name
 

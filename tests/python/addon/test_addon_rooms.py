@@ -18,6 +18,7 @@ import pytest
 ROOMS = (
     "__init__",
     "names",
+    "map_kinds",
     "native",
     "session",
     "compat",
@@ -42,6 +43,7 @@ ROOMS = (
 WITHOUT_BLENDER = (
     "__init__",
     "names",
+    "map_kinds",
     "native",
     "session",
     "cli",
