@@ -13,7 +13,7 @@ import snow_scene as s
 
 @pytest.fixture
 def native(addon):
-    return addon("native").load()
+    return addon("base.native").load()
 
 
 def test_open_ground_holds_the_planned_depth_on_every_frame(native, tmp_path):
@@ -264,7 +264,7 @@ def test_the_manifest_says_settings_and_statistics(tmp_path):
 
 
 def test_a_bake_writes_every_kind_of_map_whose_switch_is_on(addon, native, tmp_path):
-    kinds = addon("map_kinds")
+    kinds = addon("base.map_kinds")
     s.receive(s.square("Ground"))
     s.settings(tmp_path, (1, 1), **{kind.setting: True for kind in kinds.ON_REQUEST})
     s.bake()
@@ -427,7 +427,7 @@ def test_an_unsaved_file_needs_a_cache_of_its_own():
 def test_a_bake_of_the_same_object_at_the_same_time_is_refused(addon, tmp_path):
     s.receive(s.square("Ground"))
     s.settings(tmp_path, checkpoint_interval=2)
-    key = addon("names").receiver_key("Ground", ("", "", ""))
+    key = addon("base.names").receiver_key("Ground", ("", "", ""))
     with addon("cache.lock").lock_folder(tmp_path / "Scene" / "v001" / key):
         refused("Ground-.* is being baked by process")
     s.bake()

@@ -108,7 +108,7 @@ def test_every_number_names_its_unit(addon):
         if not unit:
             continue
         assert (prop.subtype == "ANGLE") == (unit[1] == "degrees"), name
-        assert addon("names").unit_of(prop.description) == SHOWN_AS.get(unit[1], ""), name
+        assert addon("base.names").unit_of(prop.description) == SHOWN_AS.get(unit[1], ""), name
         if FRAMES.search(identifier):
             assert unit[1] == "frames", name
 
@@ -163,7 +163,7 @@ def test_nothing_that_changes_the_scene_can_be_pressed_while_a_bake_runs(addon, 
     receive(ground)
     ground.select_set(True)
     bpy.context.view_layer.objects.active = ground
-    monkeypatch.setattr(addon("session"), "bake", object())
+    monkeypatch.setattr(addon("base.session"), "bake", object())
     for idname in operators():
         if idname in {"snowbough.stop_bake", "snowbough.lock_editing"} or "import" in idname:
             continue
@@ -189,11 +189,11 @@ def test_what_was_said_about_one_file_is_not_said_about_the_next(addon, tmp_path
     receive(square("Ground"))
     bake()
     bpy.ops.snowbough.preflight()
-    assert addon("session").last_outcome[1].startswith("Baked 4 frames")
-    assert addon("session").issues
+    assert addon("base.session").last_outcome[1].startswith("Baked 4 frames")
+    assert addon("base.session").issues
     bpy.ops.wm.read_homefile(use_empty=True)
-    assert addon("session").last_outcome == ("INFO", "")
-    assert addon("session").issues == {}
+    assert addon("base.session").last_outcome == ("INFO", "")
+    assert addon("base.session").issues == {}
 
 
 def test_the_report_of_a_bake_goes_with_an_undo(addon, tmp_path):
@@ -202,9 +202,9 @@ def test_the_report_of_a_bake_goes_with_an_undo(addon, tmp_path):
     bpy.ops.ed.undo_push(message="Scene")
     bake()
     bpy.ops.ed.undo_push(message="Bake")
-    assert addon("session").last_outcome[1].startswith("Baked 1 frame in ")
+    assert addon("base.session").last_outcome[1].startswith("Baked 1 frame in ")
     bpy.ops.ed.undo()
-    assert addon("session").last_outcome == ("INFO", "")
+    assert addon("base.session").last_outcome == ("INFO", "")
 
 
 def test_freeing_a_bake_leaves_no_missing_file_on_its_receivers(tmp_path):

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
+from ..base.map_kinds import BY_NAME
+from ..base.names import MAX_RESOLUTION, MIN_RESOLUTION
 from ..cache import folder as receiver_folder
 from ..cache.coverage import Coverage
 from ..cache.errors import CacheError, InputsChanged, LockLost, remedy_for
 from ..cache.files import EVER_COVERED, bake_files, digest, frame_file, state_file
 from ..cache.manifest import describe_changes, read_manifest, write_inputs, write_manifest
-from ..map_kinds import BY_NAME
-from ..names import MAX_RESOLUTION, MIN_RESOLUTION
 from ..scene.uv_overlap import outside_share
 from ..surface.compute import update as update_surface
 from ..surface.recording import ReceiverRecorder

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import bpy
 
-from .. import session
+from ..base import session
+from ..base.names import unit_of, with_unit
 from ..cache.errors import CacheError
 from ..cache.files import MANIFEST
 from ..cache.manifest import read_inputs, read_manifest
-from ..names import unit_of, with_unit
 from ..scene import inputs
 from ..scene.pose import metres_per_unit
 from ..scene.reader import SceneReader

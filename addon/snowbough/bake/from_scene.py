@@ -5,9 +5,9 @@ from dataclasses import fields
 
 import bpy
 
-from .. import compat, native
-from ..map_kinds import ON_REQUEST
-from ..names import unit_of
+from ..base import compat, native
+from ..base.map_kinds import ON_REQUEST
+from ..base.names import unit_of
 from ..scene import physics_caches
 from ..scene.pose import metres_per_unit
 from ..scene.receivers import note_baked_names, receiver_specs

@@ -3,7 +3,7 @@
 
 from dataclasses import dataclass, field, fields
 
-from ..map_kinds import ON_REQUEST
+from ..base.map_kinds import ON_REQUEST
 
 
 class BakeCancelled(Exception):

@@ -10,7 +10,7 @@ import stat
 import uuid
 from pathlib import Path
 
-from ..map_kinds import BY_NAME, MAP_KINDS
+from ..base.map_kinds import BY_NAME, MAP_KINDS
 from .errors import CacheError
 
 MANIFEST = "object.json"

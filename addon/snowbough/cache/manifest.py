@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..map_kinds import ON_REQUEST
-from ..names import with_unit
+from ..base.map_kinds import ON_REQUEST
+from ..base.names import with_unit
 from .files import INPUTS, MANIFEST, REMOVED_MANIFEST, bake_files, digest, is_bake_file
 from .sealed import FORMAT, dict_of, either, flag, nothing, number, read_sealed, text, whole, write_sealed
 

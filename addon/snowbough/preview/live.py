@@ -10,8 +10,8 @@ import time
 
 import bpy
 
-from .. import native, session
-from ..names import REALTIME_ENGINE
+from ..base import native, session
+from ..base.names import REALTIME_ENGINE
 from ..scene.pose import metres_per_unit
 from ..surface.compute import seed_of
 from . import drawing, hidden

@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .. import native
 from ..bake import baked_receiver, plan, simulation
 from ..bake.from_scene import constant_rates, constant_values
+from ..base import native
 from ..scene.pose import TopologyChanged, metres_per_unit
 from ..scene.reader import SceneReader
 from ..scene.receivers import receiver_specs

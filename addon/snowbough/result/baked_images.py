@@ -13,8 +13,8 @@ from pathlib import Path
 
 import bpy
 
+from ..base.map_kinds import BY_NAME
 from ..cache.manifest import read_manifest
-from ..map_kinds import BY_NAME
 
 HEADER_BYTES = 4096
 # Name, type and size of the attribute with the first and last pixels (OpenEXR File Layout).

@@ -8,9 +8,9 @@ for their other users.
 
 import bpy
 
-from .. import compat, compat_nodes
-from ..map_kinds import BY_NAME, MAP_KINDS
-from ..names import REST_ATTRIBUTE, SNOW_UV
+from ..base import compat, compat_nodes
+from ..base.map_kinds import BY_NAME, MAP_KINDS
+from ..base.names import REST_ATTRIBUTE, SNOW_UV
 from ..scene.pose import metres_per_unit
 from . import baked_images, look, original_state, rest_position, snow_nodes
 

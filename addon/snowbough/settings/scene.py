@@ -14,9 +14,9 @@ from bpy.props import (
     StringProperty,
 )
 
-from .. import compat
-from ..map_kinds import ON_REQUEST
-from ..names import MAX_FALL_ANGLE, SNOW_KINDS
+from ..base import compat
+from ..base.map_kinds import ON_REQUEST
+from ..base.names import MAX_FALL_ANGLE, SNOW_KINDS
 from .objects import SnowboughReceiver
 from .simulation import SnowProperties
 from .surface import SURFACE_DETAILS, SurfaceProperties

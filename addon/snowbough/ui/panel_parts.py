@@ -4,10 +4,10 @@ settings of one receiver, and wrapped text."""
 
 import blf
 
-from .. import compat, native, session
 from ..bake import changes_since_bake
 from ..bake import state as bake_state
-from ..names import unit_of
+from ..base import compat, native, session
+from ..base.names import unit_of
 from ..result import displacement
 from ..settings.surface import SurfaceProperties
 from .text import wrapped

@@ -7,9 +7,9 @@ Panels only read. Slow work runs in operators, which store their results in `ses
 
 import bpy
 
-from .. import session
 from ..bake import state
-from ..map_kinds import ON_REQUEST
+from ..base import session
+from ..base.map_kinds import ON_REQUEST
 from ..scene import receivers
 from ..scene.reader import SURFACE_TYPES
 from ..settings import simulation

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 from snowbough.bake.request import BakeRequest
 from snowbough.bake.simulation import make_simulation
-from snowbough.map_kinds import ON_REQUEST
+from snowbough.base.map_kinds import ON_REQUEST
 
 SNOW = {"flutter": math.radians(3.0), "max_depth": 0.7, "seed": 5, "a_new_setting": "x"}
 

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 import snowbough
 from cache_files import write_manifest, write_old_manifest, written
-from snowbough import names
+from snowbough.base import names
+from snowbough.base.map_kinds import MAP_KINDS
 from snowbough.cache import errors, files, folder, lock, manifest, sealed, versions
-from snowbough.map_kinds import MAP_KINDS
 from snowbough.scene.inputs import SceneInputs, fingerprint
 
 UNITS = {"end_depth": "m", "flutter": "°"}
