@@ -136,5 +136,14 @@ def with_unit(value, unit):
     return f"{math.degrees(value):.4g}°" if unit == "°" else f"{value:.6g} {unit}".strip()
 
 
+# Parts of the names of renderers and drivers that run on the processor.
+_SOFTWARE = ("llvmpipe", "softpipe", "swiftshader", "software")
+
+
+def is_software(renderer):
+    """Whether the renderer or driver with that name runs on the processor."""
+    return any(name in renderer.lower() for name in _SOFTWARE)
+
+
 # Errors of an import or an export that are reported to the user. Other errors are not caught.
 FAILURES = (ValueError, RuntimeError, OSError, MemoryError)
