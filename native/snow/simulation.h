@@ -19,7 +19,7 @@
 #include "snow/simulation_settings.h"
 #include "snow/state/checkpoint.h"
 #include "snow/step/choose_engine.h"
-#include "snow/step/frame_step.h"
+#include "snow/step/engine.h"
 
 namespace snowbough::snow {
 
@@ -129,13 +129,6 @@ class SnowSimulation {
   /// Restores a state of a simulation with the same receivers. @throws std::invalid_argument naming
   /// the difference, or for heights or sums that are not finite.
   void set_state(const SimulationState& state);
-
-  /// Writes a checkpoint. @throws std::runtime_error if the file cannot be written.
-  void save(const std::string& path);
-  /// Restores a checkpoint of a simulation with the same settings, objects and (unless
-  /// `any_driver`) driver. @throws std::runtime_error for a file that is no checkpoint or is
-  /// damaged, std::invalid_argument naming the difference.
-  void restore(const std::string& path, bool any_driver);
 
   /// Releases everything. Further calls throw std::runtime_error.
   void close();

@@ -34,18 +34,9 @@ struct SimulationSettings {
   bool wait_for_gpu = true;
 };
 
-/// The line of a setting in a checkpoint, which is only restored with the same value.
-enum class CheckpointLine {
-  /// No line at 0: for settings whose 0 gives the snow of checkpoints from before the setting.
-  kUnlessZero,
-  kAlways,
-  /// For settings that do not change the stored snow.
-  kNever,
-};
-
-/// A setting that is a number. Checks, checkpoints and the Python module read these rows.
+/// A setting that is a number. Checks and the Python module read these rows.
 struct NumberSetting {
-  /// Name in Python and in checkpoints.
+  /// Name in Python.
   const char* name;
   double SimulationSettings::*field;
   /// Valid values, as numbers and in words.
@@ -54,7 +45,6 @@ struct NumberSetting {
   const char* range;
   /// For the Python docstring.
   const char* meaning;
-  CheckpointLine line = CheckpointLine::kUnlessZero;
   /// Whether change_settings can change it.
   bool can_change = true;
 };
@@ -68,7 +58,6 @@ inline constexpr NumberSetting kNumberSettings[] = {
      .least = kOverZero,
      .range = "over 0 metres",
      .meaning = "edge of an occlusion pixel",
-     .line = CheckpointLine::kAlways,
      .can_change = false},
     {.name = "noise_density",
      .field = &SimulationSettings::noise_density,
@@ -76,24 +65,20 @@ inline constexpr NumberSetting kNumberSettings[] = {
      .most = 1.0,
      .range = "over 0 and at most 1",
      .meaning = "fraction of pixels that receive snow in a step; these receive 1 / noise_density "
-                "times as much",
-     .line = CheckpointLine::kAlways},
+                "times as much"},
     {.name = "flutter",
      .field = &SimulationSettings::flutter,
      .most = 0.7854,
      .range = "0 to pi / 4 radians",
-     .meaning = "largest angle between a flake's path and the fall direction",
-     .line = CheckpointLine::kAlways},
+     .meaning = "largest angle between a flake's path and the fall direction"},
     {.name = "max_depth",
      .field = &SimulationSettings::max_depth,
      .range = "0 metres or more",
-     .meaning = "depth that level ground holds before snow slides",
-     .line = CheckpointLine::kAlways},
+     .meaning = "depth that level ground holds before snow slides"},
     {.name = "slide_half_life",
      .field = &SimulationSettings::slide_half_life,
      .range = "0 seconds or more",
-     .meaning = "time in which the snow beyond a slope's capacity halves",
-     .line = CheckpointLine::kAlways},
+     .meaning = "time in which the snow beyond a slope's capacity halves"},
     {.name = "repose",
      .field = &SimulationSettings::repose,
      .least = kOverZero,
@@ -101,8 +86,7 @@ inline constexpr NumberSetting kNumberSettings[] = {
      .range = "over 0 and at most pi / 2 radians",
      .meaning = "angle of repose from level: steeper snow moves to lower neighbours or falls over "
                 "a rim, which counts as slid, and walls lose their snow within a second. At pi / 2 "
-                "snow stays where it fell, also on walls",
-     .line = CheckpointLine::kAlways},
+                "snow stays where it fell, also on walls"},
     {.name = "cohesion",
      .field = &SimulationSettings::cohesion,
      .range = "0 metres or more",
@@ -112,7 +96,6 @@ inline constexpr NumberSetting kNumberSettings[] = {
      .field = &SimulationSettings::blur_radius,
      .range = "0 metres or more",
      .meaning = "standard deviation of the blur of output; the stored map stays unblurred",
-     .line = CheckpointLine::kNever,
      .can_change = false},
 };
 

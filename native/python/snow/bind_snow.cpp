@@ -308,13 +308,6 @@ any thread, also while the simulation continues or after it is closed. Arguments
            py::call_guard<ReleasedGil>(),
            R"(Starts building the tables that output of a receiver needs, beside the next steps, and
 returns at once; changes no result. Raises ValueError before its rest pose is known.)")
-      .def("save", &SnowSimulation::save, "path"_a, py::call_guard<ReleasedGil>(),
-           "Writes a checkpoint atomically.")
-      .def("restore", &SnowSimulation::restore, "path"_a, "any_driver"_a = false,
-           py::call_guard<ReleasedGil>(),
-           R"(Restores a checkpoint of a simulation with the same settings and objects, and
-continues bit for bit. Raises RuntimeError for a file that is no checkpoint or is damaged,
-ValueError naming the difference.)")
       .def("texel_area", &map_of<&SnowSimulation::texel_area>, "name"_a,
            R"(Area in m2 that each texel covers in the current pose, (H, W) float32, 0 outside the
 surface.)")

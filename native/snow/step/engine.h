@@ -45,6 +45,17 @@ struct StabilitySettings {
   float clamped_half_life() const { return half_life < 1e-6f ? 1e-6f : half_life; }
 };
 
+/// One step of snow: the fall, the settings that move snow, and the tile size.
+struct FrameStep {
+  FallSettings fall;
+  StabilitySettings stability;
+  ReposeSettings repose;
+  /// Seconds.
+  double dt = 0.0;
+  /// Largest edge of a tile in pixels; changes no result.
+  int32_t tile_size = 2048;
+};
+
 /// Total cost of a pass's calls.
 struct PassCost {
   std::string name;
