@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import demo  # noqa: E402
 import demo_scene  # noqa: E402
 import snowbough  # noqa: E402  (demo.py says where it is)
-from snowbough import compat  # noqa: E402
+from snowbough.base import compat  # noqa: E402
 
 RENDERED_FRAMES = (1, 8, 15, 22, 29, 36, 42, 48)
 START_DEPTH, END_DEPTH = 0.0, 0.045

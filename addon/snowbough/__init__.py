@@ -3,7 +3,7 @@
 
 This file lists the add-on's modules. Importing the package loads nothing else, so that modules which do not need
 Blender can be used without it. register() loads the modules below and calls the ``register`` of each. Nothing else
-runs on import, so the add-on enables on any machine. :mod:`snowbough.native` loads the native module on first use.
+runs on import, so the add-on enables on any machine. :mod:`snowbough.base.native` loads the native module on first use.
 """
 
 import importlib
@@ -58,19 +58,21 @@ _registered = []
 def _forget_loaded_modules():
     """Unloads all modules, so that the code on disk runs after disabling and enabling, or Reload Scripts. The data in
     `session` stays."""
-    session = f"{__package__}.session"
+    session = f"{__package__}.base.session"
     for name in [name for name in sys.modules if name.startswith(f"{__package__}.")]:
-        if name != session:
+        if name not in (session, f"{__package__}.base"):  # reload() needs the package of the module
             del sys.modules[name]
             # `from . import name` would find the old module here.
-            globals().pop(name.removeprefix(f"{__package__}."), None)
+            parent, _, own = name.rpartition(".")
+            if parent in sys.modules:
+                vars(sys.modules[parent]).pop(own, None)
     if session in sys.modules:
         importlib.reload(sys.modules[session])
 
 
 def register():
     if _blocks():  # the running bake has kept all modules
-        sys.modules[f"{__package__}.session"].enabled = True
+        sys.modules[f"{__package__}.base.session"].enabled = True
         return
     _unregister_modules()
     _forget_loaded_modules()
@@ -86,12 +88,12 @@ def unregister():
     if not _blocks():
         _unregister_modules()
         return
-    sys.modules[f"{__package__}.session"].enabled = False
+    sys.modules[f"{__package__}.base.session"].enabled = False
     sys.modules[f"{__package__}.bake.engine"].stop_and_call(_unregister_later)
 
 
 def _blocks():
-    session = sys.modules.get(f"{__package__}.session")
+    session = sys.modules.get(f"{__package__}.base.session")
     return session is not None and session.bake is not None and session.bake.blocks
 
 
@@ -99,7 +101,7 @@ def _unregister_later():
     """Timer: waits for the end of the bake."""
     if _blocks():
         return 0.1
-    if not sys.modules[f"{__package__}.session"].enabled:
+    if not sys.modules[f"{__package__}.base.session"].enabled:
         _unregister_modules()
     return None
 

@@ -45,7 +45,7 @@ def parser():
 
 def run(arguments):
     """Runs one command; returns the exit code."""
-    from .names import EXIT_STOPPED
+    from .base.names import EXIT_STOPPED
 
     try:
         args = parser().parse_args(arguments)
@@ -70,13 +70,13 @@ _handles = []
 
 
 def register():
-    from . import compat
+    from .base import compat
 
     _handles.append(compat.register_command("snowbough", run))
 
 
 def unregister():
-    from . import compat
+    from .base import compat
 
     compat.unregister_command(_handles.pop())
 

@@ -187,7 +187,7 @@ def main():
         began = time.perf_counter()
         bpy.ops.snowbough.bake()
         baked = time.perf_counter() - began
-        frames = float(snowbough.session.last_outcome[1].split(" s")[0].rsplit(" ", 1)[1])
+        frames = float(snowbough.base.session.last_outcome[1].split(" s")[0].rsplit(" ", 1)[1])
         with_snow = frame_changes(scene)
         counts = point_counts(scene)
         total = sum(counts.values())

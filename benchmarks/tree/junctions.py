@@ -140,7 +140,7 @@ def picture(scene, path):
 
 def import_rows(path, snowbough):
     """[(objects of a row, ...)]: export, base, level of detail 2; and the skeleton's branches."""
-    export, skeleton = sheets.import_export(path, snowbough.native.load())
+    export, skeleton = sheets.import_export(path, snowbough.base.native.load())
     rows = [export]
     for lod, smooth in ((0, False), (2, True)):
         before = set(bpy.data.objects)
@@ -159,7 +159,7 @@ def import_rows(path, snowbough):
 def main(path, folder):
     sys.path.insert(0, str(ROOT / "addon"))
     import snowbough
-    import snowbough.native
+    import snowbough.base.native
 
     bpy.ops.wm.read_homefile(use_empty=True)
     snowbough.register()

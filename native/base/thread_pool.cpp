@@ -5,6 +5,7 @@
 #include <exception>
 #include <memory>
 #include <system_error>
+#include <utility>
 
 #ifdef __linux__
 #include <sys/resource.h>
@@ -76,10 +77,26 @@ void ThreadPool::run(size_t parts, const std::function<void(size_t)>& work) {
   if (job.error) std::rethrow_exception(job.error);
 }
 
+void ThreadPool::begin(std::function<void()> work) {
+  if (threads_.empty()) return;
+  const std::scoped_lock lock(mutex_);
+  begun_.push_back(std::move(work));
+  opened_.notify_one();
+}
+
 void ThreadPool::help(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  while (opened_.wait(lock, stop, [&] { return !open_.empty(); })) {
-    run_next(*open_.front(), lock);
+  while (opened_.wait(lock, stop, [&] { return !open_.empty() || !begun_.empty(); })) {
+    if (!open_.empty()) {
+      run_next(*open_.front(), lock);
+      continue;
+    }
+    std::function<void()> work = std::move(begun_.front());
+    begun_.pop_front();
+    lock.unlock();
+    work();
+    work = nullptr;
+    lock.lock();
   }
 }
 

@@ -3,6 +3,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -38,6 +39,10 @@ class ThreadPool {
   /// @throws the exception of the first part that failed.
   void run(size_t parts, const std::function<void(size_t part)>& work);
 
+  /// Calls `work` once, on a thread of the pool that no run() needs, and returns at once. `work`
+  /// must not throw. Without threads, as on one core, it is not called.
+  void begin(std::function<void()> work);
+
  private:
   struct Job;
 
@@ -49,6 +54,8 @@ class ThreadPool {
   std::condition_variable done_;
   /// Jobs with parts that have not started.
   std::vector<Job*> open_;
+  /// Work of begin() that has not started.
+  std::deque<std::function<void()>> begun_;
   /// Last, so that the threads end before the members that they use.
   std::vector<std::jthread> threads_;
 };

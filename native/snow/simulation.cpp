@@ -1,6 +1,7 @@
 #include "snow/simulation.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
@@ -8,6 +9,7 @@
 
 #include "base/thread_pool.h"
 #include "snow/repose/pass.h"
+#include "snow/step/frame_step.h"
 
 namespace snowbough::snow {
 
@@ -17,27 +19,17 @@ namespace {
   throw std::invalid_argument(message);
 }
 
-void check_settings(const SimulationSettings& s) {
-  const auto require = [](bool good, const char* message) {
-    if (!good) {
-      refuse(message);
+void check_settings(const SimulationSettings& settings) {
+  for (const NumberSetting& one : kNumberSettings) {
+    const double value = settings.*one.field;
+    if (!(value >= one.least && value <= one.most)) {
+      refuse(std::string(one.name) + " must be " + one.range);
     }
-  };
-  require(std::isfinite(s.pixel_size) && s.pixel_size > 0.0, "pixel_size must be over 0 metres");
-  require(s.noise_density > 0.0 && s.noise_density <= 1.0,
-          "noise_density must be over 0 and at most 1");
-  require(s.flutter >= 0.0 && s.flutter <= 0.7854, "flutter must be 0 to pi / 4 radians");
-  require(std::isfinite(s.max_depth) && s.max_depth >= 0.0, "max_depth must be 0 metres or more");
-  require(std::isfinite(s.slide_half_life) && s.slide_half_life >= 0.0,
-          "slide_half_life must be 0 seconds or more");
-  require(std::isfinite(s.repose) && s.repose > 0.0 && s.repose <= 1.5708,
-          "repose must be over 0 and at most pi / 2 radians");
-  require(std::isfinite(s.cohesion) && s.cohesion >= 0.0, "cohesion must be 0 metres or more");
-  require(std::isfinite(s.blur_radius) && s.blur_radius >= 0.0,
-          "blur_radius must be 0 metres or more");
-  require(
-      s.tile_size >= 64 && s.tile_size <= kLargestTile && (s.tile_size & (s.tile_size - 1)) == 0,
-      "tile_size must be a power of two from 64 to 4096");
+  }
+  if (settings.tile_size < 64 || settings.tile_size > kLargestTile ||
+      !std::has_single_bit(static_cast<uint32_t>(settings.tile_size))) {
+    refuse("tile_size must be a power of two from 64 to 4096");
+  }
 }
 
 glm::dvec3 unit_fall(const glm::dvec3& direction) {
@@ -128,16 +120,18 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
   if (!std::isfinite(dt) || dt < 0.0) {
     refuse("step: dt must be 0 seconds or more");
   }
-  FrameStep frame;
-  frame.fall = {
-      unit_fall(direction), settings_.pixel_size, settings_.flutter, settings_.noise_density, depth,
-      settings_.seed,       step_number_};
-  frame.stability = {static_cast<float>(settings_.max_depth),
-                     static_cast<float>(settings_.slide_half_life)};
-  frame.repose.angle = settings_.repose;
-  frame.repose.cohesion = settings_.cohesion;
-  frame.dt = dt;
-  frame.tile_size = settings_.tile_size;
+  const FrameStep frame{.fall = {.direction = unit_fall(direction),
+                                 .pixel_size = settings_.pixel_size,
+                                 .flutter = settings_.flutter,
+                                 .noise_density = settings_.noise_density,
+                                 .depth = depth,
+                                 .seed = settings_.seed,
+                                 .step_number = step_number_},
+                        .stability = {.max_depth = static_cast<float>(settings_.max_depth),
+                                      .half_life = static_cast<float>(settings_.slide_half_life)},
+                        .repose = {.angle = settings_.repose, .cohesion = settings_.cohesion},
+                        .dt = dt,
+                        .tile_size = settings_.tile_size};
   set_positions(positions);
   try {
     step_on(engine(), frame);
@@ -153,7 +147,9 @@ void SnowSimulation::change_settings(const SimulationSettings& settings) {
   const std::scoped_lock lock(mutex_);
   require_open();
   SimulationSettings changed = settings;
-  changed.pixel_size = settings_.pixel_size;
+  for (const NumberSetting& one : kNumberSettings) {
+    if (!one.can_change) changed.*one.field = settings_.*one.field;
+  }
   changed.mapping = settings_.mapping;
   changed.tile_size = settings_.tile_size;
   changed.engine = settings_.engine;
@@ -269,16 +265,17 @@ MemoryEstimate SnowSimulation::memory_estimate() const {
 
 MemoryEstimate SnowSimulation::estimate() const {
   const std::vector<const SceneObject*> objects = all_objects();
-  MemoryEstimate result = estimate_memory(objects, settings_.tile_size,
-                                          settings_.mapping == gl::DepositMapping::kGeometry);
-  if (ReposeSettings{settings_.repose}.is_on()) result.repose = ReposePass::memory(objects);
+  MemoryEstimate result =
+      estimate_memory(objects, settings_.tile_size, settings_.mapping == DepositMapping::kGeometry);
+  if (ReposeSettings{.angle = settings_.repose}.is_on())
+    result.repose = ReposePass::memory(objects);
   return result;
 }
 
 EngineInfo SnowSimulation::engine_info() {
   const std::scoped_lock lock(mutex_);
   const Engine& now = engine();
-  return {now.name(), now.driver(), choice_->reason()};
+  return {engine_name(now.kind()), now.driver(), choice_->reason()};
 }
 
 SimulationState SnowSimulation::read_state() {

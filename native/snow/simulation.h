@@ -6,7 +6,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,46 +16,12 @@
 #include "snow/scene/memory_estimate.h"
 #include "snow/scene/scene_object.h"
 #include "snow/scene/statistics.h"
+#include "snow/simulation_settings.h"
 #include "snow/state/checkpoint.h"
 #include "snow/step/choose_engine.h"
-#include "snow/step/frame_step.h"
+#include "snow/step/engine.h"
 
 namespace snowbough::snow {
-
-/// Settings of a simulation.
-struct SimulationSettings {
-  /// Edge of an occlusion pixel in metres.
-  double pixel_size = 0.01;
-  /// Probability, over 0 to 1, that a pixel receives snow in a step. A pixel that does receives 1 /
-  /// density times as much.
-  double noise_density = 1.0;
-  /// Largest angle in radians between a flake's path and the fall direction, 0 to pi / 4.
-  double flutter = 0.0;
-  /// Depth in metres that level ground holds before snow slides.
-  double max_depth = 1.0;
-  /// Seconds in which the snow beyond a slope's capacity halves.
-  double slide_half_life = 2.0;
-  /// Angle of repose in radians from level, over 0 to pi / 2: steeper snow moves to lower
-  /// neighbours. At pi / 2 snow stays where it fell, also on walls.
-  double repose = 65.0 / 180.0 * std::numbers::pi;
-  /// Height in metres at which a vertical snow face stays up. Surfaces that are shaded smooth and
-  /// curve about as tightly as that, such as twigs, carry steeper snow. 0: snow does not cohere.
-  double cohesion = 0.0;
-  /// Standard deviation in metres of the blur of `output`; the stored map stays unblurred.
-  double blur_radius = 0.0;
-  uint32_t seed = 0;
-  gl::DepositMapping mapping = gl::DepositMapping::kCompute;
-  /// Largest edge of an occlusion tile in pixels: a power of two from 64 to 4096. It changes memory
-  /// use and speed, never the result.
-  int32_t tile_size = 2048;
-  /// Engine that runs the passes; see EngineChoice.
-  EngineKind engine = EngineKind::kAuto;
-  /// EGL device, see gpu::GlContext.
-  std::string device;
-  /// True: the constructor waits for the engine and throws if there is none. False: the first call
-  /// that needs the engine does so, and objects can be added while the driver loads.
-  bool wait_for_gpu = true;
-};
 
 /// The engine of a simulation.
 struct EngineInfo {
@@ -118,8 +83,8 @@ class SnowSimulation {
   /// is too small or differs from the step before, or positions that are not finite.
   void step(const PositionMap& positions, double depth, const glm::dvec3& direction, double dt);
 
-  /// Applies other settings from the next step on; the snow stays. pixel_size, mapping, tile_size,
-  /// engine and device keep their first values.
+  /// Applies other settings from the next step on; the snow stays. Numbers that cannot change (see
+  /// NumberSetting), mapping, tile_size, engine and device keep their first values.
   /// @throws std::invalid_argument for settings out of range.
   void change_settings(const SimulationSettings& settings);
   const SimulationSettings& settings() const { return settings_; }
@@ -132,12 +97,12 @@ class SnowSimulation {
   /// Stored thickness in metres, resolution x resolution, row 0 = v 0.
   std::vector<float> height(const std::string& name);
   /// The map as users see it: smoothed by blur_radius, extended by 4 texels beyond the charts, and
-  /// level across seams; with tangent-space normals on request. @throws std::invalid_argument
-  /// before the object's first step.
-  MapOutput output(const std::string& name, bool with_normals);
+  /// level across seams; with other maps on request. @throws std::invalid_argument before the
+  /// object's first step.
+  MapOutput output(const std::string& name, const MapRequest& maps = {});
   /// The input of `output` at this moment, for evaluation later. @throws std::invalid_argument
   /// before the object's first step.
-  OutputSnapshot snapshot(const std::string& name, bool with_normals);
+  OutputSnapshot snapshot(const std::string& name, const MapRequest& maps = {});
   /// Nearly the same as a texture that the real-time renderer draws from, without reading the map
   /// back (see LiveFilter). The next call overwrites it. Null if the heights are not on a GPU: use
   /// `output`. @throws std::invalid_argument before the object's first step.
@@ -164,13 +129,6 @@ class SnowSimulation {
   /// Restores a state of a simulation with the same receivers. @throws std::invalid_argument naming
   /// the difference, or for heights or sums that are not finite.
   void set_state(const SimulationState& state);
-
-  /// Writes a checkpoint. @throws std::runtime_error if the file cannot be written.
-  void save(const std::string& path);
-  /// Restores a checkpoint of a simulation with the same settings, objects and (unless
-  /// `any_driver`) driver. @throws std::runtime_error for a file that is no checkpoint or is
-  /// damaged, std::invalid_argument naming the difference.
-  void restore(const std::string& path, bool any_driver);
 
   /// Releases everything. Further calls throw std::runtime_error.
   void close();

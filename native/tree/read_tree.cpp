@@ -236,6 +236,7 @@ TracedBranches read_parts(const std::string& path, const ReadTreeOptions& option
   const LeftOut left_out = report_left_out(scene, parts, labels, classified, report);
 
   TracedBranches traced = trace_branches(scene, parts, labels, classified);
+  traced.form = classified.form;
   report_squares(traced, report);
   traced.named = !options.levels.empty() || !options.foliage_names.empty() ||
                  std::any_of(labels.meaning.begin(), labels.meaning.end(),
@@ -279,9 +280,9 @@ void scale_tree(const ReadTreeOptions& options, Skeleton& skeleton) {
 }
 
 /// Whether branches have no names of their own in a file of this form.
-bool is_merged(const std::string& form) {
-  return form == form_name(TreeForm::kMergedTubes) || form == form_name(TreeForm::kMaterials) ||
-         form == form_name(TreeForm::kMergedSquares) || form == form_name(TreeForm::kWelded);
+bool is_merged(TreeForm form) {
+  return form == TreeForm::kMergedTubes || form == TreeForm::kMaterials ||
+         form == TreeForm::kMergedSquares || form == TreeForm::kWelded;
 }
 
 void report_extra_roots(Skeleton& skeleton) {
@@ -309,7 +310,7 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
   check_tree(traced, path);
   turn_z_up(options.up_axis, traced, skeleton);
   orient_roots(traced);
-  if (is_merged(skeleton.report.form)) name_by_level(traced.branches);
+  if (is_merged(traced.form)) name_by_level(traced.branches);
 
   skeleton.branches = std::move(traced.branches);
   complete_skeleton(skeleton);

@@ -35,7 +35,7 @@ def bake():
         addon_utils.enable("bl_ext.user_default.snowbough", default_set=True)
     name = next(name for name in bpy.context.preferences.addons.keys() if name.endswith("snowbough"))
     assert addon_utils.check(name) == (True, True), f"{name} is not enabled after the restart"
-    native = sys.modules[f"{name}.native"]
+    native = sys.modules[f"{name}.base.native"]
     assert native.problem() == "", native.problem()
     module = native.load()
     bpy.ops.wm.read_homefile(use_empty=True)

@@ -13,7 +13,7 @@ import snow_scene as s
 
 @pytest.fixture
 def native(addon):
-    return addon("native").load()
+    return addon("base.native").load()
 
 
 def test_open_ground_holds_the_planned_depth_on_every_frame(native, tmp_path):
@@ -263,6 +263,20 @@ def test_the_manifest_says_settings_and_statistics(tmp_path):
     assert sorted(os.listdir(folder)) == ["ever_covered.exr", *heights, "inputs.json", "object.json"]
 
 
+def test_a_bake_writes_every_kind_of_map_whose_switch_is_on(addon, native, tmp_path):
+    kinds = addon("base.map_kinds")
+    s.receive(s.square("Ground"))
+    s.settings(tmp_path, (1, 1), **{kind.setting: True for kind in kinds.ON_REQUEST})
+    s.bake()
+    for kind in kinds.MAP_KINDS:
+        pixels, header = native.read_exr(str(s.folder_of(tmp_path, "Ground") / f"{kind.name}_0001.exr"))
+        assert pixels.shape == ((64, 64) if kind.channels == 1 else (64, 64, kind.channels)), kind.name
+        assert header["half"] == kind.is_half, kind.name
+        if kind.name == "normal":  # of level snow, (0, 0, 1)
+            middle = dict(zip(header["channels"], pixels[32, 32].tolist()))
+            assert middle == {"R": 0.5, "G": 0.5, "B": 1.0}
+
+
 def test_ever_covered_marks_where_snow_lay(native, tmp_path):
     s.receive(s.square("Ground"))
     s.square("Roof", 1.0, z=1.0)
@@ -413,7 +427,7 @@ def test_an_unsaved_file_needs_a_cache_of_its_own():
 def test_a_bake_of_the_same_object_at_the_same_time_is_refused(addon, tmp_path):
     s.receive(s.square("Ground"))
     s.settings(tmp_path, checkpoint_interval=2)
-    key = addon("names").receiver_key("Ground", ("", "", ""))
+    key = addon("base.names").receiver_key("Ground", ("", "", ""))
     with addon("cache.lock").lock_folder(tmp_path / "Scene" / "v001" / key):
         refused("Ground-.* is being baked by process")
     s.bake()

@@ -11,7 +11,7 @@ FRAMES = (1, 6)
 
 @pytest.fixture
 def native(addon):
-    return addon("native").load()
+    return addon("base.native").load()
 
 
 @pytest.fixture
@@ -199,7 +199,7 @@ def test_a_bake_that_stopped_around_an_edit_resumes_to_the_same_bytes(addon, sce
 
 
 def test_what_stands_still_is_read_once(addon, scene, tmp_path, monkeypatch):
-    compat = addon("compat")
+    compat = addon("base.compat")
     read, names = compat.read_positions, []
 
     def counted(mesh):

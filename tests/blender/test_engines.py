@@ -20,7 +20,7 @@ PACKAGE = os.environ["SNOWBOUGH_TEST_ADDON"]
 
 @pytest.fixture
 def native(addon):
-    return addon("native").load()
+    return addon("base.native").load()
 
 
 @pytest.fixture
@@ -128,7 +128,7 @@ def test_the_preview_takes_the_engine_of_the_preference(addon, engine, tmp_path)
     engine("CPU")
     start_preview(addon)
     try:
-        info = addon("session").preview.simulation.engine
+        info = addon("base.session").preview.simulation.engine
         assert (info["name"], info["reason"]) == ("CPU", "requested")
     finally:
         addon("preview.live").stop()
@@ -140,7 +140,7 @@ def test_the_preview_takes_opengl_where_the_preference_says_so(addon, engine, ne
     engine("GL")
     start_preview(addon)
     try:
-        assert addon("session").preview.simulation.engine == needs_gl
+        assert addon("base.session").preview.simulation.engine == needs_gl
     finally:
         addon("preview.live").stop()
 
@@ -219,7 +219,7 @@ class CardThatFails:
 
 def test_after_a_fallback_log_and_checkpoint_name_what_really_ran(addon, native, monkeypatch, tmp_path):
     s.moving_scene(tmp_path)
-    monkeypatch.setattr(addon("native"), "load", lambda: CardThatFails(native))
+    monkeypatch.setattr(addon("base.native"), "load", lambda: CardThatFails(native))
     assert run_part(addon, 1, 6).error is None
     with native.Engine("CPU") as held:
         ran = f"CPU, {held.info['driver']}"
@@ -238,7 +238,7 @@ def test_a_fallback_does_not_continue_what_opengl_began(addon, native, monkeypat
         folder, frame = addon("cache.folder"), int(path.stem[-4:])
         sidecar = folder.read_sidecar(path.parent, frame)
         folder.write_sidecar(path.parent, frame, {**sidecar, "driver": "GL, A Card, 4.6"})
-    monkeypatch.setattr(addon("native"), "load", lambda: CardThatFails(native))
+    monkeypatch.setattr(addon("base.native"), "load", lambda: CardThatFails(native))
     error = run_part(addon, 5, 12).error
     assert isinstance(error, addon("cache.errors").InputsChanged)
     assert "GL, A Card, 4.6; this is CPU, processor" in str(error)
@@ -465,9 +465,9 @@ def test_a_finished_bake_of_the_first_deposit_still_opens(addon, tmp_path):
     age(tmp_path)
     manifest = addon("cache.manifest").read_manifest(s.folder_of(tmp_path, "Ground"))
     assert manifest["complete"] and [one["frame"] for one in manifest["frames"]] == [1, 2, 3, 4]
-    addon("session").manifests.clear()
+    addon("base.session").manifests.clear()
     assert addon("bake.state").state_of(bpy.context.scene) == "BAKED"
     bpy.ops.snowbough.setup_displacement(mode="MODIFIER")
     assert "v001" in bpy.data.objects["Ground"].modifiers[-1].texture.image.filepath
     s.bake()
-    assert s.height(addon("native").load(), tmp_path, "Ground", 4, version=2).max() > 0.09
+    assert s.height(addon("base.native").load(), tmp_path, "Ground", 4, version=2).max() > 0.09

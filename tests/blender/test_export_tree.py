@@ -21,7 +21,7 @@ LEAVES = 40
 @pytest.fixture
 def leafy(tmp_path, addon):
     """Path of the maple with leaves: 40 cards on its branches, textured, with a mask of its own."""
-    native = addon("native").load()
+    native = addon("base.native").load()
     green = np.full((8, 8, 3), (40, 120, 20), np.uint8)
     green[:, 4:] = 255  # white where the mask is 0
     mask = np.zeros((8, 8), np.uint8)
@@ -342,7 +342,7 @@ def snowy(tmp_path, addon):
     bpy.context.scene.snowbough.receivers[0].uv_map = "snow"
     snow_scene.settings(tmp_path / "cache", (1, 3), write_normals=True)
     snow_scene.bake()
-    return bark, snow_scene.folder_of(tmp_path / "cache", bark.name), addon("native").load()
+    return bark, snow_scene.folder_of(tmp_path / "cache", bark.name), addon("base.native").load()
 
 
 def png_samples(path):

@@ -77,7 +77,7 @@ def test_bark_is_what_the_native_module_built(addon):
     mesh.loops.foreach_get("vertex_index", corners)
     assert np.array_equal(corners.reshape(-1, 4), tree.quads)
     for name in ("bark", "snow"):
-        uv = addon("compat").read_uv(mesh.uv_layers[name], len(corners)).reshape(-1, 4, 2)
+        uv = addon("base.compat").read_uv(mesh.uv_layers[name], len(corners)).reshape(-1, 4, 2)
         assert np.array_equal(uv, getattr(tree, f"uv_{name}"))
 
 
@@ -272,7 +272,7 @@ def test_too_little_memory_is_reported(addon, monkeypatch):
     def fail(*_arguments, **_options):
         raise MemoryError
 
-    monkeypatch.setattr(addon("native"), "load", lambda: SimpleNamespace(read_tree=fail))
+    monkeypatch.setattr(addon("base.native"), "load", lambda: SimpleNamespace(read_tree=fail))
     assert "memory" in _refused(MAPLE)
 
 
@@ -511,8 +511,8 @@ def test_every_shared_tree_comes_in_closed_without_options(addon, shared_tree, n
     path = shared_tree(name)
     collection = _import(path)
     mesh = collection.objects[f"{path.stem}_bark"].data
-    corners = addon("compat").read_corner_vertices(mesh).reshape(-1, 4)
-    check = addon("native").load().check_mesh(addon("compat").read_positions(mesh), corners)
+    corners = addon("base.compat").read_corner_vertices(mesh).reshape(-1, 4)
+    check = addon("base.native").load().check_mesh(addon("base.compat").read_positions(mesh), corners)
     assert check["closed"]
     assert list(check["euler"]) == [2] * check["components"]
     assert check["components"] == 1 + len(_report(collection)["extra_roots"])

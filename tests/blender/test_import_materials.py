@@ -112,8 +112,8 @@ def test_the_exports_own_coordinates_are_a_third_map(pack, addon):
     mesh = _import(pack).objects["bought_bark"].data
     assert [layer.name for layer in mesh.uv_layers] == ["bark", "snow", "original"]
     assert mesh.uv_layers.active.name == "bark"
-    uv = addon("compat").read_uv(mesh.uv_layers["original"], len(mesh.loops))
-    points = addon("compat").read_positions(mesh)[addon("compat").read_corner_vertices(mesh)]
+    uv = addon("base.compat").read_uv(mesh.uv_layers["original"], len(mesh.loops))
+    points = addon("base.compat").read_positions(mesh)[addon("base.compat").read_corner_vertices(mesh)]
     side = np.repeat([0.1 < face.center.z < HEIGHT - 0.1 for face in mesh.polygons], 4)
     assert np.abs(uv[:, 1] - points[:, 2] / HEIGHT * (RINGS - 1))[side].max() < 0.1
     angle = np.arctan2(points[:, 1], points[:, 0]) / np.pi
@@ -131,7 +131,7 @@ def test_textures_are_found_and_used_on_the_exports_coordinates(pack, addon):
     normal = bump.inputs["Normal"].links[0].from_node
     assert normal.uv_map == "original"
     assert _image_behind(normal.inputs["Color"]) == ("bark_n.png", "Non-Color", (1.0, 1.0), "original")
-    gloss = addon("compat").specular_input(surface)
+    gloss = addon("base.compat").specular_input(surface)
     assert _image_behind(gloss) == ("bark_s.png", "Non-Color", (1.0, 1.0), "original")
 
 

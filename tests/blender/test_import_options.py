@@ -40,8 +40,8 @@ def test_a_tree_of_any_detail_is_closed_weighted_unwrapped_and_follows_its_bones
     report = json.loads(collection["snowbough_report"])
     assert report["meshes"][0]["detail"] == detail
     bark = collection.objects["small_maple_bark"]
-    corners = addon("compat").read_corner_vertices(bark.data).reshape(-1, 4)
-    check = addon("native").load().check_mesh(addon("compat").read_positions(bark.data), corners)
+    corners = addon("base.compat").read_corner_vertices(bark.data).reshape(-1, 4)
+    check = addon("base.native").load().check_mesh(addon("base.compat").read_positions(bark.data), corners)
     assert check["closed"] and list(check["euler"]) == [2]
     assert len(bark.data.polygons) == report["meshes"][0]["faces"]
     assert len(bark.data.materials) == 1
@@ -49,7 +49,7 @@ def test_a_tree_of_any_detail_is_closed_weighted_unwrapped_and_follows_its_bones
         assert 1 <= len(vertex.groups) <= 4
         assert abs(sum(entry.weight for entry in vertex.groups) - 1) < 1e-6
     for layer in bark.data.uv_layers:
-        uv = addon("compat").read_uv(layer, corners.size).reshape(-1, 4, 2)
+        uv = addon("base.compat").read_uv(layer, corners.size).reshape(-1, 4, 2)
         area = np.cross(uv[:, 2] - uv[:, 0], uv[:, 3] - uv[:, 1])
         assert (np.abs(area) > 0).all(), layer.name
     rest = evaluated_vertices(bark)

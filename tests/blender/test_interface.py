@@ -18,8 +18,8 @@ UNITS = re.compile(
     r"\((metres|metres per hour|metres per second|degrees|seconds|frames|texels|pixels|radii of the limb|levels|bones|"
     r"keys|poses a frame|directions a shot|0 to 1)\)"
 )
-# Units by which names.unit_of knows the settings.
-SHOWN_AS = {"metres": "m", "seconds": "s", "degrees": "°"}
+# Units as labels and messages show them.
+SHOWN_AS = {"metres": "m", "seconds": "s", "degrees": "°", "texels": "texels"}
 FRAMES = re.compile(r"frame|checkpoint_interval")
 UNITLESS = {
     "rate", "strength", "seed", "samples", "surface_overhang", "surface_hem_variation", "surface_bridging",
@@ -108,8 +108,7 @@ def test_every_number_names_its_unit(addon):
         if not unit:
             continue
         assert (prop.subtype == "ANGLE") == (unit[1] == "degrees"), name
-        shown = addon("names").unit_of(identifier)
-        assert shown == SHOWN_AS.get(unit[1], "texels" if identifier == "blur_radius" else ""), name
+        assert addon("base.names").unit_of(prop.description) == SHOWN_AS.get(unit[1], ""), name
         if FRAMES.search(identifier):
             assert unit[1] == "frames", name
 
@@ -164,7 +163,7 @@ def test_nothing_that_changes_the_scene_can_be_pressed_while_a_bake_runs(addon, 
     receive(ground)
     ground.select_set(True)
     bpy.context.view_layer.objects.active = ground
-    monkeypatch.setattr(addon("session"), "bake", object())
+    monkeypatch.setattr(addon("base.session"), "bake", object())
     for idname in operators():
         if idname in {"snowbough.stop_bake", "snowbough.lock_editing"} or "import" in idname:
             continue
@@ -190,11 +189,11 @@ def test_what_was_said_about_one_file_is_not_said_about_the_next(addon, tmp_path
     receive(square("Ground"))
     bake()
     bpy.ops.snowbough.preflight()
-    assert addon("session").last_outcome[1].startswith("Baked 4 frames")
-    assert addon("session").issues
+    assert addon("base.session").last_outcome[1].startswith("Baked 4 frames")
+    assert addon("base.session").issues
     bpy.ops.wm.read_homefile(use_empty=True)
-    assert addon("session").last_outcome == ("INFO", "")
-    assert addon("session").issues == {}
+    assert addon("base.session").last_outcome == ("INFO", "")
+    assert addon("base.session").issues == {}
 
 
 def test_the_report_of_a_bake_goes_with_an_undo(addon, tmp_path):
@@ -203,9 +202,9 @@ def test_the_report_of_a_bake_goes_with_an_undo(addon, tmp_path):
     bpy.ops.ed.undo_push(message="Scene")
     bake()
     bpy.ops.ed.undo_push(message="Bake")
-    assert addon("session").last_outcome[1].startswith("Baked 1 frame in ")
+    assert addon("base.session").last_outcome[1].startswith("Baked 1 frame in ")
     bpy.ops.ed.undo()
-    assert addon("session").last_outcome == ("INFO", "")
+    assert addon("base.session").last_outcome == ("INFO", "")
 
 
 def test_freeing_a_bake_leaves_no_missing_file_on_its_receivers(tmp_path):

@@ -72,7 +72,7 @@ def test_a_group_of_an_earlier_version_keeps_its_materials(addon):
     assert (
         made is not old
         and made.name == "Snowbough Snow"
-        and "Position" in addon("compat_nodes").group_sockets(made, "INPUT")
+        and "Position" in addon("base.compat_nodes").group_sockets(made, "INPUT")
     )
     assert old.name != "Snowbough Snow"
 

@@ -15,7 +15,7 @@ RING = np.pad(np.zeros((2, 2)), 1, constant_values=1.0)
 
 @pytest.fixture
 def native(addon):
-    return addon("native").load()
+    return addon("base.native").load()
 
 
 def image(name="leaf", alpha=RING, color=None, path=None):
@@ -118,7 +118,7 @@ def test_our_own_leaves_cut_by_their_texture(addon, native, tmp_path, transmissi
     )  # fmt: skip
     leaf_material = addon("tree.materials").leaf_material(source)
     _, leaf = leaf_over_ground(tmp_path / "cache", leaf_material)
-    leaf.data.uv_layers.new(name=addon("names").LEAF_UV)  # filled as Blender fills it: 0 to 1 a face
+    leaf.data.uv_layers.new(name=addon("base.names").LEAF_UV)  # filled as Blender fills it: 0 to 1 a face
     s.bake()
     assert is_ring(s.height(native, tmp_path / "cache", "Ground", 2))
 

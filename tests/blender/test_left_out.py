@@ -12,7 +12,7 @@ import snow_scene as s
 
 @pytest.fixture
 def native(addon):
-    return addon("native").load()
+    return addon("base.native").load()
 
 
 @pytest.fixture

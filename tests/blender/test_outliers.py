@@ -12,7 +12,7 @@ NOWHERE = [1e30, 3e6, float("nan"), float("inf")]
 
 @pytest.fixture
 def native(addon):
-    return addon("native").load()
+    return addon("base.native").load()
 
 
 def add_stray(obj, x):

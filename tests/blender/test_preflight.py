@@ -217,9 +217,9 @@ def test_the_findings_of_the_check_go_with_an_undo(addon, tmp_path):
     bpy.ops.ed.undo_push(message="Scene")
     bpy.ops.ed.undo_push(message="Later")
     bpy.ops.snowbough.preflight()
-    assert addon("session").issues
+    assert addon("base.session").issues
     bpy.ops.ed.undo()
-    assert addon("session").issues == {}
+    assert addon("base.session").issues == {}
 
 
 @pytest.mark.parametrize("resolution", [256, 512, 1024])
@@ -232,7 +232,7 @@ def test_the_panel_tells_the_memory_that_the_module_tells(addon, tmp_path, resol
         obj = bpy.context.object
     s.receive(obj, resolution=resolution)
     s.settings(tmp_path).repose = math.radians(65.0)
-    mesh, module = obj.data, addon("native").load()
+    mesh, module = obj.data, addon("base.native").load()
     mesh.calc_loop_triangles()
     corners = [list(triangle.loops) for triangle in mesh.loop_triangles]
     uv = [[tuple(mesh.uv_layers[0].data[corner].uv) for corner in triangle] for triangle in corners]

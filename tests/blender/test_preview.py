@@ -23,7 +23,7 @@ def ground():
 
 @pytest.fixture
 def native(addon):
-    return addon("native").load()
+    return addon("base.native").load()
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def preview(addon):
 
     def start():
         live.start(bpy.context.scene, bpy.context.evaluated_depsgraph_get(), draws=False)
-        return addon("session").preview
+        return addon("base.session").preview
 
     yield start
     live.stop()
@@ -141,7 +141,7 @@ def test_a_cart_keeps_the_snow_of_where_it_was(ground, preview, addon):
     """It stands below a roof for half of the shot."""
     roof = s.square("Roof", 3.0, z=2.0)
     s.key(ground, "location", (1, (0, 0, 0)), (5, (0, 0, 0)), (6, (9, 0, 0)), (10, (9, 0, 0)))
-    for curve in addon("compat").curves_of(ground):
+    for curve in addon("base.compat").curves_of(ground):
         for point in curve.keyframe_points:
             point.interpolation = "CONSTANT"
     bpy.context.scene.frame_set(1)
@@ -230,7 +230,7 @@ def test_another_direction_is_laid_over_the_poses_that_were_played(windy, previe
     """The wall is there in the second half of the shot only, so half of the snow lies in its lee."""
     wall = bpy.data.objects["Wall"]
     s.key(wall, "location", (1, (0, 0, -5)), (5, (0, 0, -5)), (6, (0, 0, 0)))
-    for curve in addon("compat").curves_of(wall):
+    for curve in addon("base.compat").curves_of(wall):
         for point in curve.keyframe_points:
             point.interpolation = "CONSTANT"
     bpy.context.scene.frame_set(1)
@@ -397,7 +397,7 @@ def test_a_file_saved_meanwhile_is_as_without_it_and_the_preview_goes_on(baked, 
     path = str(tmp_path / "shot.blend")
     # A copy: Blender does not read from the file that is open.
     bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
-    assert addon("session").preview is not None and baked.hide_viewport
+    assert addon("base.session").preview is not None and baked.hide_viewport
     with bpy.data.libraries.load(path) as (content, loaded):
         assert sorted(content.objects) == ["Ground", "Ground Snow"]
         loaded.objects = ["Ground Snow"]
@@ -414,7 +414,7 @@ def test_what_a_recovered_file_hides_is_shown_when_it_is_opened(baked, preview, 
     bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
     bpy.app.handlers.save_pre.append(handler)
     bpy.ops.wm.open_mainfile(filepath=path)
-    assert addon("session").preview is None
+    assert addon("base.session").preview is None
     assert not bpy.data.objects["Ground Snow"].hide_viewport
 
 
@@ -443,7 +443,7 @@ def test_without_anything_to_snow_on_it_says_so(ground, preview):
 def test_the_button_says_why_nothing_can_be_drawn_in_the_background(ground, addon):
     with pytest.raises(RuntimeError, match="open the file in Blender's window, or bake"):
         bpy.ops.snowbough.toggle_preview()
-    assert addon("session").preview is None
+    assert addon("base.session").preview is None
 
 
 ERRORS = [
@@ -471,7 +471,7 @@ def test_any_error_ends_it_and_is_shown(ground, preview, addon, monkeypatch, err
         bpy.context.view_layer.update()
     else:
         assert addon("preview.live")._watch() is None
-    session = addon("session")
+    session = addon("base.session")
     assert session.preview is None
     assert session.last_outcome[0] == "ERROR"
     assert "live preview has ended" in session.last_outcome[1] and error.args[0] in session.last_outcome[1]
@@ -487,14 +487,14 @@ def test_it_ends_with_its_scene(ground, preview, addon, how):
     else:
         bpy.data.scenes.remove(scene)
     assert addon("preview.live")._watch() is None
-    assert addon("session").preview is None
-    assert "'Scene' was removed or renamed" in addon("session").last_outcome[1]
+    assert addon("base.session").preview is None
+    assert "'Scene' was removed or renamed" in addon("base.session").last_outcome[1]
     assert running.simulated.simulation is None
 
 
 def test_it_sets_its_simulation_up_as_the_bake_does(addon, ground, preview, tmp_path, monkeypatch):
     """The same grid, the same objects, the same map and blur, from one function."""
-    real, made = addon("native").load(), []
+    real, made = addon("base.native").load(), []
 
     class Recorded(real.SnowSimulation):
         def __init__(self, **settings):
@@ -512,7 +512,7 @@ def test_it_sets_its_simulation_up_as_the_bake_does(addon, ground, preview, tmp_
         def __getattr__(self, name):
             return getattr(real, name)
 
-    monkeypatch.setattr(addon("native"), "load", Native)
+    monkeypatch.setattr(addon("base.native"), "load", Native)
     bpy.ops.mesh.primitive_cube_add(size=0.5, location=(0, 0, 2))
     snow = bpy.context.scene.snowbough
     snow.receivers[0].resolution = 256

@@ -111,7 +111,7 @@ def test_a_tree_stands_on_a_plane_with_its_shadow(scene, addon):
 def read_scene(addon):
     """The records.Scene of the viewport's evaluation."""
     bpy.context.view_layer.update()
-    reader = addon("realtime.reader").Reader(addon("native").load())
+    reader = addon("realtime.reader").Reader(addon("base.native").load())
     return reader.read(bpy.context.evaluated_depsgraph_get())
 
 

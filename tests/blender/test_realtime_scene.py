@@ -72,7 +72,7 @@ def test_a_tree_without_images_keeps_none(scene):
 def drawn(addon):
     """drawn(reader): what a 3D view's renderer would show from above of the scene's present moment."""
     sync = addon("realtime.sync")
-    native = addon("native").load()
+    native = addon("base.native").load()
     renderer = native.Renderer()
     keeper = sync.Sync(renderer)
 
@@ -93,8 +93,8 @@ def test_a_view_shows_the_live_previews_snow_as_the_timeline_plays(scene, addon,
     scene.snowbough.receivers.add().object = ground
     scene.frame_set(0)
     live = addon("preview.live")
-    view = addon("realtime.reader").Reader(addon("native").load(), shows_live=True)
-    final = addon("realtime.reader").Reader(addon("native").load())
+    view = addon("realtime.reader").Reader(addon("base.native").load(), shows_live=True)
+    final = addon("realtime.reader").Reader(addon("base.native").load())
     depsgraph = bpy.context.evaluated_depsgraph_get()
     assert drawn(view)[32, 32].max() == 0
     try:
@@ -141,4 +141,4 @@ def test_flakes_are_as_large_in_scenes_of_other_units(scene, addon):
     assert flakes.rate == pytest.approx(0.015 / 3600)
     assert flakes.direction[2] == pytest.approx(-math.cos(math.radians(30)))
     assert flakes.flutter == pytest.approx(math.pi / 4)
-    addon("native").load().Snowfall(**vars(flakes))
+    addon("base.native").load().Snowfall(**vars(flakes))

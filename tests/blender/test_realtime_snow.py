@@ -21,7 +21,7 @@ def read(addon):
 
     def of(live=False):
         bpy.context.view_layer.update()
-        reader = addon("realtime.reader").Reader(addon("native").load(), shows_live=live)
+        reader = addon("realtime.reader").Reader(addon("base.native").load(), shows_live=live)
         return reader.read(bpy.context.evaluated_depsgraph_get())
 
     return of

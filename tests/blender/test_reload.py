@@ -30,7 +30,7 @@ def look():
         "handlers": sorted(name for name in handlers if name.startswith("snowbough")),
         "menu": [draw.__module__ for draw in bpy.types.TOPBAR_MT_file_import.draw._draw_funcs
                  if draw.__module__.startswith("snowbough")],
-        "outcome": sys.modules["snowbough.session"].last_outcome,
+        "outcome": sys.modules["snowbough.base.session"].last_outcome,
         "folders": len(bpy.utils.preset_paths("operator/import_scene.xfrog_tree")),
     }
 
@@ -42,16 +42,16 @@ def change(name, old, new):
 
 scripts = Path(SCRIPTS)
 folder = scripts / "addons" / "snowbough"
-change("bake/plan.py", "PREROLL_STEPS = 32", "from ..names import MAX_RESOLUTION as MOST\\nPREROLL_STEPS = 32")
+change("bake/plan.py", "PREROLL_STEPS = 32", "from ..base.names import MAX_RESOLUTION as MOST\\nPREROLL_STEPS = 32")
 bpy.ops.preferences.addon_enable(module="snowbough")
 assert Path(sys.modules["snowbough"].__file__).parent == folder
-sys.modules["snowbough.session"].last_outcome = ("INFO", "kept")
+sys.modules["snowbough.base.session"].last_outcome = ("INFO", "kept")
 before = look()
 # Of other lengths than before, since compiled files are told by second and size.
 change("ui/bake_operators.py", 'bl_label = "Bake Snow"', 'bl_label = "Bake Much Snow"')
 change("settings/scene.py", '_depth("End Depth"', '_depth("Depth at the End"')
 change("bake/plan.py", "PREROLL_STEPS = 32", "PREROLL_STEPS = 164")
-change("names.py", "MAX_RESOLUTION = 8192", "MAX_RESOLUTION = 16384")
+change("base/names.py", "MAX_RESOLUTION = 8192", "MAX_RESOLUTION = 16384")
 RELOAD
 Path(RESULT).write_text(json.dumps([before, look()]))
 """

@@ -71,7 +71,7 @@ def test_a_new_receiver_of_the_old_name_gets_a_folder_of_its_own(addon, undistur
 
 
 def test_another_object_of_the_old_name_shelters_and_is_not_taken_for_it(addon, undisturbed, tmp_path):
-    native = addon("native").load()
+    native = addon("base.native").load()
     bake_part(addon, 12)
     before = s.height(native, tmp_path / "cache", "Cart", 12)
     bpy.data.objects["Cart"].name = "Sledge"

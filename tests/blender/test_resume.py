@@ -143,7 +143,7 @@ def test_a_finished_bake_is_compared_to_its_last_frame(addon, undisturbed, tmp_p
     cart = bpy.data.objects["Cart"]
     cart.location = (0, 0, 2)
     cart.keyframe_insert("location", frame=11.9)
-    addon("compat").curves_of(cart)[2].keyframe_points[0].interpolation = "CONSTANT"
+    addon("base.compat").curves_of(cart)[2].keyframe_points[0].interpolation = "CONSTANT"
     with pytest.raises(RuntimeError, match=r"v001 was baked from \(Cart: transform changed at frame"):
         s.bake(resume=True)
     assert s.files_of(tmp_path / "cache") == undisturbed

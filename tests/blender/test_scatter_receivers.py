@@ -76,7 +76,7 @@ def test_after_that_way_out_they_carry_snow(addon, tmp_path):
     assert add_snow(ground) == {"FINISHED"}
     s.settings(tmp_path / "cache")
     s.bake()
-    assert s.height(addon("native").load(), tmp_path / "cache", "Ground", 4).max() > 0.05
+    assert s.height(addon("base.native").load(), tmp_path / "cache", "Ground", 4).max() > 0.05
 
 
 def test_ground_joined_with_instances_that_have_no_place_on_its_map_is_refused(addon):

@@ -44,7 +44,7 @@ def test_the_settings_go_into_the_request_as_they_are(addon, snowy):
 @pytest.fixture
 def made(addon, monkeypatch):
     """Keyword arguments of each SnowSimulation that is made."""
-    real, made = addon("native").load(), []
+    real, made = addon("base.native").load(), []
 
     class Native:
         def __getattr__(self, name):
@@ -54,7 +54,7 @@ def made(addon, monkeypatch):
             made.append(arguments)
             return real.SnowSimulation(**arguments)
 
-    monkeypatch.setattr(addon("native"), "load", Native)
+    monkeypatch.setattr(addon("base.native"), "load", Native)
     return made
 
 
@@ -121,7 +121,7 @@ def test_both_operators_have_every_option(addon):
 
 def test_the_command_line_has_every_option_with_its_default(addon):
     options, parser = addon("tree.import_options"), addon("cli").parser()
-    given = addon("options").options_of(options.ImportOptions, parser.parse_args(["import", "tree.obj"]))
+    given = addon("base.options").options_of(options.ImportOptions, parser.parse_args(["import", "tree.obj"]))
     assert given == options.ImportOptions()
     assert given.max_bones == 1000 and given.simplify == "TOLERANCE" and given.foliage is True
 

@@ -13,7 +13,7 @@ import snow_scene as s
 
 @pytest.fixture
 def native(addon):
-    return addon("native").load()
+    return addon("base.native").load()
 
 
 @pytest.fixture
@@ -140,7 +140,7 @@ def test_a_smooth_ball_has_no_terraces_and_a_flat_one_keeps_its_faces(native, tm
 
 def shading_of(addon, obj):
     """((T, 3) numbers or None, polygon of each triangle) as a bake would read them."""
-    mesh_record, compat = addon("scene.mesh_record"), addon("compat")
+    mesh_record, compat = addon("scene.mesh_record"), addon("base.compat")
     mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     record = mesh_record.MeshRecord(mesh)
     numbers, count = record.shading(record.triangle_corners())

@@ -21,7 +21,7 @@ def write_bake(addon, tmp_path):
     """Writes a bake: an even height that grows by 0.1 m a frame; `covered` cuts the map in u."""
 
     def write(name="Ground-1", covered=1.0, frames=range(FIRST, LAST + 1)):
-        native = addon("native").load()
+        native = addon("base.native").load()
         folder = tmp_path / name
         folder.mkdir()
         for frame in frames:

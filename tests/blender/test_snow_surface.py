@@ -39,7 +39,7 @@ def test_a_surface_is_a_child_of_its_receiver_that_reads_a_point_cache(ground, t
 
 
 def test_on_level_ground_it_is_as_high_as_the_map(ground, addon, tmp_path):
-    native = addon("native").load()
+    native = addon("base.native").load()
     for frame in (1, 2, 3, 4):
         wanted = s.open_ground(s.height(native, tmp_path / "cache", "Ground", frame))
         assert wanted == pytest.approx(DEPTH * frame / 4, rel=0.05)
@@ -220,10 +220,10 @@ def test_a_receiver_whose_faces_change_has_no_surface_and_it_is_said(addon, tmp_
     bpy.ops.snowbough.setup_displacement(mode="SHELL")
     s.bake()
     assert "Ground Snow" not in bpy.data.objects
-    severity, text = addon("session").last_outcome
+    severity, text = addon("base.session").last_outcome
     assert severity == "WARNING"
     assert "'Ground' has other faces from frame 3 on, so it has no snow surface: choose Displacement" in text
-    assert s.height(addon("native").load(), tmp_path, "Ground", 4).max() > 0.05
+    assert s.height(addon("base.native").load(), tmp_path, "Ground", 4).max() > 0.05
 
 
 # -- sliders --------------------------------------------------------------------------------------------------
@@ -299,7 +299,7 @@ def test_update_surface_changes_only_surfaces_and_simulates_nothing(ground, addo
     def simulate(**_settings):
         raise AssertionError("update_surface simulates")
 
-    monkeypatch.setattr(addon("native").load(), "SnowSimulation", simulate)
+    monkeypatch.setattr(addon("base.native").load(), "SnowSimulation", simulate)
     bpy.context.scene.snowbough.surface_relief = 0.0
     bpy.ops.snowbough.update_surface()
     after = s.files_of(tmp_path / "cache")
@@ -452,7 +452,7 @@ def test_another_bake_replaces_it(ground, tmp_path):
 def test_another_bake_does_not_snow_on_it(ground, addon, tmp_path):
     bpy.context.scene.snowbough.checkpoint_interval += 1
     s.bake()
-    native = addon("native").load()
+    native = addon("base.native").load()
     first, second = (s.height(native, tmp_path / "cache", "Ground", 4, version) for version in (1, 2))
     assert np.array_equal(first, second)
 

@@ -48,7 +48,7 @@ def test_the_motion_runs_through_the_loops_seam_without_a_kink(swaying):
 
 def test_channels_have_about_sixteen_keys_and_a_cycles_modifier(swaying, addon):
     rig, _bark = swaying
-    curves = addon("compat").curves_of(rig)
+    curves = addon("base.compat").curves_of(rig)
     assert len(curves) == 2 * len(rig.data.bones)
     for curve in curves:
         assert len(curve.keyframe_points) == 17
@@ -63,7 +63,7 @@ def test_equal_settings_give_equal_keys_and_another_seed_others(addon):
 
     def keys(**settings):
         bpy.ops.snowbough.add_sway(**settings)
-        return [tuple(p.co) for curve in addon("compat").curves_of(rig) for p in curve.keyframe_points]
+        return [tuple(p.co) for curve in addon("base.compat").curves_of(rig) for p in curve.keyframe_points]
 
     assert keys(seed=1) == keys(seed=1)
     assert keys(seed=1) != keys(seed=2)

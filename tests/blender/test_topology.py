@@ -9,7 +9,7 @@ import snow_scene as s
 
 @pytest.fixture
 def native(addon):
-    return addon("native").load()
+    return addon("base.native").load()
 
 
 def keyed(modifier, name, *values):

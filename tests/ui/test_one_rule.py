@@ -71,7 +71,7 @@ def by_workbench(draw=lambda: None):
     return depth
 
 def by_realtime(live):
-    native = module("native").load()
+    native = module("base.native").load()
     reader = module("realtime.reader").Reader(native, shows_live=live)
     renderer = native.Renderer()
     keeper = module("realtime.sync").Sync(renderer)
@@ -102,7 +102,7 @@ result = sorted(obj.name for obj in surfaces)
 
 LIVE = """
 bpy.ops.snowbough.toggle_preview()
-preview = module("session").preview
+preview = module("base.session").preview
 save("preview", by_workbench(lambda: preview.drawn.draw(False)))
 save("live", by_realtime(True))
 scene.snowbough.surface_overhang = 0.0

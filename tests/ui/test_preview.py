@@ -35,7 +35,7 @@ with bpy.context.temp_override(window=view3d()[0]):
 result = True
 """
 
-STATE = "__import__('sys').modules[addon + '.session'].preview"
+STATE = "__import__('sys').modules[addon + '.base.session'].preview"
 
 
 @pytest.fixture

@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
+from ..base.map_kinds import BY_NAME
+from ..base.names import MAX_RESOLUTION, MIN_RESOLUTION
 from ..cache import folder as receiver_folder
 from ..cache.coverage import Coverage
 from ..cache.errors import CacheError, InputsChanged, LockLost, remedy_for
 from ..cache.files import EVER_COVERED, bake_files, digest, frame_file, state_file
 from ..cache.manifest import describe_changes, read_manifest, write_inputs, write_manifest
-from ..names import MAX_RESOLUTION, MIN_RESOLUTION
 from ..scene.uv_overlap import outside_share
 from ..surface.compute import update as update_surface
 from ..surface.recording import ReceiverRecorder
@@ -62,12 +63,13 @@ class BakedReceiver:
         }
         return {"shot": digest(shot), "snowfall": shot, "receiver": own, "deposit": DEPOSIT}
 
-    def compare_settings(self, shot):
-        """Raises InputsChanged, naming the differences, if the folder was baked with other settings."""
+    def compare_settings(self, shot, units):
+        """Raises InputsChanged, naming the differences, if the folder was baked with other settings. units: those of
+        the request."""
         manifest = read_manifest(self.folder)
         if manifest is None:
             return
-        changes = describe_changes(manifest["settings"], self.settings(shot))
+        changes = describe_changes(manifest["settings"], self.settings(shot), units)
         if changes:
             raise InputsChanged(
                 f"{self.shown} in {self.folder.parent.name} was baked with other settings "
@@ -86,10 +88,9 @@ class BakedReceiver:
         dict with its number as ``frame``; the greatest height on either side is added."""
         frame, height = entry["frame"], output["height"]
         with self._writing():
-            native.write_exr(str(self.folder / frame_file("height", frame)), height)
-            if "normal" in output:
-                path = self.folder / frame_file("normal", frame)
-                native.write_exr(str(path), output["normal"] * 0.5 + 0.5, half=True)
+            for name, values in output.items():
+                kind, path = BY_NAME[name], self.folder / frame_file(name, frame)
+                native.write_exr(str(path), kind.encoded(values), half=kind.is_half)
         self.covered.add(height)
         self.frames.append({**entry, "highest": float(max(height.max(), -height.min()))})
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import bpy
 
-from .. import session
+from ..base import session
 from ..cache import owner, versions
 from ..cache.errors import CacheError
 

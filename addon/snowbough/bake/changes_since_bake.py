@@ -10,11 +10,11 @@ from pathlib import Path
 
 import bpy
 
-from .. import session
+from ..base import session
+from ..base.names import unit_of, with_unit
 from ..cache.errors import CacheError
 from ..cache.files import MANIFEST
 from ..cache.manifest import read_inputs, read_manifest
-from ..names import with_unit
 from ..scene import inputs
 from ..scene.pose import metres_per_unit
 from ..scene.reader import SceneReader
@@ -50,7 +50,8 @@ def _change(scene, name, now, before):
     """A text about the setting `name`, with the label of its field in the panel."""
     known = scene.snowbough.bl_rna.properties.get(name)
     label = known.name if known is not None and known.name else name.replace("_", " ")
-    return f"{label}: {with_unit(name, now)}, was {with_unit(name, before)}"
+    unit = unit_of(known.description) if known is not None else ""
+    return f"{label}: {with_unit(now, unit)}, was {with_unit(before, unit)}"
 
 
 def settings_changes(scene):

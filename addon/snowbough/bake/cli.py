@@ -43,10 +43,8 @@ from pathlib import Path
 
 import bpy
 
-from .. import native
-from ..cache.errors import CacheError, InputsChanged, LockLost, NoCheckpoint
-from ..cache.files import write_report
-from ..names import (
+from ..base import native
+from ..base.names import (
     EXIT_CACHE,
     EXIT_CHANGED,
     EXIT_FAILED,
@@ -56,6 +54,8 @@ from ..names import (
     EXIT_OK,
     EXIT_STOPPED,
 )
+from ..cache.errors import CacheError, InputsChanged, LockLost, NoCheckpoint
+from ..cache.files import write_report
 from ..settings.preferences import ENGINES
 from . import engine, plan, preflight
 from .from_scene import make_request, prepare_bake

@@ -18,7 +18,7 @@ import time
 
 import bpy
 
-from .. import session
+from ..base import session
 from ..result.displacement import Muted
 from ..scene.reader import SceneReader
 from .request import BakeCancelled

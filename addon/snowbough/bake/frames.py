@@ -105,7 +105,7 @@ class FrameBaker:
         volume = slid = 0.0
         balance = self._simulation.statistics()["objects"]
         for receiver in self._receivers:
-            snapshot = self._simulation.snapshot(receiver.key, normal=self._request.write_normals)
+            snapshot = self._simulation.snapshot(receiver.key, **self._request.maps)
             total = balance[receiver.key]["total"]
             own_volume, own_slid = float(total["held_volume"]), float(total["slid_volume"])
             volume, slid = volume + own_volume, slid + own_slid

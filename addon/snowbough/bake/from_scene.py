@@ -5,7 +5,9 @@ from dataclasses import fields
 
 import bpy
 
-from .. import compat, native
+from ..base import compat, native
+from ..base.map_kinds import ON_REQUEST
+from ..base.names import unit_of
 from ..scene import physics_caches
 from ..scene.pose import metres_per_unit
 from ..scene.receivers import note_baked_names, receiver_specs
@@ -71,6 +73,8 @@ def make_request(scene, resume=False, first=None, last=None, objects=(), directo
         fps=render.fps / render.fps_base,
         rates=constant_rates(scene, frame_start, frame_end),
         snow=snow_of(settings),
+        maps={kind.name: getattr(settings, kind.setting) for kind in ON_REQUEST},
+        units={prop.identifier: unit_of(prop.description) for prop in settings.bl_rna.properties},
         receivers=tuple(receiver_specs(scene, as_baked=True)),
         objects=tuple(objects),
         resume=resume,

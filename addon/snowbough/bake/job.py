@@ -212,7 +212,7 @@ class BakeJob:
             self.folders[receiver.shown] = receiver.folder
         for receiver in self.receivers:
             if receiver.key in finished:
-                receiver.compare_settings(settings)
+                receiver.compare_settings(settings, self.request.units)
                 drop_dead_lock(receiver.folder)
         self.receivers = [receiver for receiver in self.receivers if receiver.key not in finished]
         for receiver in self.receivers:
@@ -227,7 +227,7 @@ class BakeJob:
         """Compares scene and settings with the checkpoint of ``frame`` and restores it."""
         request = self.request
         for receiver in self.receivers:
-            receiver.compare_settings(settings)
+            receiver.compare_settings(settings, self.request.units)
         driver = None if request.allow_other_driver else self._driver
         state, before = resuming.read_checkpoints(self.native, self.receivers, frame, driver)
         log(f"comparing frames {request.frame_start} to {frame} with the checkpoint")

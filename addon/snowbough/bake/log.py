@@ -6,9 +6,9 @@ import datetime
 import os
 import socket
 
+from ..base.names import safe_name
 from ..cache.errors import CacheError
 from ..cache.files import LOGS, make_folder
-from ..names import safe_name
 
 
 @contextlib.contextmanager

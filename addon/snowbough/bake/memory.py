@@ -8,7 +8,7 @@ tables; a test compares both.
 import math
 from dataclasses import dataclass
 
-from ..names import sized
+from ..base.names import sized
 
 # Bytes per texel of a receiver: its map and texel; data of repose; work data of the output of the largest map.
 MAP, REPOSE, OUTPUT = 50, 92, 89

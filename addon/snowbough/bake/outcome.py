@@ -5,11 +5,11 @@ from pathlib import Path
 
 import bpy
 
-from .. import session
+from ..base import session
+from ..base.names import counted
 from ..cache.errors import CacheError
 from ..cache.folder import baked_frames
 from ..cache.manifest import read_manifest
-from ..names import counted
 from ..result import displacement
 from ..result.snow_surface import blend_path
 from ..scene.pose import library_path

@@ -22,7 +22,7 @@ import functools
 import math
 from dataclasses import dataclass
 
-from ..names import MAX_FALL_ANGLE
+from ..base.names import MAX_FALL_ANGLE
 
 # Steps of the start depth without flutter.
 PREROLL_STEPS = 32

@@ -12,9 +12,9 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from .. import compat, native, session
+from ..base import compat, native, session
+from ..base.names import FARTHEST, counted, sized
 from ..cache import versions
-from ..names import FARTHEST, counted, sized
 from ..result import displacement
 from ..scene import material_alpha, mesh_record, physics_caches, receivers, uv_maps, uv_overlap
 from ..scene.pose import Topology, library_path, metres_per_unit, outliers, world_positions

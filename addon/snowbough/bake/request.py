@@ -3,6 +3,8 @@
 
 from dataclasses import dataclass, field, fields
 
+from ..base.map_kinds import ON_REQUEST
+
 
 class BakeCancelled(Exception):
     """The user stopped the bake; it can be resumed after the last complete frame."""
@@ -49,7 +51,8 @@ class BakeRequest:
     directions: int = _for_all_maps()
     """Least number of flutter directions over the shot."""
     checkpoint_interval: int = _for_all_maps()
-    write_normals: bool = _for_all_maps()
+    maps: dict
+    """{name: bool} of the maps on request (map_kinds)."""
     receivers: tuple
     """scene.pose.ReceiverSpec of the scene's list, disabled ones included."""
     cache_id: str = ""
@@ -62,6 +65,8 @@ class BakeRequest:
     strict: bool = False
     """A receiver that cannot be baked is an error."""
     allow_other_driver: bool = False
+    units: dict = field(default_factory=dict)
+    """{name: unit} of the settings, for messages."""
     engine: str = "AUTO"
     """AUTO, GL or CPU, as in SnowSimulation. Not part of the shot: checkpoints store the engine that ran."""
 
@@ -69,7 +74,7 @@ class BakeRequest:
         """{name: value} of all that affects all maps of the shot, except the depth of each frame and the size of an
         occlusion pixel, which may be automatic."""
         own = {one.name: getattr(self, one.name) for one in fields(self) if "for_all_maps" in one.metadata}
-        return {**own, **self.snow}
+        return {**own, **{kind.setting: self.maps[kind.name] for kind in ON_REQUEST}, **self.snow}
 
 
 @dataclass

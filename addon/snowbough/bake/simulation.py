@@ -6,7 +6,7 @@ Used by the bake and the live preview.
 
 import numpy as np
 
-from ..names import MIN_RESOLUTION
+from ..base.names import MIN_RESOLUTION
 from ..scene.pose import TopologyChanged
 from . import plan
 

@@ -3,7 +3,7 @@
 
 import time
 
-from .. import session
+from ..base import session
 from ..cache import versions
 from ..cache.errors import CacheError
 from ..cache.files import folders_in

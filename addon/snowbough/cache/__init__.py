@@ -4,7 +4,7 @@
 ::
 
     <cache>/<scene>-<id>/v001/<safe object name>-<id>/height_0001.exr   metres
-                                                      normal_0001.exr   only with normals
+                                                      normal_0001.exr   and other maps on request (map_kinds)
                                                       ever_covered.exr  1 where snow lay in any frame
                                                       inputs.json       fingerprints of the baked scene
                                                       object.json       the manifest (read_manifest)

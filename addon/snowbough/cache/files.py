@@ -10,6 +10,7 @@ import stat
 import uuid
 from pathlib import Path
 
+from ..base.map_kinds import BY_NAME, MAP_KINDS
 from .errors import CacheError
 
 MANIFEST = "object.json"
@@ -31,7 +32,7 @@ PROBE = ".probe-"
 ONCE = (
     MANIFEST, INPUTS, EVER_COVERED, RECEIVER, POSITIONS, SURFACE_FACES, SURFACE_POINTS, SURFACE,
 )  # fmt: skip
-EACH_FRAME = ("height_{:04d}.exr", "normal_{:04d}.exr", "state_{:04d}", "state_{:04d}.json")
+EACH_FRAME = (*(f"{kind.name}_{{:04d}}.exr" for kind in MAP_KINDS), "state_{:04d}", "state_{:04d}.json")
 
 # Name of a manifest while its files are being removed; the folder is not a bake any more.
 REMOVED_MANIFEST = f"{MANIFEST}.removed"
@@ -41,11 +42,12 @@ TEXTURE_CACHE = "blender_tx"
 
 VERSION_PATTERN = re.compile(r"v(\d{3,})$")
 STATE_PATTERN = re.compile(r"state_(\d{4,})$")
-FRAME_PATTERN = re.compile(r"(?:height|normal)_(\d{4,})\.exr$")
+_KINDS = "|".join(BY_NAME)
+FRAME_PATTERN = re.compile(rf"(?:{_KINDS})_(\d{{4,}})\.exr$")
 LOG_PATTERN = re.compile(r"\d{8}T\d{6}-[A-Za-z0-9._-]+-\d+\.log$")
 # Temporary names, as made by write_bytes and by the native module.
 _TEMPORARY = re.compile(r"(.+?)(?:\.\d+\.\d+|\.[0-9a-f]{8})?\.tmp$")
-_TEXTURE = re.compile(r"((?:height|normal)_\d{4,}|ever_covered)(?![A-Za-z0-9]).*\.tx$")
+_TEXTURE = re.compile(rf"((?:{_KINDS})_\d{{4,}}|ever_covered)(?![A-Za-z0-9]).*\.tx$")
 
 
 def frame_file(kind, frame):

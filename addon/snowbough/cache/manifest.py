@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..names import with_unit
+from ..base.map_kinds import ON_REQUEST
+from ..base.names import with_unit
 from .files import INPUTS, MANIFEST, REMOVED_MANIFEST, bake_files, digest, is_bake_file
 from .sealed import FORMAT, dict_of, either, flag, nothing, number, read_sealed, text, whole, write_sealed
 
@@ -52,7 +53,13 @@ def read_manifest(folder, name=MANIFEST):
         return None
     if manifest["format"] == 1:
         manifest = _from_format_1(manifest)
-    return {**manifest, "format": FORMAT}
+    return {**manifest, "settings": _with_switches(manifest["settings"]), "format": FORMAT}
+
+
+def _with_switches(settings):
+    """The settings with the switches of all maps. A bake from before a kind of map did not write it."""
+    switches = {kind.setting: False for kind in ON_REQUEST}
+    return {**settings, "snowfall": {**switches, **settings["snowfall"]}}
 
 
 def _from_format_1(manifest):
@@ -96,16 +103,17 @@ def read_inputs(folder):
     return inputs["poses"] if isinstance(inputs, dict) else inputs
 
 
-def describe_changes(before, after):
+def describe_changes(before, after, units):
     """Differences between two dicts of settings as texts: ``end depth: 0.1 m, now 0.2 m``. Nested dicts are compared
-    entry by entry."""
+    entry by entry. units: {name: unit}."""
     changes = []
     for name in sorted((before.keys() | after.keys()) - {"shot", "totals"}):
         old, new = before.get(name), after.get(name)
         if isinstance(old, dict) and isinstance(new, dict):
-            changes += describe_changes(old, new)
+            changes += describe_changes(old, new, units)
         elif old != new:
-            changes.append(f"{name.replace('_', ' ')}: {with_unit(name, old)}, now {with_unit(name, new)}")
+            unit = units.get(name, "")
+            changes.append(f"{name.replace('_', ' ')}: {with_unit(old, unit)}, now {with_unit(new, unit)}")
     # The depth of each frame follows from other settings, unless the rate is animated.
     if not changes and before.get("totals") != after.get("totals"):
         changes.append("rate: its animation changed")

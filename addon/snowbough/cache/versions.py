@@ -5,7 +5,7 @@ import contextlib
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ..names import folder_name, safe_name, tagged_name
+from ..base.names import folder_name, safe_name, tagged_name
 from . import folder as receiver_folder
 from .errors import CacheError
 from .files import LOG_PATTERN, LOGS, OWNER, VERSION_PATTERN, folders_in, is_regular

@@ -3,7 +3,7 @@
 
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
-from ..options import options_class
+from ..base.options import options_class
 
 MOST_LEVELS = 8
 

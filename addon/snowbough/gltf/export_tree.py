@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..names import counted
+from ..base.names import counted
 from ..tree.import_options import BY_DETAIL
 from ..tree.import_tree import LOD_PROPERTY
 from . import levels, scene_materials, scene_snow, scene_tree, tree_file

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .. import native
+from ..base import native
 from ..tree import kept_skeleton, wind_attributes
 from ..tree.bone_names import fitting_names
 from ..tree.import_options import BY_DETAIL

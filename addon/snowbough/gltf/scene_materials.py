@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from .. import native
+from ..base import native
 from ..scene import material_alpha
 from . import texels
 from .tree_file import Material, Texture

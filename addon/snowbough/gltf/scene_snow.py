@@ -7,11 +7,11 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from .. import native
+from ..base import native
+from ..base.names import SNOW_UV
 from ..cache.files import SURFACE_FACES, SURFACE_POINTS, frame_file
 from ..cache.folder import baked_frames
 from ..cache.manifest import read_manifest
-from ..names import SNOW_UV
 from ..result.baked_images import baked_uv_map
 from ..scene import receivers
 from ..surface.compute import read_summary

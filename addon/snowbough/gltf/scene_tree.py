@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from .. import compat
-from ..names import BARK_UV, LEAF_UV, ORIGINAL_UV, SNOW_UV
+from ..base import compat
+from ..base.names import BARK_UV, LEAF_UV, ORIGINAL_UV, SNOW_UV
 from ..tree.import_tree import LOD_PROPERTY
 from ..tree.objects import LEVEL_ATTRIBUTE, point_levels
 from ..tree.wind_attributes import AXIS, LENGTH, PHASE, PIVOT

@@ -9,11 +9,11 @@ import gpu
 import numpy as np
 from mathutils import Matrix, Vector
 
+from ..base.names import is_software
 from . import interface
 
 # (maximum number of points of all surfaces, factor on edge lengths), for a GPU and for a software renderer.
 BUDGET, SOFTWARE_BUDGET = (200_000, 1.0), (15_000, 2.0)
-SOFTWARE_RENDERERS = ("llvmpipe", "softpipe", "swiftshader", "software")
 # Direction to the light in the view: left, above and behind the viewer.
 LIGHT_IN_VIEW = Vector((-0.45, 0.55, 0.70))
 LIGHT_IN_WORLD = Vector((-0.2, -0.2, 0.9))
@@ -35,10 +35,9 @@ def unavailable_reason():
         )
 
 
-def is_software():
+def draws_in_software():
     """Whether Blender draws with a software renderer."""
-    renderer = gpu.platform.renderer_get().lower()
-    return any(name in renderer for name in SOFTWARE_RENDERERS)
+    return is_software(gpu.platform.renderer_get())
 
 
 def _shader():

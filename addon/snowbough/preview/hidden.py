@@ -9,7 +9,7 @@ import json
 
 import bpy
 
-from ..names import OWN_MODIFIERS
+from ..base.names import OWN_MODIFIERS
 from ..result import snow_surface
 
 

@@ -10,8 +10,8 @@ import time
 
 import bpy
 
-from .. import native, session
-from ..names import REALTIME_ENGINE
+from ..base import native, session
+from ..base.names import REALTIME_ENGINE
 from ..scene.pose import metres_per_unit
 from ..surface.compute import seed_of
 from . import drawing, hidden
@@ -109,7 +109,7 @@ class Preview:
         self._computed = set()
         if self._shown is not self.simulation:
             self._shown = self.simulation
-            drawn_by_card = self._draws and not drawing.is_software()
+            drawn_by_card = self._draws and not drawing.draws_in_software()
             budget = drawing.BUDGET if drawn_by_card else drawing.SOFTWARE_BUDGET
             self._surfaces = make_surfaces(self.simulated, *budget)
             self.drawn = drawing.Drawing(self._metres) if self._draws else None

@@ -14,9 +14,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .. import native
 from ..bake import baked_receiver, plan, simulation
 from ..bake.from_scene import constant_rates, constant_values
+from ..base import native
+from ..base.names import is_software
 from ..scene.pose import TopologyChanged, metres_per_unit
 from ..scene.reader import SceneReader
 from ..scene.receivers import receiver_specs
@@ -33,7 +34,6 @@ STEPS = plan.PREROLL_STEPS
 # Map sides if neither the preferences nor the receiver set one: on a graphics card, and on the processor.
 RESOLUTION = 1024
 RESOLUTION_ON_PROCESSOR = 256
-SOFTWARE_DRIVERS = ("llvmpipe", "softpipe", "swiftshader")
 
 
 @dataclass(frozen=True)
@@ -354,7 +354,7 @@ class Playback:
 
 
 def _automatic_limit(info):
-    software = info["name"] != "GL" or any(name in info["driver"].lower() for name in SOFTWARE_DRIVERS)
+    software = info["name"] != "GL" or is_software(info["driver"])
     return RESOLUTION_ON_PROCESSOR if software else RESOLUTION
 
 

@@ -8,9 +8,9 @@ import weakref
 
 import bpy
 
-from .. import compat, native, session
-from ..names import FARTHEST
-from ..names import REALTIME_ENGINE as ENGINE
+from ..base import compat, native, session
+from ..base.names import FARTHEST
+from ..base.names import REALTIME_ENGINE as ENGINE
 from . import lights, viewport
 from .final import FinalRenderer
 from .flakes import flakes_of

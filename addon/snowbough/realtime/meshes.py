@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from .. import compat
+from ..base import compat
 from ..scene.mesh_record import materials_of
 from ..scene.pose import outliers
 from .records import Paint, Shape

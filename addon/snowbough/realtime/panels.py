@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..names import REALTIME_ENGINE as ENGINE
+from ..base.names import REALTIME_ENGINE as ENGINE
 
 # Panels for all engines list the former engine BLENDER_RENDER. FROM_EEVEE are EEVEE's panels that also apply here.
 SHARED = "BLENDER_RENDER"

@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from .. import session
+from ..base import session
 from ..cache.files import frame_file
 from ..cache.manifest import read_manifest
 from ..result import snow_surface

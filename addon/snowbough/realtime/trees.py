@@ -4,8 +4,8 @@ stores, the pose from the rig."""
 
 import numpy as np
 
-from .. import compat
-from ..names import BARK_UV, LEAF_BONE_ATTRIBUTE, ORIGINAL_UV, SNOW_UV
+from ..base import compat
+from ..base.names import BARK_UV, LEAF_BONE_ATTRIBUTE, ORIGINAL_UV, SNOW_UV
 from ..scene.inputs import fingerprint
 from ..tree import kept_bark, kept_skeleton
 from .materials import bark_of

@@ -11,6 +11,7 @@ import bpy
 import gpu
 from gpu_extras.batch import batch_for_shader
 
+from ..base.names import is_software
 from . import frame_code, sync
 from .pacing import Pacing
 from .records import Light, View
@@ -132,7 +133,7 @@ class Viewport:
         self._arrived = None
         self._texture = texture_of(frame)
         if self._renderer.is_ready:
-            self._pacing.software = "llvmpipe" in self._renderer.driver or "softpipe" in self._renderer.driver
+            self._pacing.software = is_software(self._renderer.driver)
         key, quality = self._asked.get(ticket, (None, None))
         self._asked = {later: what for later, what in self._asked.items() if later > ticket}
         if key == self._key:

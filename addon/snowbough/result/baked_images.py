@@ -13,6 +13,7 @@ from pathlib import Path
 
 import bpy
 
+from ..base.map_kinds import BY_NAME
 from ..cache.manifest import read_manifest
 
 HEADER_BYTES = 4096
@@ -50,7 +51,7 @@ def frames_on_disk(folder, kind):
     return [frame for index, frame in enumerate(frames) if frame == frames[0] + index]
 
 
-def _load(path, name):
+def _load(path, name, color_space):
     """The image of a file; it is reloaded if it was loaded before."""
     path = Path(path)
     for image in bpy.data.images:
@@ -65,7 +66,7 @@ def _load(path, name):
                 image.filepath = bpy.path.relpath(str(path))
             except ValueError:
                 pass  # another drive on Windows: the path stays absolute
-    image.colorspace_settings.name = "Non-Color"
+    image.colorspace_settings.name = color_space
     return image
 
 
@@ -82,7 +83,7 @@ def _width(path):
 
 
 def load_sequence(folder, kind):
-    """The BakedSequence of `height` or `normal` files in `folder`, or None if there are none."""
+    """The BakedSequence of the files of a kind of map (its name) in `folder`, or None if there are none."""
     if not folder:
         return None
     folder = Path(bpy.path.abspath(folder))
@@ -90,7 +91,7 @@ def load_sequence(folder, kind):
     if not frames:
         return None
     path = folder / f"{kind}_{frames[0]:04d}.exr"
-    image = _load(path, f"{folder.name} {kind}")
+    image = _load(path, f"{folder.name} {kind}", BY_NAME[kind].color_space)
     image.source = "SEQUENCE"
     return BakedSequence(image, frames[0], len(frames), _width(path))
 

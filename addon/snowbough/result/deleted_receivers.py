@@ -3,7 +3,7 @@
 
 import bpy
 
-from .. import session
+from ..base import session
 from . import snow_surface
 
 

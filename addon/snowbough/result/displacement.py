@@ -11,8 +11,8 @@ import math
 
 import bpy
 
-from .. import compat
-from ..names import DISPLACE_MODIFIER, OWN_MODIFIERS, SUBDIVISION_MODIFIER, SURFACE_MODIFIER
+from ..base import compat
+from ..base.names import DISPLACE_MODIFIER, OWN_MODIFIERS, SUBDIVISION_MODIFIER, SURFACE_MODIFIER
 from ..scene.pose import metres_per_unit
 from . import baked_images, original_state, snow_material, snow_surface
 

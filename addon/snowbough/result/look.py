@@ -7,7 +7,7 @@ Choosing a kind sets the sliders once. Afterwards artists can change them.
 import math
 from dataclasses import dataclass
 
-from ..names import SNOW_GROUP, SNOW_KINDS
+from ..base.names import SNOW_GROUP, SNOW_KINDS
 from .relief_nodes import RELIEF_INPUT
 
 

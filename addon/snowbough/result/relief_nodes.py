@@ -6,7 +6,7 @@ and does not depend on UV charts. It fades out on thin snow and therefore at the
 in materials that displace.
 """
 
-from .. import compat_nodes
+from ..base import compat_nodes
 
 # The slider of materials that displace; 1 uses OCTAVES unchanged, fresh snow has 0.6.
 RELIEF_INPUT = "Relief"

@@ -6,7 +6,7 @@ This uses Blender's own option (Object properties). The receiver's record stores
 
 import bpy
 
-from ..names import OWN_MODIFIERS
+from ..base.names import OWN_MODIFIERS
 
 _RECORD = "rest_position"
 

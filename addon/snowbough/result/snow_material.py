@@ -8,12 +8,15 @@ for their other users.
 
 import bpy
 
-from .. import compat, compat_nodes
-from ..names import REST_ATTRIBUTE, SNOW_UV
+from ..base import compat, compat_nodes
+from ..base.map_kinds import BY_NAME, MAP_KINDS
+from ..base.names import REST_ATTRIBUTE, SNOW_UV
 from ..scene.pose import metres_per_unit
 from . import baked_images, look, original_state, rest_position, snow_nodes
 
 FRAME_LABEL = "Snowbough"
+# Distance between two rows of nodes.
+ROW = 310
 
 
 def uv_map_name(receiver):
@@ -68,32 +71,32 @@ def _sampled(builder, sequence, uv_map, location):
     return texture.outputs["Color"]
 
 
-def _height(builder, sequence, uv_map):
-    """The height in metres: the sequence from its first frame on, nothing before it.
+def _number(builder, sequence, uv_map, y):
+    """The number that the sequence stores, from its first frame on, and 0 before it.
 
     Before the first frame Blender has no file and would show magenta. A keyframed step, which artists can edit, hides
     the snow there.
     """
     if sequence is None:  # not baked yet: no snow
-        value = builder.node("ShaderNodeValue", (-700, 0))
+        value = builder.node("ShaderNodeValue", (-700, y))
         value.outputs[0].default_value = 0.0
         return value.outputs[0]
-    begun = builder.node("ShaderNodeMath", (-420, 0))
+    begun = builder.node("ShaderNodeMath", (-420, y))
     begun.operation = "MULTIPLY"
     begun.label = "From the first baked frame on"
     step = ((sequence.first - 1, 0.0), (sequence.first, 1.0))
     compat_nodes.key_value(builder.tree, begun.inputs[1], step, "CONSTANT")
-    builder.link(_sampled(builder, sequence, uv_map, (-700, 0)), begun.inputs[0])
+    builder.link(_sampled(builder, sequence, uv_map, (-700, y)), begun.inputs[0])
     return begun.outputs[0]
 
 
-def _normal(builder, sequence, uv_map):
+def _normal(builder, sequence, uv_map, y):
     if sequence is None:
-        return builder.node("ShaderNodeNewGeometry", (-700, -300)).outputs["Normal"]
-    node = builder.node("ShaderNodeNormalMap", (-420, -300))
+        return builder.node("ShaderNodeNewGeometry", (-700, y)).outputs["Normal"]
+    node = builder.node("ShaderNodeNormalMap", (-420, y))
     node.space = "TANGENT"
     node.uv_map = uv_map
-    builder.link(_sampled(builder, sequence, uv_map, (-700, -300)), node.inputs["Color"])
+    builder.link(_sampled(builder, sequence, uv_map, (-700, y)), node.inputs["Color"])
     return node.outputs[0]
 
 
@@ -103,27 +106,27 @@ def output_node(tree):
     return node or tree.nodes.new("ShaderNodeOutputMaterial")
 
 
-def _position(builder, scale, rest):
+def _position(builder, scale, rest, y):
     """The position on the object in metres, undeformed if the object stores that."""
     if rest:
-        node = builder.node("ShaderNodeAttribute", (-700, -620))
+        node = builder.node("ShaderNodeAttribute", (-700, y))
         node.attribute_name = REST_ATTRIBUTE
         place = node.outputs["Vector"]
     else:
-        place = builder.node("ShaderNodeTexCoord", (-700, -620)).outputs["Object"]
-    metres = builder.node("ShaderNodeVectorMath", (-420, -620))
+        place = builder.node("ShaderNodeTexCoord", (-700, y)).outputs["Object"]
+    metres = builder.node("ShaderNodeVectorMath", (-420, y))
     metres.operation = "MULTIPLY"
     metres.inputs[1].default_value = scale
     builder.link(place, metres.inputs[0])
     return metres.outputs[0]
 
 
-def add_snow_nodes(material, height, normal, uv_map, displacement_scale, metres, rest):
+def add_snow_nodes(material, maps, uv_map, displacement_scale, metres, rest):
     """Mixes snow over the material.
 
-    height, normal: BakedSequence or None. displacement_scale: Blender units per metre if the material displaces the
-    surface (Cycles displacement), else None. metres: metres per unit of object space, for each axis. rest:
-    whether the object stores its undeformed positions. Returns the node of the group.
+    maps: {name of a kind of map: BakedSequence or None}. displacement_scale: Blender units per metre if the material
+    displaces the surface (Cycles displacement), else None. metres: metres per unit of object space, for each axis.
+    rest: whether the object stores its undeformed positions. Returns the node of the group.
     """
     tree = material.node_tree
     output = output_node(tree)
@@ -135,10 +138,13 @@ def add_snow_nodes(material, height, normal, uv_map, displacement_scale, metres,
     builder = _Builder(tree)
     group = builder.node("ShaderNodeGroup", (-160, 0))
     group.node_tree = snow_nodes.ensure_group()
-    height_output = _height(builder, height, uv_map)
-    builder.link(height_output, group.inputs["Height"])
-    builder.link(_normal(builder, normal, uv_map), group.inputs["Normal"])
-    builder.link(_position(builder, metres, rest), group.inputs["Position"])
+    y = 0
+    for name, sequence in maps.items():
+        node = _normal if BY_NAME[name].channels == 3 else _number
+        if name.capitalize() in group.inputs:
+            builder.link(node(builder, sequence, uv_map, y), group.inputs[name.capitalize()])
+            y -= ROW
+    builder.link(_position(builder, metres, rest, y), group.inputs["Position"])
     if surface is not None:
         builder.link(surface, group.inputs["Shader"])
     builder.link(group.outputs["Shader"], output.inputs["Surface"])
@@ -246,8 +252,7 @@ def add(scene, receiver, displace):
     uv_map = uv_map_name(receiver)
     if not uv_map:
         raise ValueError(f"{obj.name} has no UV map: add one, or use Add Snow to Selected, which adds it")
-    height = baked_images.load_sequence(receiver.folder, "height")
-    normal = baked_images.load_sequence(receiver.folder, "normal")
+    maps = {kind.name: baked_images.load_sequence(receiver.folder, kind.name) for kind in MAP_KINDS}
     scale = 1.0 / metres_per_unit(scene) if displace else None
     metres = [abs(axis) * metres_per_unit(scene) for axis in obj.matrix_world.to_scale()]
 
@@ -258,7 +263,7 @@ def add(scene, receiver, displace):
     record["copies"] = []
     for slot, entry in zip(obj.material_slots, record["slots"]):
         material = _snowy_copy(obj, _find_material(entry) if entry["material"] else None)
-        group = add_snow_nodes(material, height, normal, uv_map, scale, metres, rest)
+        group = add_snow_nodes(material, maps, uv_map, scale, metres, rest)
         look.set_group_inputs(group, look.of(scene))
         slot.link = "OBJECT"
         slot.material = material

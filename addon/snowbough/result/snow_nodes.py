@@ -7,9 +7,9 @@ the coordinate `Position`. The group is made once; later changes by the artist a
 
 import bpy
 
-from .. import compat_nodes
-from ..names import SNOW_GROUP
-from ..node_builder import NodeBuilder
+from ..base import compat_nodes
+from ..base.names import SNOW_GROUP
+from ..base.node_builder import NodeBuilder
 from .relief_nodes import add_relief
 
 # Light penetrates snow by some centimetres, red less than blue. Fresh snow has an albedo of about 0.9 and is nearly

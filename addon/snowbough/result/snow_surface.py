@@ -12,8 +12,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from ..base.names import SNOW_UV, SURFACE_MODIFIER
 from ..cache.files import SURFACE_FACES, SURFACE_POINTS
-from ..names import SNOW_UV, SURFACE_MODIFIER
 from ..scene.pose import metres_per_unit
 from ..surface.compute import read_summary
 from ..surface.mesh_file import read_mesh

@@ -5,8 +5,8 @@ import json
 
 import bpy
 
-from .. import compat
-from ..node_builder import NodeBuilder
+from ..base import compat
+from ..base.node_builder import NodeBuilder
 from . import look, snow_nodes
 
 # Colour in the Solid view, where other objects are greyer.

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import bpy
 
-from .. import native, session
+from ..base import native, session
 from ..cache.errors import CacheError
 from ..cache.files import SURFACE_POINTS
 from ..scene.receivers import surface_style

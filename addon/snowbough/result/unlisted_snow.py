@@ -8,7 +8,7 @@ its own materials, the copies are removed; otherwise our nodes are removed from 
 
 import bpy
 
-from ..names import DISPLACE_MODIFIER, OWN_MODIFIERS
+from ..base.names import DISPLACE_MODIFIER, OWN_MODIFIERS
 from . import look, snow_surface
 from .snow_material import FRAME_LABEL, output_node
 

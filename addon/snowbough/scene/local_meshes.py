@@ -4,7 +4,7 @@
 The mesh of an object that nothing deforms is read once, and again if it was edited or replaced (scene.updates).
 """
 
-from ..names import OWN_MODIFIERS
+from ..base.names import OWN_MODIFIERS
 from . import material_alpha
 from .mesh_record import MeshRecord, materials_of
 from .pose import library_path

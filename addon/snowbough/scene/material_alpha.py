@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..names import SNOW_GROUP
+from ..base.names import SNOW_GROUP
 from .inputs import fingerprint
 
 # Largest side of an alpha image; larger ones are averaged down. It takes one bit per texel on the GPU.

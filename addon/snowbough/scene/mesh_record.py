@@ -12,7 +12,7 @@ outlives the mesh.
 
 import numpy as np
 
-from .. import compat
+from ..base import compat
 from .pose import SceneError, TopologyAlpha
 from .uv_maps import choose_uv_map
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..names import FARTHEST, receiver_key
+from ..base.names import FARTHEST, receiver_key
 from .inputs import fingerprint
 
 

@@ -26,7 +26,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..names import FARTHEST, UV_TOLERANCE, receiver_key
+from ..base.names import FARTHEST, UV_TOLERANCE, receiver_key
 from .inputs import fingerprint
 from .local_meshes import LocalMeshes
 from .mesh_record import join_alphas, join_shadings

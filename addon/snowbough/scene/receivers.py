@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from mathutils import Vector
 
-from ..names import MAX_RESOLUTION, SNOW_RESOLUTION_PROPERTY, SNOW_UV, counted
+from ..base.names import MAX_RESOLUTION, SNOW_RESOLUTION_PROPERTY, SNOW_UV, counted
 from ..surface.style import SurfaceStyle
 from . import uv_maps
 from .pose import ReceiverSpec, library_path

@@ -8,7 +8,7 @@ the list may be from another moment, so meshes that should be still are compared
 import bpy
 import numpy as np
 
-from .. import compat
+from ..base import compat
 
 
 class Updates:

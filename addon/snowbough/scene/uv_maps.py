@@ -8,8 +8,8 @@ UV Project, or by Lightmap Pack if that gives overlaps. The object's active map 
 import bpy
 import numpy as np
 
-from .. import compat
-from ..names import SNOW_UV
+from ..base import compat
+from ..base.names import SNOW_UV
 from . import uv_overlap
 
 MAX_UV_MAPS = 8

@@ -9,7 +9,7 @@ faster than allocating a grid.
 
 import numpy as np
 
-from ..names import UV_TOLERANCE
+from ..base.names import UV_TOLERANCE
 
 GRID = 1024
 

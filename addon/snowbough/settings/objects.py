@@ -7,8 +7,8 @@ The scene holds the list, because settings on linked or overridden objects get l
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, PointerProperty, StringProperty
 
-from .. import compat
-from ..names import MAX_RESOLUTION
+from ..base import compat
+from ..base.names import MAX_RESOLUTION
 from .surface import SurfaceProperties
 
 SIDES = (

@@ -14,8 +14,9 @@ from bpy.props import (
     StringProperty,
 )
 
-from .. import compat
-from ..names import MAX_FALL_ANGLE, SNOW_KINDS
+from ..base import compat
+from ..base.map_kinds import ON_REQUEST
+from ..base.names import MAX_FALL_ANGLE, SNOW_KINDS
 from .objects import SnowboughReceiver
 from .simulation import SnowProperties
 from .surface import SURFACE_DETAILS, SurfaceProperties
@@ -62,7 +63,15 @@ def _depth(name, frame, default):
     )
 
 
-class SnowboughSceneSettings(SnowProperties, SurfaceProperties, bpy.types.PropertyGroup):
+class MapSwitches:
+    """The switches of the maps on request."""
+
+    __annotations__ = {
+        kind.setting: BoolProperty(name=kind.label, description=kind.description) for kind in ON_REQUEST
+    }
+
+
+class SnowboughSceneSettings(SnowProperties, SurfaceProperties, MapSwitches, bpy.types.PropertyGroup):
     """``scene.snowbough``."""
 
     surface_detail: EnumProperty(
@@ -197,11 +206,6 @@ class SnowboughSceneSettings(SnowProperties, SurfaceProperties, bpy.types.Proper
         default=10,
         min=1,
         soft_max=100,
-    )
-    write_normals: BoolProperty(
-        name="Normal Maps",
-        description="Also write tangent-space normal maps of the snow",
-        default=False,
     )
 
     receivers: CollectionProperty(

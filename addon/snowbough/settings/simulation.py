@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The settings of the simulation, declared once in SnowProperties. Bakes, previews and manifests pass them on as one
-dict (snow_of), under the names that the native ``SnowSimulation`` uses.
+dict (snow_of), under the names that the native ``SnowSimulation`` uses. The unit in brackets in a tooltip is that of
+labels and messages, too.
 """
 
 import math
@@ -79,6 +80,10 @@ class SnowProperties:
         default="COMPUTE",
     )
 
+
+# Their places in the panels: rows of fields that align. A setting that is not named here has no field.
+STABILITY_ROWS = (("max_depth", "slide_half_life"), ("repose", "cohesion"))
+ADVANCED_ROWS = (("seed", "noise_density"), ("mapping",))
 
 SNOW_SETTINGS = tuple(SnowProperties.__annotations__)
 

@@ -8,7 +8,7 @@ import bmesh
 import bpy
 import numpy as np
 
-from .. import compat
+from ..base import compat
 from .bone_names import fitting_names
 
 # Leaving edit mode silently deletes bones shorter than 1e-6. This share of the tree's height is safely above that, and

@@ -9,9 +9,9 @@ Function, 1996). Thinner, younger limbs have weaker plates and are smoother.
 
 import math
 
-from .. import compat_nodes
-from ..names import BARK_UV, POINT_LEVEL_ATTRIBUTE
-from ..node_builder import NodeBuilder
+from ..base import compat_nodes
+from ..base.names import BARK_UV, POINT_LEVEL_ATTRIBUTE
+from ..base.node_builder import NodeBuilder
 
 # Ends of the colour ramp.
 FURROW, RIDGE = (0.034, 0.026, 0.02), (0.2, 0.165, 0.13)

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import bpy
 
-from .. import native
+from ..base import native
+from ..base.names import EXIT_FAILED, EXIT_NO_NATIVE, EXIT_OK, FAILURES
+from ..base.options import add_options, options_of
 from ..cache.files import write_report
-from ..names import EXIT_FAILED, EXIT_NO_NATIVE, EXIT_OK, FAILURES
-from ..options import add_options, options_of
 from . import import_tree
 from .import_options import ImportOptions, ImportProperties
 

@@ -5,8 +5,8 @@ the command line.
 
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from ..names import MAX_RESOLUTION, MIN_RESOLUTION
-from ..options import options_class
+from ..base.names import MAX_RESOLUTION, MIN_RESOLUTION
+from ..base.options import options_class
 
 LOD_COUNT = 4
 # Value of the option `lod` if `detail` sets the fineness of the surface.

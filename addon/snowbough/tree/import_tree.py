@@ -13,8 +13,8 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
-from .. import compat, native
-from ..names import BARK_UV, FAILURES, ORIGINAL_UV, SNOW_RESOLUTION_PROPERTY, counted
+from ..base import compat, native
+from ..base.names import BARK_UV, FAILURES, ORIGINAL_UV, SNOW_RESOLUTION_PROPERTY, counted
 from . import armature, kept_bark, kept_skeleton, materials, objects, textures, thumbnail, wind_attributes
 from .import_options import BY_DETAIL, LOD_COUNT
 from .native_tree import read_native

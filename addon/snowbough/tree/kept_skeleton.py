@@ -9,7 +9,7 @@ from dataclasses import asdict
 
 import bpy
 
-from .. import native
+from ..base import native
 from .skeleton_text import from_text, to_text
 
 # Options that are passed again to build_tree_mesh and reduce_bones.

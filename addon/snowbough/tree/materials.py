@@ -8,8 +8,8 @@ cannot be read are empty in the source; the import's report names them.
 
 import bpy
 
-from .. import compat
-from ..names import BARK_UV, LEAF_UV
+from ..base import compat
+from ..base.names import BARK_UV, LEAF_UV
 from .bark_nodes import add_bark
 from .textures import Textures
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from .. import native
+from ..base import native
 from .import_options import BY_DETAIL, LOD_COUNT, METRES_OF_UNIT
 
 # A dead trunk or a stump may be intended, but a pole rarely is.

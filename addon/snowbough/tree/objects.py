@@ -7,8 +7,8 @@ A :class:`Ledger` records the data-blocks that are made, so that an error leaves
 import bpy
 import numpy as np
 
-from .. import compat
-from ..names import BARK_UV, LEAF_BONE_ATTRIBUTE, LEAF_UV, ORIGINAL_UV, POINT_LEVEL_ATTRIBUTE, SNOW_UV
+from ..base import compat
+from ..base.names import BARK_UV, LEAF_BONE_ATTRIBUTE, LEAF_UV, ORIGINAL_UV, POINT_LEVEL_ATTRIBUTE, SNOW_UV
 from . import armature
 from .bone_names import NAME_BYTES, clip_utf8
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import bpy
 
-from .. import compat
+from ..base import compat
 from .import_options import ImportOptions
 
 OPERATOR = "import_scene.xfrog_tree"

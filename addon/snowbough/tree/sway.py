@@ -8,7 +8,7 @@ for 1,000 bones would make a file of 63 MB. The physics is in :mod:`.wind`.
 import bpy
 import numpy as np
 
-from .. import compat
+from ..base import compat
 from . import wind
 
 

@@ -3,12 +3,12 @@
 
 import bpy
 
-from .. import session
 from ..bake import cache_place, engine, from_scene, outcome
+from ..base import session
+from ..base.names import counted, sized
 from ..cache import versions
 from ..cache.errors import CacheError
 from ..cache.folder import baked_frames
-from ..names import counted, sized
 from ..result import displacement
 from . import editing_lock
 from .text import wrapped

@@ -11,7 +11,7 @@ import bpy
 from mathutils import Euler, Matrix, Vector
 
 from ..bake.plan import unit_direction
-from ..names import MAX_FALL_ANGLE
+from ..base.names import MAX_FALL_ANGLE
 from ..scene.receivers import bounds
 from .editing_lock import NotWhileBaking
 

@@ -8,8 +8,8 @@ Instead, a modal operator handles the events of each window first. It passes onl
 
 import bpy
 
-from .. import session
 from ..bake import engine
+from ..base import session
 
 LOOKING = {
     "NONE",

@@ -7,10 +7,10 @@ import bpy
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper
 
+from ..base.names import FAILURES, safe_name
+from ..base.options import options_of
 from ..gltf import export_tree, scene_tree
 from ..gltf.export_options import ExportOptions, ExportProperties
-from ..names import FAILURES, safe_name
-from ..options import options_of
 from .editing_lock import NotWhileBaking
 
 SECTIONS = (

@@ -12,9 +12,9 @@ import bpy
 from bpy.props import CollectionProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
-from .. import compat, native
-from ..names import FAILURES
-from ..options import options_of
+from ..base import compat, native
+from ..base.names import FAILURES
+from ..base.options import options_of
 from ..tree import import_tree
 from ..tree.import_options import ImportOptions, ImportProperties
 from ..tree.import_tree import REPORT_PROPERTY

@@ -3,7 +3,7 @@
 
 import bpy
 
-from .. import compat
+from ..base import compat
 from ..tree.import_options import SECTIONS
 
 OPERATOR = "IMPORT_SCENE_OT_xfrog_tree"

@@ -4,10 +4,10 @@ settings of one receiver, and wrapped text."""
 
 import blf
 
-from .. import compat, native, session
 from ..bake import changes_since_bake
 from ..bake import state as bake_state
-from ..names import unit_of
+from ..base import compat, native, session
+from ..base.names import unit_of
 from ..result import displacement
 from ..settings.surface import SurfaceProperties
 from .text import wrapped
@@ -126,8 +126,9 @@ def draw_result(layout, context):
 
 def setting_label(settings, name):
     """The label of a setting's field, with the unit where Blender shows none: ``End Depth (m)``."""
-    label, unit = settings.bl_rna.properties[name].name, unit_of(name)
-    return label if unit in ("", "°") else f"{label} ({unit})"
+    known = settings.bl_rna.properties[name]
+    unit = unit_of(known.description)
+    return known.name if unit in ("", "°") else f"{known.name} ({unit})"
 
 
 def draw_receiver(layout, entry):

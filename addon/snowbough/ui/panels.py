@@ -7,10 +7,12 @@ Panels only read. Slow work runs in operators, which store their results in `ses
 
 import bpy
 
-from .. import session
 from ..bake import state
+from ..base import session
+from ..base.map_kinds import ON_REQUEST
 from ..scene import receivers
 from ..scene.reader import SURFACE_TYPES
+from ..settings import simulation
 from . import panel_parts
 
 
@@ -113,19 +115,24 @@ class SNOWBOUGH_PT_snowfall(_Settings, bpy.types.Panel):
 class SNOWBOUGH_PT_stability(_Settings, bpy.types.Panel):
     bl_label = "Stability"
     bl_options = {"DEFAULT_CLOSED"}
-    names = (("max_depth", "slide_half_life"), ("repose", "cohesion"), ("blur_radius",))
+    names = (*simulation.STABILITY_ROWS, ("blur_radius",))
 
 
 class SNOWBOUGH_PT_cache(_Settings, bpy.types.Panel):
     bl_label = "Maps and Cache"
     bl_options = {"DEFAULT_CLOSED"}
-    names = (("cache_directory",), ("texel_size", "pixel_size"), ("checkpoint_interval",), ("write_normals",))
+    names = (
+        ("cache_directory",),
+        ("texel_size", "pixel_size"),
+        ("checkpoint_interval",),
+        tuple(kind.setting for kind in ON_REQUEST),
+    )
 
 
 class SNOWBOUGH_PT_advanced(_Settings, bpy.types.Panel):
     bl_label = "Advanced"
     bl_options = {"DEFAULT_CLOSED"}
-    names = (("substeps", "directions"), ("seed", "noise_density"), ("mapping",))
+    names = (("substeps", "directions"), *simulation.ADVANCED_ROWS)
 
 
 class SNOWBOUGH_PT_preflight(_ScenePanel, bpy.types.Panel):

@@ -3,10 +3,10 @@
 
 import bpy
 
-from .. import session
 from ..bake import preflight
 from ..bake.outcome import one_line
-from ..names import counted
+from ..base import session
+from ..base.names import counted
 from ..scene import uv_maps
 from .editing_lock import NotWhileBaking
 

@@ -3,8 +3,8 @@
 
 import bpy
 
-from .. import session
 from ..bake.outcome import one_line
+from ..base import session
 from ..preview import live
 from .editing_lock import NotWhileBaking
 

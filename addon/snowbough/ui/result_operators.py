@@ -4,8 +4,8 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
+from ..base.names import SNOW_KINDS, counted
 from ..cache.errors import CacheError
-from ..names import SNOW_KINDS, counted
 from ..result import baked_images, displacement, look, snow_material, snow_surface, unlisted_snow
 from .editing_lock import NotWhileBaking
 

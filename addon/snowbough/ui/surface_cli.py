@@ -9,10 +9,10 @@ from functools import partial
 
 import bpy
 
-from .. import native
 from ..bake.cli import exit_code
 from ..bake.outcome import one_line
-from ..names import EXIT_FAILED, EXIT_OK
+from ..base import native
+from ..base.names import EXIT_FAILED, EXIT_OK
 from ..result import surface_preview
 from ..surface import compute
 from ..surface.side_by_side import run_side_by_side

@@ -6,9 +6,9 @@ from functools import partial
 
 import bpy
 
-from .. import native
+from ..base import native
+from ..base.names import counted
 from ..cache.errors import CacheError
-from ..names import counted
 from ..result import surface_preview
 from ..surface import compute
 from ..surface.side_by_side import run_side_by_side

@@ -4,7 +4,7 @@
 import bpy
 from bpy.props import FloatProperty, IntProperty
 
-from ..names import counted
+from ..base.names import counted
 from ..tree import sway
 from .editing_lock import NotWhileBaking
 

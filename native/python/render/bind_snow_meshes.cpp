@@ -61,7 +61,7 @@ bool take_snow(Renderer& renderer, const std::string& tree, snow::SnowSimulation
   const auto heights = simulation.live_output(from);
   if (heights != nullptr && renderer.share_snow(tree, *heights, depths)) return true;
   const int32_t size = simulation.resolution(from);
-  renderer.set_snow(tree, {size, size, simulation.output(from, false).height, depths});
+  renderer.set_snow(tree, {size, size, simulation.output(from).height, depths});
   return false;
 }
 

@@ -27,7 +27,7 @@ class HeldEngine {
     if (choice_ == nullptr) throw std::runtime_error("the engine is closed: make a new Engine");
     return engine_dict(without_gil([&]() -> snow::EngineInfo {
       const snow::Engine& engine = choice_->engine();
-      return {engine.name(), engine.driver(), choice_->reason()};
+      return {snow::engine_name(engine.kind()), engine.driver(), choice_->reason()};
     }));
   }
 
@@ -42,8 +42,8 @@ class HeldEngine {
 
 }  // namespace
 
-snow::gl::DepositMapping mapping_from(const std::string& name) {
-  using snow::gl::DepositMapping;
+snow::DepositMapping mapping_from(const std::string& name) {
+  using snow::DepositMapping;
   return choose<DepositMapping>(
       "mapping", name,
       {{"COMPUTE", DepositMapping::kCompute}, {"GEOMETRY", DepositMapping::kGeometry}});

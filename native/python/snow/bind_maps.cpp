@@ -1,4 +1,5 @@
 #include "map_topology.h"
+#include "output_maps.h"
 #include "python/bindings.h"
 #include "python/numpy_arrays.h"
 #include "snow/output/cpu_filter.h"
@@ -53,6 +54,7 @@ py::dict output_map(const InputArray<int32_t>& triangles, const InputArray<float
   const auto points = rows_from_numpy<glm::vec3, float, 3>(positions, "positions");
   topology.vertex_count = static_cast<int32_t>(points.size());
   std::vector<float> stored(height.data(), height.data() + height.size());
+  const snow::MapRequest maps = map_request();
   snow::MapOutput output;
   {
     ReleasedGil unlocked;
@@ -62,11 +64,12 @@ py::dict output_map(const InputArray<int32_t>& triangles, const InputArray<float
     std::vector<float> owned(stored.size(), 0.0f);
     for (const int32_t texel : table.texel) owned[texel] = stored[texel];
     output = snow::CpuFilter(table, seams, {blur_radius})
-                 .run(std::move(owned), {nullptr, snow::surface_metrics(topology, points)});
+                 .run(std::move(owned),
+                      {.metrics = snow::surface_metrics(topology, points), .maps = maps});
   }
   py::dict result;
   result["height"] = to_numpy<float>(std::move(output.height), {resolution, resolution});
-  result["normal"] = to_numpy<float>(std::move(output.normal), {resolution, resolution, 3});
+  put_maps(result, output, resolution);
   return result;
 }
 
@@ -82,7 +85,7 @@ dict of the arrays of native/snow/texels/texel_table.h. Raises ValueError for an
       py::arg("height"), py::arg("blur_radius") = 0.0f,
       R"(The output of a stored map (resolution, resolution) in metres: smoothed over the surface
 and across seams with a standard deviation of blur_radius metres, extended by four texels, level at
-the seams -> {'height', 'normal'}.)");
+the seams -> as SnowSimulation.output.)");
 }
 
 }  // namespace snowbough::python

@@ -1,5 +1,6 @@
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -7,6 +8,7 @@
 
 #include "engine_arguments.h"
 #include "object_description.h"
+#include "output_maps.h"
 #include "python/bindings.h"
 #include "python/numpy_arrays.h"
 #include "snow/simulation.h"
@@ -19,26 +21,54 @@ namespace {
 using snow::SnowSimulation;
 using Holder = HeldWithoutGil<SnowSimulation>;
 
-Holder make_simulation(double pixel_size, double noise_density, double flutter, double max_depth,
-                       double slide_half_life, double repose, double cohesion, double blur_radius,
-                       int64_t seed, const std::string& mapping, int32_t tile_size,
-                       const std::string& device, const std::string& engine, bool wait_for_gpu) {
-  snow::SimulationSettings settings{pixel_size,
-                                    noise_density,
-                                    flutter,
-                                    max_depth,
-                                    slide_half_life,
-                                    repose,
-                                    cohesion,
-                                    blur_radius,
-                                    static_cast<uint32_t>(seed),
-                                    mapping_from(mapping),
-                                    tile_size,
-                                    snow::engine_kind(engine),
-                                    device,
-                                    wait_for_gpu};
+/// The settings with the numbers in `given`. @throws TypeError for unknown names, for settings that
+/// cannot change if `is_running`, and for values that are not numbers.
+snow::SimulationSettings with_numbers(snow::SimulationSettings settings, const py::kwargs& given,
+                                      bool is_running) {
+  for (const auto& [key, value] : given) {
+    const auto name = py::cast<std::string>(key);
+    const auto* row =
+        std::find_if(std::begin(snow::kNumberSettings), std::end(snow::kNumberSettings),
+                     [&](const auto& one) { return name == one.name; });
+    if (row == std::end(snow::kNumberSettings)) {
+      throw py::type_error("there is no setting '" + name + "'");
+    }
+    if (is_running && !row->can_change) {
+      throw py::type_error(name + " cannot change: make a new SnowSimulation");
+    }
+    try {
+      settings.*row->field = py::cast<double>(value);
+    } catch (const py::cast_error&) {
+      throw py::type_error(name + " must be a number");
+    }
+  }
+  return settings;
+}
+
+Holder make_simulation(int64_t seed, const std::string& mapping, int32_t tile_size,
+                       const std::string& device, const std::string& engine, bool wait_for_gpu,
+                       const py::kwargs& numbers) {
+  const snow::SimulationSettings settings = with_numbers({.seed = static_cast<uint32_t>(seed),
+                                                          .mapping = mapping_from(mapping),
+                                                          .tile_size = tile_size,
+                                                          .engine = snow::engine_kind(engine),
+                                                          .device = device,
+                                                          .wait_for_gpu = wait_for_gpu},
+                                                         numbers, false);
   const ReleasedGil release;
   return Holder(new SnowSimulation(settings));
+}
+
+/// A line for each number: its name, default, meaning and valid values.
+std::string describe_numbers() {
+  std::string text;
+  for (const snow::NumberSetting& one : snow::kNumberSettings) {
+    const py::str line =
+        py::str("{} = {:g}: {} ({})\n")
+            .format(one.name, snow::SimulationSettings{}.*one.field, one.meaning, one.range);
+    text += py::cast<std::string>(line);
+  }
+  return text;
 }
 
 /// add_object and replace_object.
@@ -75,17 +105,9 @@ void step(SnowSimulation& simulation, const py::dict& positions, double depth,
 }
 
 /// Applies the given settings; the others stay.
-void change_settings(SnowSimulation& simulation, std::optional<double> noise_density,
-                     std::optional<double> flutter, std::optional<double> max_depth,
-                     std::optional<double> slide_half_life, std::optional<double> repose,
-                     std::optional<double> cohesion, std::optional<int64_t> seed) {
-  snow::SimulationSettings settings = simulation.settings();
-  settings.noise_density = noise_density.value_or(settings.noise_density);
-  settings.flutter = flutter.value_or(settings.flutter);
-  settings.max_depth = max_depth.value_or(settings.max_depth);
-  settings.slide_half_life = slide_half_life.value_or(settings.slide_half_life);
-  settings.repose = repose.value_or(settings.repose);
-  settings.cohesion = cohesion.value_or(settings.cohesion);
+void change_settings(SnowSimulation& simulation, std::optional<int64_t> seed,
+                     const py::kwargs& numbers) {
+  snow::SimulationSettings settings = with_numbers(simulation.settings(), numbers, true);
   settings.seed = static_cast<uint32_t>(seed.value_or(settings.seed));
   const ReleasedGil release;
   simulation.change_settings(settings);
@@ -102,9 +124,11 @@ py::array_t<float> map_of(SnowSimulation& simulation, const std::string& name) {
   return to_numpy<float>(std::move(values), {edge, edge});
 }
 
-snow::OutputSnapshot snapshot(SnowSimulation& simulation, const std::string& name, bool normal) {
+snow::OutputSnapshot snapshot(SnowSimulation& simulation, const std::string& name,
+                              const py::kwargs& maps) {
+  const snow::MapRequest request = map_request(maps);
   const ReleasedGil release;
-  return simulation.snapshot(name, normal);
+  return simulation.snapshot(name, request);
 }
 
 /// A map in use by numpy, whose memory returns to the pool afterwards.
@@ -130,14 +154,12 @@ py::dict snapshot_output(snow::OutputSnapshot& snapshot) {
   auto map = std::make_unique<PooledArray>(std::move(result.height), taken.memory());
   float* const heights = map->heights.data();
   dict["height"] = owned_numpy(std::move(map), heights, {resolution, resolution});
-  if (!result.normal.empty()) {
-    dict["normal"] = to_numpy<float>(std::move(result.normal), {resolution, resolution, 3});
-  }
+  put_maps(dict, result, resolution);
   return dict;
 }
 
-py::dict output(SnowSimulation& simulation, const std::string& name, bool normal) {
-  snow::OutputSnapshot now = snapshot(simulation, name, normal);
+py::dict output(SnowSimulation& simulation, const std::string& name, const py::kwargs& maps) {
+  snow::OutputSnapshot now = snapshot(simulation, name, maps);
   return snapshot_output(now);
 }
 
@@ -209,19 +231,12 @@ void bind_snow(py::module_& module) {
            R"(The dict that SnowSimulation.output gave at that moment. Raises RuntimeError on a
 second call.)");
 
-  py::class_<SnowSimulation, Holder>(
-      module, "SnowSimulation",
+  const std::string simulation_doc =
       R"(Simulates snow that accumulates on moving objects, each with a map in UV space.
 
-pixel_size: edge of an occlusion pixel in metres. noise_density: fraction of pixels that receive
-snow in a step (the mean stays). flutter: largest angle in radians between a flake's path and the
-fall. max_depth: depth in metres that level ground holds. slide_half_life: seconds in which the
-snow beyond a slope's capacity halves. repose: angle of repose in radians from level, over 0 to pi
-/ 2; steeper snow moves to lower neighbours or falls over a rim, which counts as slid, and walls
-lose their snow within a second; pi / 2: snow stays where it fell. cohesion: height in metres at
-which a vertical snow face stays up; smooth surfaces about as thin as that, such as twigs, carry
-steeper snow. blur_radius: standard deviation of output's blur in metres.
-
+Settings that are numbers, by keyword, with their defaults:
+)" + describe_numbers() +
+      R"(
 mapping: COMPUTE, or GEOMETRY for the thesis's own scatter, which only engine GL has. engine: GL
 (shaders), CPU (C++ on all cores, needs no graphics driver) or AUTO: GL on a hardware driver, else
 CPU; `engine` reports the choice. tile_size (a power of two from 64 to 4096) and device do not
@@ -229,12 +244,10 @@ change the result; if a device is named, AUTO means GL. wait_for_gpu: True raise
 here if engine GL is requested and not available; False lets objects be added while the driver
 loads, and the first call that needs the engine raises.
 
-A context manager: leaving it closes the simulation.)")
-      .def(py::init(&make_simulation), "pixel_size"_a = 0.01, "noise_density"_a = 1.0,
-           "flutter"_a = 0.0, "max_depth"_a = 1.0, "slide_half_life"_a = 2.0,
-           "repose"_a = snow::SimulationSettings{}.repose, "cohesion"_a = 0.0,
-           "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE", "tile_size"_a = 2048,
-           "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true)
+A context manager: leaving it closes the simulation.)";
+  py::class_<SnowSimulation, Holder>(module, "SnowSimulation", simulation_doc.c_str())
+      .def(py::init(&make_simulation), py::kw_only(), "seed"_a = 0, "mapping"_a = "COMPUTE",
+           "tile_size"_a = 2048, "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true)
       .def_property_readonly(
           "engine",
           [](SnowSimulation& simulation) {
@@ -274,11 +287,10 @@ counts as stretched_volume. Resolution and receive stay. Arguments as in add_obj
            R"(Simulates one step of snowfall: depth in metres on open level ground, along direction,
 within dt seconds (0: nothing slides or moves). positions: {name: (N, 3) metres} of the objects
 that moved; each object must be given in its first step.)")
-      .def("change_settings", &change_settings, py::kw_only(), "noise_density"_a = py::none(),
-           "flutter"_a = py::none(), "max_depth"_a = py::none(), "slide_half_life"_a = py::none(),
-           "repose"_a = py::none(), "cohesion"_a = py::none(), "seed"_a = py::none(),
-           R"(Applies other settings from the next step on, in the constructor's units; the snow and
-all settings that are not given stay. Raises ValueError for values out of range.)")
+      .def("change_settings", &change_settings, py::kw_only(), "seed"_a = py::none(),
+           R"(Applies other settings, except pixel_size and blur_radius, from the next step on, in
+the constructor's units; the snow and all settings that are not given stay. Raises ValueError for
+values out of range.)")
       .def("set_blur_radius", &SnowSimulation::set_blur_radius, "name"_a, "blur_radius"_a,
            py::call_guard<ReleasedGil>(),
            R"(Sets the standard deviation in metres of the blur of one receiver's output; the stored
@@ -286,23 +298,16 @@ map stays.)")
       .def("height", &map_of<&SnowSimulation::height>, "name"_a,
            R"(Stored thickness along the normal in metres, (H, W) float32, row 0 = v 0; negative for
 snow on the back.)")
-      .def("output", &output, "name"_a, "normal"_a = true,
-           R"({'height': (H, W) smoothed by blur_radius, 'normal': (H, W, 3) in tangent space}, both
+      .def("output", &output, "name"_a,
+           R"({'height': (H, W) smoothed by blur_radius, 'normal': (H, W, 3) in tangent space},
 extended beyond the charts and level at seams. normal=False omits the normals.)")
-      .def("snapshot", &snapshot, "name"_a, "normal"_a = true,
+      .def("snapshot", &snapshot, "name"_a,
            R"(The input of output at this moment, as an object whose output() computes it: once, on
-any thread, also while the simulation continues or after it is closed.)")
+any thread, also while the simulation continues or after it is closed. Arguments as in output.)")
       .def("prepare_output", &SnowSimulation::prepare_output, "name"_a,
            py::call_guard<ReleasedGil>(),
            R"(Starts building the tables that output of a receiver needs, beside the next steps, and
 returns at once; changes no result. Raises ValueError before its rest pose is known.)")
-      .def("save", &SnowSimulation::save, "path"_a, py::call_guard<ReleasedGil>(),
-           "Writes a checkpoint atomically.")
-      .def("restore", &SnowSimulation::restore, "path"_a, "any_driver"_a = false,
-           py::call_guard<ReleasedGil>(),
-           R"(Restores a checkpoint of a simulation with the same settings and objects, and
-continues bit for bit. Raises RuntimeError for a file that is no checkpoint or is damaged,
-ValueError naming the difference.)")
       .def("texel_area", &map_of<&SnowSimulation::texel_area>, "name"_a,
            R"(Area in m2 that each texel covers in the current pose, (H, W) float32, 0 outside the
 surface.)")

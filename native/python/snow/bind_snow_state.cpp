@@ -111,13 +111,12 @@ void bind_snow_state(py::module_& module) {
       R"(Restores a state from simulation_state, for a simulation with the same receivers; parts of
 several states may be combined if their step numbers agree. Raises ValueError naming the
 difference.)");
-  module.def(
-      "write_checkpoint", &write_checkpoint, "path"_a, "state"_a, "description"_a = "",
-      R"(Writes a state from simulation_state, or some of its receivers, as SnowSimulation.save does
-(docs/formats.md), atomically. `description`: a text that identifies the simulation. Raises
+  module.def("write_checkpoint", &write_checkpoint, "path"_a, "state"_a, "description"_a = "",
+             R"(Writes a state from simulation_state, or some of its receivers, atomically
+(docs/formats.md). `description`: a text that identifies the simulation. Raises
 RuntimeError with path and reason.)");
   module.def("read_checkpoint", &read_checkpoint, "path"_a, "receivers"_a = py::none(),
-             R"(Reads a file of write_checkpoint or SnowSimulation.save, bit for bit: a state with
+             R"(Reads a file of write_checkpoint, bit for bit: a state with
 'description' added. receivers: {name: resolution} of the maps that it may hold; raises ValueError
 for others, before memory is allocated for them. Raises RuntimeError for a file that is missing, of
 another version, truncated or damaged.)");

@@ -67,9 +67,7 @@ MapOutput CpuFilter::run(std::vector<float> map, const OutputSurface& surface) {
     parts_.leveller.run(map);
   }
   MapOutput output;
-  if (!surface.metrics.empty()) {
-    output.normal = normal_map(table_, seams_, surface.metrics, map);
-  }
+  if (surface.maps.normal) output.normal = normal_map(table_, seams_, surface.metrics, map);
   output.height = std::move(map);
   return output;
 }

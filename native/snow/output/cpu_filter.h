@@ -20,9 +20,10 @@ namespace snowbough::snow {
 /// A receiver's surface in the pose of a map.
 struct OutputSurface {
   /// See layer_terms; null or empty: flat.
-  std::shared_ptr<const std::vector<LayerTerms>> layers;
-  /// See surface_metrics; empty if no normals are needed.
-  std::vector<SurfaceMetric> metrics;
+  std::shared_ptr<const std::vector<LayerTerms>> layers = {};
+  /// See surface_metrics; empty if no maps are requested.
+  std::vector<SurfaceMetric> metrics = {};
+  MapRequest maps = {};
 };
 
 /// Makes a receiver's output from its stored map: smooths it, converts the volume to heights on

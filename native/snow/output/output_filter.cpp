@@ -1,8 +1,9 @@
 #include "snow/output/output_filter.h"
 
-#include <algorithm>
 #include <exception>
 #include <glm/geometric.hpp>
+
+#include "base/thread_pool.h"
 
 namespace snowbough::snow {
 namespace {
@@ -47,18 +48,6 @@ MapOutput OutputFilter::run(std::vector<float> stored, const OutputSurface& surf
   return cpu_filter_->run(std::move(stored), surface);
 }
 
-OutputFilterCache::~OutputFilterCache() {
-  clear();
-  {
-    const std::scoped_lock lock(mutex_);
-    stopping_ = true;
-  }
-  wake_.notify_all();
-  for (std::thread& worker : workers_) {
-    worker.join();
-  }
-}
-
 std::shared_ptr<OutputFilter> OutputFilterCache::get(
     const std::shared_ptr<const SceneObject>& receiver, double blur_radius) {
   std::shared_ptr<OutputFilter>& known = filters_[receiver->description.name];
@@ -70,55 +59,17 @@ std::shared_ptr<OutputFilter> OutputFilterCache::get(
 
 void OutputFilterCache::begin(const std::shared_ptr<const SceneObject>& receiver,
                               double blur_radius) {
-  if (filters_.contains(receiver->description.name)) {
-    return;
-  }
-  const size_t most_workers = std::max(std::thread::hardware_concurrency(), 1u);
-  {
-    const std::scoped_lock lock(mutex_);
-    waiting_.push_back(get(receiver, blur_radius));
-    if (idle_ < waiting_.size() && workers_.size() < most_workers) {
-      workers_.emplace_back([this] { work(); });
-    }
-  }
-  wake_.notify_one();
-}
-
-void OutputFilterCache::forget(const std::string& name) {
-  const auto found = filters_.find(name);
-  if (found == filters_.end()) {
-    return;
-  }
-  const std::scoped_lock lock(mutex_);
-  std::erase(waiting_, found->second);
-  filters_.erase(found);
-}
-
-void OutputFilterCache::clear() {
-  const std::scoped_lock lock(mutex_);
-  waiting_.clear();
-  filters_.clear();
-}
-
-void OutputFilterCache::work() {
-  std::unique_lock lock(mutex_);
-  while (true) {
-    ++idle_;
-    wake_.wait(lock, [this] { return stopping_ || !waiting_.empty(); });
-    --idle_;
-    if (stopping_) {
-      return;
-    }
-    const std::shared_ptr<OutputFilter> next = waiting_.front();
-    waiting_.pop_front();
-    lock.unlock();
+  if (filters_.contains(receiver->description.name)) return;
+  const std::weak_ptr<OutputFilter> filter = get(receiver, blur_radius);
+  base::ThreadPool::shared().begin([filter] {
+    const std::shared_ptr<OutputFilter> known = filter.lock();
+    if (known == nullptr) return;  // forgotten before its turn
     try {
-      next->build();
+      known->build();
     } catch (const std::exception&) {
       // The next caller of the filter tries again and gets the exception.
     }
-    lock.lock();
-  }
+  });
 }
 
 }  // namespace snowbough::snow

@@ -1,12 +1,9 @@
 #pragma once
 
-#include <condition_variable>
-#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "snow/output/cpu_filter.h"
@@ -41,36 +38,21 @@ class OutputFilter {
   std::unique_ptr<CpuFilter> cpu_filter_;
 };
 
-/// The filters of a simulation's receivers, built once; after begin() on separate threads, beside
-/// the first steps. The threads do not change the result. All functions are for one thread.
+/// The filters of a simulation's receivers, built once; after begin() on the thread pool, beside
+/// the first steps, which does not change the result. All functions are for one thread.
 class OutputFilterCache {
  public:
-  OutputFilterCache() = default;
-  OutputFilterCache(const OutputFilterCache&) = delete;
-  OutputFilterCache& operator=(const OutputFilterCache&) = delete;
-  /// Waits for the running threads.
-  ~OutputFilterCache();
-
   /// Starts building unless already started; returns at once. Arguments as in OutputFilter.
   void begin(const std::shared_ptr<const SceneObject>& receiver, double blur_radius);
   /// The receiver's filter, possibly not built yet.
   std::shared_ptr<OutputFilter> get(const std::shared_ptr<const SceneObject>& receiver,
                                     double blur_radius);
-  void forget(const std::string& name);
+  void forget(const std::string& name) { filters_.erase(name); }
   /// Removes all filters.
-  void clear();
+  void clear() { filters_.clear(); }
 
  private:
-  void work();
-
   std::map<std::string, std::shared_ptr<OutputFilter>> filters_;
-  /// Guards the members below.
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::deque<std::shared_ptr<OutputFilter>> waiting_;
-  size_t idle_ = 0;
-  bool stopping_ = false;
-  std::vector<std::thread> workers_;
 };
 
 }  // namespace snowbough::snow

@@ -50,8 +50,8 @@ void ReposePass::run_map(Map& map, float dt, bool on_all_cores) {
 
 void ReposePass::run(const ReposeSettings& settings, float dt, std::vector<Map>& maps) {
   if (!settings.is_on() || !(dt > 0.0f)) return;
-  const ReposeLimits limits{static_cast<float>(std::tan(settings.angle)),
-                            static_cast<float>(settings.cohesion)};
+  const ReposeLimits limits{.slope = static_cast<float>(std::tan(settings.angle)),
+                            .cohesion = static_cast<float>(settings.cohesion)};
   std::vector<size_t> blocks(maps.size(), 0);
   base::for_each_item(maps.size(), 1, [&](size_t i) {
     blocks[i] = receivers_[maps[i].object]->choose_blocks(*maps[i].height, limits);

@@ -5,21 +5,12 @@
 
 #include "gpu/gpu_thread.h"
 #include "snow/step/engine.h"
-#include "snow/step/gl/engine.h"
 
 namespace snowbough::snow {
 
-/// The engine that the user requests.
-enum class EngineKind {
-  /// GL on a hardware driver, else CPU.
-  kAuto,
-  kGl,
-  kCpu,
-};
-
 struct EngineRequest {
   EngineKind kind = EngineKind::kAuto;
-  gl::DepositMapping mapping = gl::DepositMapping::kCompute;
+  DepositMapping mapping = DepositMapping::kCompute;
   /// EGL device, see gpu::GlContext. With a device named here or in the environment, AUTO means
   /// GL.
   std::string device = {};
@@ -44,7 +35,7 @@ class EngineChoice {
   const std::string& reason() const { return reason_; }
 
  private:
-  gl::DepositMapping mapping_;
+  DepositMapping mapping_;
   bool may_fall_back_ = false;
   std::string reason_;
   std::shared_ptr<gpu::GpuThread> thread_;

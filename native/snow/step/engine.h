@@ -19,6 +19,21 @@ namespace snowbough::snow {
 
 struct SeamTable;
 
+/// What runs the passes; kAuto is only a request: GL on a hardware driver, else CPU.
+enum class EngineKind { kAuto, kGl, kCpu };
+
+/// "AUTO", "GL" or "CPU".
+std::string engine_name(EngineKind kind);
+
+/// How snow gets from the occlusion grid onto the maps.
+enum class DepositMapping {
+  /// Texels gather snow from the sky that they see: smooth, and bit-deterministic.
+  kCompute,
+  /// Pixels scatter their snow onto the texels under them: the thesis's Algorithm 1, for
+  /// comparison, by engine GL only.
+  kGeometry,
+};
+
 /// How much snow a slope holds.
 struct StabilitySettings {
   /// Thickness in metres that level ground holds; a slope holds max_depth * (normal . up).
@@ -28,6 +43,17 @@ struct StabilitySettings {
 
   /// Half-life, clamped to at least 1 microsecond.
   float clamped_half_life() const { return half_life < 1e-6f ? 1e-6f : half_life; }
+};
+
+/// One step of snow: the fall, the settings that move snow, and the tile size.
+struct FrameStep {
+  FallSettings fall;
+  StabilitySettings stability;
+  ReposeSettings repose;
+  /// Seconds.
+  double dt = 0.0;
+  /// Largest edge of a tile in pixels; changes no result.
+  int32_t tile_size = 2048;
 };
 
 /// Total cost of a pass's calls.
@@ -48,8 +74,7 @@ class Engine {
  public:
   virtual ~Engine() = default;
 
-  /// "GL" or "CPU".
-  virtual std::string name() const = 0;
+  virtual EngineKind kind() const = 0;
   /// Everything that can change the last bits of a result: renderer and version, or the CPU build.
   virtual std::string driver() const = 0;
   /// Free memory in bytes for a scene; 0 = unknown.

@@ -14,6 +14,7 @@ namespace snowbough::tree {
 
 /// The wood of a file as branches without parents.
 struct TracedBranches {
+  TreeForm form = TreeForm::kMergedTubes;
   /// With name, level (-1 if names do not give it), points, radii and areas; `piece` is the part of
   /// the file (gather_wood makes it a piece).
   std::vector<Branch> branches;

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <atomic>
+#include <future>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -160,6 +161,34 @@ TEST(SharedPool, hasThePriorityOfWhoeverUsesIt) {
   EXPECT_EQ(nicenesses_of_the_shared_pool(), std::vector<int>(64, before));
 }
 #endif
+
+TEST(BegunWork, RunsOnAThreadOfThePool) {
+  std::promise<std::thread::id> ran;
+  ThreadPool pool(2);
+  pool.begin([&] { ran.set_value(std::this_thread::get_id()); });
+  EXPECT_NE(ran.get_future().get(), std::this_thread::get_id());
+}
+
+TEST(BegunWork, DoesNotHoldUpCallersOfRun) {
+  std::promise<void> started;
+  std::promise<void> go_on;
+  ThreadPool pool(2);
+  pool.begin([&] {
+    started.set_value();
+    go_on.get_future().wait();
+  });
+  started.get_future().wait();
+  std::atomic<int> calls = 0;
+  pool.run(3, [&](size_t) { ++calls; });
+  go_on.set_value();
+  EXPECT_EQ(calls, 3);
+}
+
+TEST(BegunWork, IsNotCalledWithoutThreads) {
+  bool was_called = false;
+  ThreadPool(1).begin([&] { was_called = true; });
+  EXPECT_FALSE(was_called);
+}
 
 }  // namespace
 }  // namespace snowbough::base

@@ -17,13 +17,7 @@ import pytest
 # of the package or a module beside them. The package's own __init__ imports nothing before register().
 ROOMS = (
     "__init__",
-    "names",
-    "native",
-    "session",
-    "compat",
-    "compat_nodes",
-    "node_builder",
-    "options",
+    "base",
     "settings",
     "cache",
     "surface",
@@ -41,9 +35,10 @@ ROOMS = (
 # Modules that can be imported where there is no Blender.
 WITHOUT_BLENDER = (
     "__init__",
-    "names",
-    "native",
-    "session",
+    "base.names",
+    "base.map_kinds",
+    "base.native",
+    "base.session",
     "cli",
     "cache.errors",
     "cache.files",

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import pytest
 from snowbough.bake.request import BakeRequest
 from snowbough.bake.simulation import make_simulation
+from snowbough.base.map_kinds import ON_REQUEST
 
 SNOW = {"flutter": math.radians(3.0), "max_depth": 0.7, "seed": 5, "a_new_setting": "x"}
 
@@ -16,7 +17,8 @@ def request(**changes):
     whole = BakeRequest(
         scene_name="Scene", cache="/c", frame_start=1, frame_end=12, first=1, last=12, fps=24.0, start_depth=0.0,
         end_depth=0.1, rates=(1.0,) * 12, snow=SNOW, texel_size=0.01, pixel_size=0.0, blur_radius=2.0, substeps=1,
-        directions=64, checkpoint_interval=10, write_normals=False, receivers=(),
+        directions=64, checkpoint_interval=10, receivers=(),
+        maps={kind.name: False for kind in ON_REQUEST},
     )  # fmt: skip
     return replace(whole, **changes)
 

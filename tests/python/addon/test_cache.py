@@ -13,10 +13,12 @@ import numpy as np
 import pytest
 import snowbough
 from cache_files import write_manifest, write_old_manifest, written
-from snowbough import names
+from snowbough.base import names
+from snowbough.base.map_kinds import MAP_KINDS
 from snowbough.cache import errors, files, folder, lock, manifest, sealed, versions
 from snowbough.scene.inputs import SceneInputs, fingerprint
 
+UNITS = {"end_depth": "m", "flutter": "°"}
 SIDECAR = {"covered": "", "driver": "CPU", "frames": [], "inputs": [["1", {"Cart": ["t", "s", "u"]}]]}
 
 
@@ -215,7 +217,7 @@ def test_changed_settings_are_named_with_their_units():
         "receiver": {"resolution": 2048},
         "new": 1,
     }
-    assert manifest.describe_changes(before, after) == [
+    assert manifest.describe_changes(before, after, UNITS) == [
         "end depth: 0.1 m, now 0.2 m",
         "flutter: 10°, now 20°",
         "new: not set, now 1",
@@ -226,9 +228,46 @@ def test_changed_settings_are_named_with_their_units():
 
 def test_the_depths_of_single_frames_are_named_only_if_nothing_else_changed():
     before, deeper = {"end_depth": 0.1, "totals": [0.1]}, {"end_depth": 0.2, "totals": [0.2]}
-    assert manifest.describe_changes(before, deeper) == ["end depth: 0.1 m, now 0.2 m"]
+    assert manifest.describe_changes(before, deeper, UNITS) == ["end depth: 0.1 m, now 0.2 m"]
     animated = {"end_depth": 0.1, "totals": [0.0, 0.1]}
-    assert manifest.describe_changes(before, animated) == ["rate: its animation changed"]
+    assert manifest.describe_changes(before, animated, UNITS) == ["rate: its animation changed"]
+
+
+def test_a_bake_from_before_a_kind_of_map_did_not_write_it(tmp_path):
+    write_manifest(tmp_path)
+    before = manifest.read_manifest(tmp_path)["settings"]["snowfall"]
+    assert before["write_normals"] is False
+    write_manifest(tmp_path, write_normals=True)
+    before = manifest.read_manifest(tmp_path)["settings"]["snowfall"]
+    after = {**before, "write_normals": False}
+    assert manifest.describe_changes(before, after, {}) == ["write normals: True, now False"]
+
+
+@pytest.mark.parametrize("kind", MAP_KINDS, ids=lambda kind: kind.name)
+def test_every_kind_of_map_has_files_that_a_bake_owns(tmp_path, kind):
+    name = files.frame_file(kind.name, 7)
+    assert name in files.bake_files(7, 7) and files.is_bake_file(name)
+    assert files.texture_source(f"{kind.name}_0007.tx") == name
+    for frame in (7, 8):
+        (tmp_path / files.frame_file(kind.name, frame)).write_bytes(b"exr")
+    folder.remove_frames_after(tmp_path, 7)
+    assert os.listdir(tmp_path) == [name]
+
+
+@pytest.mark.parametrize(
+    "tooltip, unit",
+    [
+        ("Depth of the snow (metres)", "m"),
+        ("Time (seconds)", "s"),
+        ("Smoothing (texels)", "texels"),
+        ("Steepest slope. Up to 90 (for walls) (degrees)", "°"),
+        ("Side of the map (texels). 0 is automatic", "texels"),
+        ("Share (0 to 1)", ""),
+        ("Random seed", ""),
+    ],
+)
+def test_the_unit_of_a_setting_is_in_brackets_in_its_tooltip(tooltip, unit):
+    assert names.unit_of(tooltip) == unit
 
 
 def test_amounts_are_spelled_for_people():

@@ -4,7 +4,7 @@ import importlib.machinery
 import sys
 
 import pytest
-from snowbough import native
+from snowbough.base import native
 
 OWN_SUFFIX = importlib.machinery.EXTENSION_SUFFIXES[0]
 

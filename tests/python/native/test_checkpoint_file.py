@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import snowbough_native
+from checkpoints import save
 
 EDGE = 64
 
@@ -38,18 +39,18 @@ def test_a_map_without_snow_takes_next_to_nothing(tmp_path):
     assert not snowbough_native.read_checkpoint(str(path))["objects"]["ground"]["height"].any()
 
 
-def test_a_simulation_saves_in_the_same_form(tmp_path):
-    """A square metre under a step of snow: save's file is read as a state of its one receiver."""
+def test_the_state_of_a_simulation_comes_back(tmp_path):
+    """A square metre under a step of snow: the file is read as a state of its one receiver."""
     triangles = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)
     corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=np.float32)
     simulation = snowbough_native.SnowSimulation(pixel_size=0.05, engine="CPU")
     simulation.add_object("ground", triangles, corners[triangles], resolution=64)
     positions = np.column_stack([corners, np.zeros(4, dtype=np.float32)])
     simulation.step({"ground": positions}, depth=0.01, direction=(0, 0, -1), dt=0.04)
-    simulation.save(str(tmp_path / "all"))
+    save(simulation, tmp_path / "all")
     read = snowbough_native.read_checkpoint(str(tmp_path / "all"))
     assert read["objects"]["ground"]["height"].tobytes() == simulation.height("ground").tobytes()
-    assert "CPU" in read["description"]
+    assert read["description"] == ""
 
 
 @pytest.mark.parametrize("at", [20, 300, 500, -1])

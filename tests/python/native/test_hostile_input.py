@@ -290,12 +290,3 @@ def test_a_checkpoint_of_other_maps_takes_no_memory(bare_checkpoint):
         f"try:\n    native.read_checkpoint({bare_checkpoint!r}, {{'ground': 64}})\nexcept ValueError:\n    pass"
     )
     assert taken < 40
-
-
-@sees_memory
-def test_a_simulation_checks_a_checkpoint_before_it_takes_memory_for_its_maps(bare_checkpoint):
-    with stepped() as simulation:
-        before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-        with pytest.raises(ValueError, match="belongs to another simulation"):
-            simulation.restore(bare_checkpoint)
-        assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 40 * 1024

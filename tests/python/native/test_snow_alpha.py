@@ -87,24 +87,6 @@ def test_two_runs_and_other_tiles_end_with_the_same_bits():
         assert np.array_equal(first[name], again[name]) and np.array_equal(first[name], tiled[name])
 
 
-def test_a_checkpoint_belongs_to_its_alpha(tmp_path):
-    mesh = card(0.0)
-
-    def begun(image):
-        sim = native.SnowSimulation(repose=STAYS, pixel_size=0.01)
-        sim.add_object("leaf", mesh[1], mesh[2], resolution=64, alpha=alpha_of(mesh, image))
-        sim.step({"leaf": mesh[0]}, 0.01)
-        return sim
-
-    path = str(tmp_path / "state")
-    with begun(RING) as sim:
-        sim.save(path)
-    with begun(RING) as same:
-        same.restore(path)
-    with begun(255 - RING) as other, pytest.raises(ValueError, match="leaf"):
-        other.restore(path)
-
-
 def test_memory_counts_an_image_that_many_objects_show_once():
     mesh = card(0.0)
     image = np.zeros((1024, 1024), np.uint8)

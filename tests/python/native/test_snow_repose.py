@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 import snowbough_native as native
+from checkpoints import restore, save
 from snow_meshes import STAYS, box, chart_of_box, grid, rotated, sphere
 
 FRESH = math.radians(65.0)
@@ -261,11 +262,11 @@ def test_a_run_that_was_stopped_ends_with_the_same_bits(tmp_path):
     meshes = {"ball": sphere(0.3), "ground": moved(grid(2.0, 2.0), (0, 0, -0.3))}
     with simulation(meshes) as sim:
         fall(sim, meshes, 0.1, 6)
-        sim.save(str(tmp_path / "state"))
+        save(sim, tmp_path / "state")
         fall(sim, meshes, 0.1, 6)
         expected = [sim.height(name) for name in meshes]
     with simulation(meshes) as sim:
-        sim.restore(str(tmp_path / "state"))
+        restore(sim, tmp_path / "state")
         fall(sim, meshes, 0.1, 6)
         assert all(np.array_equal(sim.height(name), map_) for name, map_ in zip(meshes, expected))
 

@@ -73,3 +73,39 @@ def test_a_closed_simulation_takes_no_settings(ground):
     ground.close()
     with pytest.raises(RuntimeError, match="closed"):
         ground.change_settings(seed=1)
+
+
+# Each number with a value below the valid ones.
+NUMBERS = {
+    "pixel_size": 0.0,
+    "noise_density": 0.0,
+    "flutter": -0.1,
+    "max_depth": -0.2,
+    "slide_half_life": -0.3,
+    "repose": 0.0,
+    "cohesion": -0.4,
+    "blur_radius": -0.5,
+}
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_every_number_arrives_under_its_own_name(name):
+    with pytest.raises(ValueError, match=f"^{name} must be "):
+        native.SnowSimulation(engine="CPU", **{name: NUMBERS[name]})
+
+
+def test_the_docstring_names_every_number_with_default_and_valid_values():
+    lines = native.SnowSimulation.__doc__.splitlines()
+    assert [line.partition(" = ")[0] for line in lines if " = " in line] == list(NUMBERS)
+    assert [line for line in lines if line.startswith("max_depth = 1: ") and "(0 metres or more)" in line]
+
+
+def test_unknown_settings_and_wrong_types_are_type_errors(ground):
+    with pytest.raises(TypeError, match="there is no setting 'pixelsize'"):
+        native.SnowSimulation(pixelsize=0.1)
+    with pytest.raises(TypeError, match="cohesion must be a number"):
+        native.SnowSimulation(cohesion="1")
+    with pytest.raises(TypeError, match="pixel_size cannot change: make a new SnowSimulation"):
+        ground.change_settings(pixel_size=0.1)
+    with pytest.raises(TypeError, match="there is no such map"):
+        ground.output("ground", albedo=True)

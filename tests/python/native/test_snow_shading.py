@@ -120,17 +120,3 @@ def test_shading_of_another_shape_is_refused():
     positions, triangles, uv = grid()
     with native.SnowSimulation() as sim, pytest.raises(ValueError, match=r"'it'.*shading.*\(T, 3\), T = 2"):
         sim.add_object("it", triangles, uv, shading=np.zeros((1, 3), np.int32))
-
-
-def test_a_checkpoint_of_other_shading_is_refused(tmp_path):
-    positions, triangles, uv = grid()
-    path = str(tmp_path / "state")
-    for shading in (None, triangles):
-        with native.SnowSimulation(pixel_size=0.1) as sim:
-            sim.add_object("it", triangles, uv, resolution=64, shading=shading)
-            sim.step({"it": positions}, 0.01)
-            if shading is None:
-                sim.save(path)
-            else:
-                with pytest.raises(ValueError, match="object 'it'"):
-                    sim.restore(path)

@@ -25,7 +25,7 @@ constexpr const char* kFamily = "other";
 
 class CpuEngine final : public Engine {
  public:
-  std::string name() const override { return "CPU"; }
+  EngineKind kind() const override { return EngineKind::kCpu; }
   std::string driver() const override { return std::string("processor, ") + kFamily; }
   int64_t free_memory() override { return machine_memory(); }
   int32_t max_layers() const override { return std::numeric_limits<int32_t>::max(); }

@@ -51,7 +51,7 @@ class GlEngine final : public Engine {
   GlEngine(const GlEngine&) = delete;
   GlEngine& operator=(const GlEngine&) = delete;
 
-  std::string name() const override { return "GL"; }
+  EngineKind kind() const override { return EngineKind::kGl; }
   std::string driver() const override {
     return thread_->info().renderer + ", " + thread_->info().version;
   }

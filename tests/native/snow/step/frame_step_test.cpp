@@ -24,7 +24,7 @@ class WritesDown : public Engine {
   std::vector<std::vector<TriangleRange>> drawn;
   float full_gain = 0.0f;
 
-  std::string name() const override { return "CPU"; }
+  EngineKind kind() const override { return EngineKind::kCpu; }
   std::string driver() const override { return "none"; }
   int64_t free_memory() override { return 0; }
   int32_t max_layers() const override { return 8; }

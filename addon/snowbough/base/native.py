@@ -29,7 +29,7 @@ class NativeModuleMissing(RuntimeError):
 
 
 def _folders():
-    package = Path(__file__).resolve().parent
+    package = Path(__file__).resolve().parent.parent
     named = os.environ.get(ENVIRONMENT_VARIABLE)
     if named:
         yield Path(named)

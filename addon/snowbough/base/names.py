@@ -120,26 +120,29 @@ def sized(count):
     return f"{-(-int(count) // 1024)} KiB"
 
 
-# Units of settings, found by their names.
-_UNITS = (
-    (re.compile(r"depth|cohesion|_size$|^height$"), "m"),
-    (re.compile(r"half_life"), "s"),
-    (re.compile(r"blur_radius"), "texels"),
-    (re.compile(r"flutter|repose|angle|bearing"), "°"),
-)
+# Units as tooltips name them in brackets, and as labels and messages show them.
+_UNITS = {"metres": "m", "seconds": "s", "texels": "texels", "degrees": "°"}
 
 
-def unit_of(name):
-    """The unit of a setting: m, s, texels, ° (of which it holds radians), or nothing."""
-    return next((unit for pattern, unit in _UNITS if pattern.search(name)), "")
+def unit_of(description):
+    """The unit of a setting with that tooltip: m, s, texels, ° (whose values are radians), or nothing."""
+    return next((unit for name, unit in _UNITS.items() if f"({name})" in description), "")
 
 
-def with_unit(name, value):
-    """The value of the setting `name` for people: ``0.1 m``, ``7.162°``."""
+def with_unit(value, unit):
+    """The value of a setting for people: ``0.1 m``, ``7.162°``."""
     if not isinstance(value, float):
         return "not set" if value is None else str(value)
-    unit = unit_of(name)
     return f"{math.degrees(value):.4g}°" if unit == "°" else f"{value:.6g} {unit}".strip()
+
+
+# Parts of the names of renderers and drivers that run on the processor.
+_SOFTWARE = ("llvmpipe", "softpipe", "swiftshader", "software")
+
+
+def is_software(renderer):
+    """Whether the renderer or driver with that name runs on the processor."""
+    return any(name in renderer.lower() for name in _SOFTWARE)
 
 
 # Errors of an import or an export that are reported to the user. Other errors are not caught.

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "snow/step/engine.h"
+
+namespace snowbough::snow {
+
+/// Settings of a simulation. A new number is a field here and a row of kNumberSettings, which says
+/// what it means.
+struct SimulationSettings {
+  double pixel_size = 0.01;
+  double noise_density = 1.0;
+  double flutter = 0.0;
+  double max_depth = 1.0;
+  double slide_half_life = 2.0;
+  double repose = 65.0 / 180.0 * std::numbers::pi;
+  double cohesion = 0.0;
+  double blur_radius = 0.0;
+  uint32_t seed = 0;
+  DepositMapping mapping = DepositMapping::kCompute;
+  /// Largest edge of an occlusion tile in pixels: a power of two from 64 to 4096. It changes memory
+  /// use and speed, never the result.
+  int32_t tile_size = 2048;
+  /// Engine that runs the passes; see EngineChoice.
+  EngineKind engine = EngineKind::kAuto;
+  /// EGL device, see gpu::GlContext.
+  std::string device = {};
+  /// True: the constructor waits for the engine and throws if there is none. False: the first call
+  /// that needs the engine does so, and objects can be added while the driver loads.
+  bool wait_for_gpu = true;
+};
+
+/// A setting that is a number. Checks and the Python module read these rows.
+struct NumberSetting {
+  /// Name in Python.
+  const char* name;
+  double SimulationSettings::*field;
+  /// Valid values, as numbers and in words.
+  double least = 0.0;
+  double most = std::numeric_limits<double>::max();
+  const char* range;
+  /// For the Python docstring.
+  const char* meaning;
+  /// Whether change_settings can change it.
+  bool can_change = true;
+};
+
+/// The smallest number over 0.
+inline constexpr double kOverZero = std::numeric_limits<double>::denorm_min();
+
+inline constexpr NumberSetting kNumberSettings[] = {
+    {.name = "pixel_size",
+     .field = &SimulationSettings::pixel_size,
+     .least = kOverZero,
+     .range = "over 0 metres",
+     .meaning = "edge of an occlusion pixel",
+     .can_change = false},
+    {.name = "noise_density",
+     .field = &SimulationSettings::noise_density,
+     .least = kOverZero,
+     .most = 1.0,
+     .range = "over 0 and at most 1",
+     .meaning = "fraction of pixels that receive snow in a step; these receive 1 / noise_density "
+                "times as much"},
+    {.name = "flutter",
+     .field = &SimulationSettings::flutter,
+     .most = 0.7854,
+     .range = "0 to pi / 4 radians",
+     .meaning = "largest angle between a flake's path and the fall direction"},
+    {.name = "max_depth",
+     .field = &SimulationSettings::max_depth,
+     .range = "0 metres or more",
+     .meaning = "depth that level ground holds before snow slides"},
+    {.name = "slide_half_life",
+     .field = &SimulationSettings::slide_half_life,
+     .range = "0 seconds or more",
+     .meaning = "time in which the snow beyond a slope's capacity halves"},
+    {.name = "repose",
+     .field = &SimulationSettings::repose,
+     .least = kOverZero,
+     .most = 1.5708,
+     .range = "over 0 and at most pi / 2 radians",
+     .meaning = "angle of repose from level: steeper snow moves to lower neighbours or falls over "
+                "a rim, which counts as slid, and walls lose their snow within a second. At pi / 2 "
+                "snow stays where it fell, also on walls"},
+    {.name = "cohesion",
+     .field = &SimulationSettings::cohesion,
+     .range = "0 metres or more",
+     .meaning = "height at which a vertical snow face stays up. Smooth surfaces that curve about "
+                "as tightly as that, such as twigs, carry steeper snow"},
+    {.name = "blur_radius",
+     .field = &SimulationSettings::blur_radius,
+     .range = "0 metres or more",
+     .meaning = "standard deviation of the blur of output; the stored map stays unblurred",
+     .can_change = false},
+};
+
+}  // namespace snowbough::snow
