@@ -27,8 +27,10 @@ def describe(running):
         text = f"Baked {counted(len(results), 'frame')} in {seconds:.1f} s"
     else:
         text = "Everything is already baked from the current scene"
+    if running.job.repaired:
+        text += f". {'; '.join(running.job.repaired)}"
     if not refused:
-        return "INFO", text
+        return "INFO", one_line(text)
     return "WARNING", one_line(
         f"{text}, without {counted(len(refused), 'receiver')}: {'; '.join(refused.values())}"
     )

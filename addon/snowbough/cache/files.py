@@ -131,6 +131,15 @@ def digest(value):
     return hashlib.blake2b(to_json(value), digest_size=16).hexdigest()
 
 
+def file_digest(path):
+    """A digest of a file's content: 16 bytes in hex."""
+    hasher = hashlib.blake2b(digest_size=16)
+    with open(path, "rb") as stream:
+        while block := stream.read(1 << 20):
+            hasher.update(block)
+    return hasher.hexdigest()
+
+
 def make_folder(path):
     """Makes a folder and checks that it can be written. Raises CacheError with what to do."""
     try:
