@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A short shot of plain data, and its bake without Blender: the job, the cache and the native module are the real ones.
 
-    python3 tests/faults/shot.py CACHE [--resume] [--wait SECONDS]
+    python3 tests/faults/shot.py CACHE [--resume] [--last FRAME] [--wait SECONDS]
 
 A ground, a cart that drives over it, and a flag that bends, all of them receivers; the flag ends with a snow surface.
-The exit codes are those of ``snowbough bake``. --wait: pause after each pose, for tests that interfere.
+The exit code is 0 if everything is baked, 5 or 7 as in ``snowbough bake`` with a message, or 1 for an unexpected error.
+--wait: pause after each pose, for tests that interfere.
 """
 
 import argparse
@@ -21,9 +22,11 @@ sys.path.insert(0, str(ROOT / "addon"))
 
 from snowbough import native as native_loader  # noqa: E402
 from snowbough.bake.job import BakeJob  # noqa: E402
+from snowbough.bake.map_writer import WriteFailed  # noqa: E402
 from snowbough.bake.request import BakeRequest  # noqa: E402
 from snowbough.cache import owner  # noqa: E402
-from snowbough.cache.errors import CacheBusy  # noqa: E402
+from snowbough.cache.errors import CacheBusy, CacheError, LockLost  # noqa: E402
+from snowbough.names import EXIT_CACHE, EXIT_LOCK_LOST  # noqa: E402
 from snowbough.scene.inputs import fingerprint  # noqa: E402
 from snowbough.scene.pose import ObjectPose, ReceiverSpec, ScenePose, Topology, own_key  # noqa: E402
 from snowbough.surface.style import SurfaceStyle  # noqa: E402
@@ -110,17 +113,22 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("cache", type=Path)
     parser.add_argument("--resume", action="store_true")
+    parser.add_argument("--last", type=int, default=FRAMES)
     parser.add_argument("--wait", type=float, default=0.0)
     options = parser.parse_args()
 
     def evaluate(frame, subframe):
+        print("pose", frame, flush=True)
         time.sleep(options.wait)
         return pose(frame, subframe)
 
-    begun = time.perf_counter()
-    bake(options.cache, evaluate, resume=options.resume)
-    print(f"baked in {time.perf_counter() - begun:.2f} s")
+    try:
+        bake(options.cache, evaluate, resume=options.resume, last=options.last)
+    except (CacheError, WriteFailed) as error:
+        print(error, file=sys.stderr)
+        return EXIT_LOCK_LOST if isinstance(error, LockLost) else EXIT_CACHE
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -50,7 +50,9 @@ def is_refused_when_read(path):
     number = int(re.search(r"\d+", path.name).group())
     try:
         folder.read_sidecar(path.parent, number)
-        native.load().read_checkpoint(str(path.parent / f"state_{number:04d}"), {path.parent.name: shot.RESOLUTION})
+        native.load().read_checkpoint(
+            str(path.parent / f"state_{number:04d}"), {path.parent.name: shot.RESOLUTION}
+        )
     except (CacheError, RuntimeError, ValueError) as error:
         return str(path) in str(error)
     return False

@@ -9,8 +9,17 @@ import numpy as np
 
 from ..cache import folder as receiver_folder
 from ..cache.coverage import Coverage
-from ..cache.errors import CacheError, InputsChanged, LockLost, remedy_for
-from ..cache.files import EVER_COVERED, POSITIONS, RECEIVER, bake_files, digest, frame_file, state_file
+from ..cache.errors import CacheError, InputsChanged, LockLost, with_remedy
+from ..cache.files import (
+    EVER_COVERED,
+    MANIFEST,
+    POSITIONS,
+    RECEIVER,
+    bake_files,
+    digest,
+    frame_file,
+    state_file,
+)
 from ..cache.integrity import checksums_of, first_damage
 from ..cache.manifest import describe_changes, read_manifest, write_inputs, write_manifest
 from ..names import MAX_RESOLUTION, MIN_RESOLUTION
@@ -201,6 +210,11 @@ class BakedReceiver:
             ) from error
         return state["step_number"], own, sidecar["driver"], sidecar["inputs"]
 
+    def checkpoints(self):
+        """Frames of the checkpoints that it can be resumed from: none while its files are being removed."""
+        is_bake = (self.folder / MANIFEST).is_file()
+        return receiver_folder.checkpoints(self.folder) if is_bake else []
+
     def forget_after(self, frame, shot):
         """Removes everything that was baked after a checkpoint, which read_checkpoint has read."""
         self.lock.check()
@@ -222,7 +236,7 @@ class BakedReceiver:
         except LockLost:
             raise
         except (OSError, RuntimeError) as error:
-            raise CacheError(f"{error}. {remedy_for(error)}") from error
+            raise CacheError(with_remedy(error)) from error
 
     @contextlib.contextmanager
     def _writing(self):

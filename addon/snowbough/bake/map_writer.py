@@ -6,7 +6,7 @@ import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 
-from ..cache.errors import LockLost, remedy_for
+from ..cache.errors import LockLost, with_remedy
 
 # Limit of the queue; a longer one would only fill memory if the disk is slow.
 MAX_WAITING = 8
@@ -79,7 +79,7 @@ class MapWriter:
             except LockLost as error:
                 self._error = error
             except (OSError, RuntimeError) as error:  # reported by call() and flush() in the baking thread
-                self._error = WriteFailed(f"{error}. {remedy_for(error)}")
+                self._error = WriteFailed(with_remedy(error))
             except Exception as error:
                 self._error = error
             finally:

@@ -6,6 +6,7 @@ panel shows its findings (session.issues).
 """
 
 import shutil
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -161,13 +162,11 @@ def _cache(scene):
 
 
 def _is_writable(folder):
-    probe = folder / f".snowbough-probe-{id(folder)}"
     try:
-        probe.touch()
-        probe.unlink()
+        with tempfile.TemporaryFile(dir=folder):
+            return True
     except OSError:
         return False
-    return True
 
 
 def _receiver(scene, entry, depsgraph):

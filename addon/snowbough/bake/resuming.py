@@ -4,7 +4,6 @@
 from concurrent.futures import ThreadPoolExecutor
 
 from ..cache.errors import CacheError, InputsChanged, NoCheckpoint
-from ..cache.folder import checkpoints
 from ..cache.manifest import read_inputs
 from ..cache.versions import is_finished
 from ..scene.inputs import SceneInputs
@@ -24,7 +23,7 @@ def checkpoint_frame(request, receivers, version, damage):
 
     damage: from find_damage. Raises NoCheckpoint, naming the existing ones, if the requested frames need another
     checkpoint, and CacheError if the damage cannot be repaired."""
-    common = set.intersection(*(set(checkpoints(receiver.folder)) for receiver in receivers))
+    common = set.intersection(*(set(receiver.checkpoints()) for receiver in receivers))
     at, path = min(damage.values(), default=(request.last + 1, None))
     if request.resume:
         usable = [frame for frame in common if request.first - 1 <= frame < at and frame <= request.last]

@@ -7,10 +7,11 @@ import json
 import os
 import re
 import stat
+import tempfile
 import uuid
 from pathlib import Path
 
-from .errors import CacheError
+from .errors import CacheError, failed
 
 MANIFEST = "object.json"
 LOCK = "lock"
@@ -113,7 +114,7 @@ def write_bytes(path, data):
     except OSError as error:
         with contextlib.suppress(OSError):
             temporary.unlink()
-        raise CacheError(f"{path} could not be written: {error.strerror or error}") from error
+        raise failed(path, "written", error) from error
 
 
 def to_json(value):
@@ -144,9 +145,9 @@ def make_folder(path):
     """Makes a folder and checks that it can be written. Raises CacheError with what to do."""
     try:
         Path(path).mkdir(parents=True, exist_ok=True)
-        probe = Path(path) / f"{PROBE}{os.getpid()}"
-        probe.touch()
-        probe.unlink()
+        # On Linux it has no name, so a kill leaves nothing.
+        with tempfile.TemporaryFile(prefix=PROBE, dir=path):
+            pass
     except OSError as error:
         raise CacheError(
             f"The cache folder {path} cannot be written: {error.strerror or error}. "

@@ -6,7 +6,7 @@ import os
 import re
 from pathlib import Path
 
-from .errors import CacheError, NoCheckpoint
+from .errors import CacheError, NoCheckpoint, failed
 from .files import (
     FRAME_PATTERN,
     LOCK,
@@ -129,7 +129,7 @@ def clear(folder):
             path = folder / REMOVED_MANIFEST if path == folder / MANIFEST else path
             path.unlink(missing_ok=True)
     except OSError as error:
-        raise CacheError(f"{error.filename} could not be removed: {error.strerror}") from error
+        raise failed(error.filename, "removed", error) from error
     for emptied in (folder / TEXTURE_CACHE, folder):
         with contextlib.suppress(OSError):
             emptied.rmdir()

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..cache.errors import CacheError
+from ..cache.errors import CacheError, failed
 from ..cache.files import TEMPORARY_SUFFIX
 
 _HEADER = struct.Struct("<12siiffi")
@@ -85,9 +85,7 @@ class _Naming:
             if stream is not None:
                 stream.close()
             self._writer._temporary.unlink(missing_ok=True)
-            raise CacheError(
-                f"{self._writer._path} could not be written: {error.strerror or error}"
-            ) from error
+            raise failed(self._writer._path, "written", error) from error
 
 
 def read_point_cache(path):
