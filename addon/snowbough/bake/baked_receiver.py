@@ -89,6 +89,7 @@ class BakedReceiver:
         """Prepares the folder for the first frame of the shot."""
         self.lock.check()
         receiver_folder.clear(self.folder)
+        receiver_folder.remove_stray_files(self.folder)
         self.covered = Coverage(self.resolution)
         self.write_manifest(shot, complete=False)
 
@@ -186,8 +187,11 @@ class BakedReceiver:
         own = {"step_number": state["step_number"], "objects": {self.key: state["objects"][self.key]}}
         with self._writing():
             receiver_folder.write_sidecar(self.folder, frame, sidecar)
-            self.write_manifest(shot, False)
+        with self._writing():
+            self.write_manifest(shot, complete=False)
+        with self._writing():
             native.write_checkpoint(str(self.folder / state_file(frame)), own)
+        with self._writing():
             self._remove_passed_checkpoints(shot, frame)
 
     def read_checkpoint(self, native, frame):

@@ -102,7 +102,11 @@ def lock_folder(folder):
         if same:
             break
         os.close(descriptor)
-    lock = FolderLock(path, descriptor)
+    try:
+        lock = FolderLock(path, descriptor)
+    except OSError as error:
+        os.close(descriptor)
+        raise failed(path, "written", error) from error
     try:
         yield lock
     finally:
