@@ -47,7 +47,7 @@ class BakeJob:
     def __init__(self, request, native):
         self.request = request
         self.native = native
-        self.root = versions.scene_folder(request.cache, request.scene_name, request.cache_id)
+        self.root = versions.scene_folder(request.cache, request.known_as, request.cache_id)
         self.version = None
         self.receivers = []
         self.baked = []

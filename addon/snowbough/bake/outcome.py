@@ -13,6 +13,7 @@ from ..names import counted
 from ..result import displacement
 from ..result.snow_surface import blend_path
 from ..scene.pose import library_path
+from .cache_place import note_baked_name
 
 
 def describe(running):
@@ -108,6 +109,7 @@ def relocate_folders(*_):
     the cache of the last bake."""
     for scene in bpy.data.scenes:
         used = scene.snowbough.cache_used
+        note_baked_name(scene)
         for entry in scene.snowbough.receivers:
             if entry.folder and entry.object is not None and not entry.baked_as:
                 entry.baked_as = _baked_name(entry)

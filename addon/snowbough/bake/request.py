@@ -52,6 +52,8 @@ class BakeRequest:
     write_normals: bool = _for_all_maps()
     receivers: tuple
     """scene.pose.ReceiverSpec of the scene's list, disabled ones included."""
+    baked_as: str = ""
+    """The scene's name at its first bake, which its folder keeps; empty for its current name."""
     cache_id: str = ""
     """Identity of the cache (cache.versions.scene_folder)."""
     blend: str = ""
@@ -64,6 +66,10 @@ class BakeRequest:
     allow_other_driver: bool = False
     engine: str = "AUTO"
     """AUTO, GL or CPU, as in SnowSimulation. Not part of the shot: checkpoints store the engine that ran."""
+
+    @property
+    def known_as(self):
+        return self.baked_as or self.scene_name
 
     def shot(self):
         """{name: value} of all that affects all maps of the shot, except the depth of each frame and the size of an
