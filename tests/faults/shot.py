@@ -34,6 +34,7 @@ from snowbough.surface.style import SurfaceStyle  # noqa: E402
 FRAMES = 8
 INTERVAL = 3
 RESOLUTION = 64
+REPOSE = math.radians(60.0)
 
 _SQUARE = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
 _TRIANGLES = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
@@ -77,7 +78,7 @@ def pose(frame, subframe):
 def request(cache, **changes):
     """The BakeRequest of the whole shot."""
     snow = {
-        "flutter": 0.05, "noise_density": 0.5, "repose": math.radians(60.0), "slide_half_life": 0.5,
+        "flutter": 0.05, "noise_density": 0.5, "repose": REPOSE, "slide_half_life": 0.5,
         "mapping": "COMPUTE", "seed": 1,
     }  # fmt: skip
     whole = {
@@ -97,6 +98,30 @@ def bake(cache, evaluate=pose, **changes):
         raise CacheBusy(f"{job.root} belongs to another file")
     job.run(evaluate)
     return job
+
+
+def plates(count, resolution, faces=4):
+    """(receivers' specs, ScenePose) of level plates in rows, of faces x faces quads each."""
+    at = np.linspace(-1.0, 1.0, faces + 1, dtype=np.float32)
+    x, y = (values.ravel() for values in np.meshgrid(at, at))
+    local = np.stack([x, y, 0.2 * np.sin(3.0 * x)], axis=1)
+    first = (np.arange(faces)[:, None] * (faces + 1) + np.arange(faces)).ravel()
+    quads = np.stack([first, first + 1, first + faces + 2, first + faces + 1], axis=1).astype(np.int32)
+    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    uv = ((np.stack([x, y], axis=1) + 1.0) / 2.0)[triangles]
+    topology = Topology(triangles, uv, len(local), fingerprint(triangles, uv))
+    specs = [ReceiverSpec(f"Plate {number}", "", "snow", resolution) for number in range(count)]
+    columns = math.isqrt(count) + 1
+    objects = {}
+    for number, spec in enumerate(specs):
+        matrix = _placed(3.0 * (number % columns), 3.0 * (number // columns), 0.0, 1.0)
+        positions = (local + matrix[:3, 3]).astype(np.float32)
+        prints = (fingerprint(matrix), fingerprint(local), topology.print)
+        key = own_key(spec.name, "")
+        objects[key] = ObjectPose(
+            key, spec.name, spec.name, "", spec, "snow", topology, positions, prints, local, matrix
+        )
+    return tuple(specs), ScenePose(dict(sorted(objects.items())), 0.3, 1.0, 1.0)
 
 
 def files_of(root):

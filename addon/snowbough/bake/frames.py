@@ -4,6 +4,7 @@
 import time
 
 from ..cache.folder import checkpoints
+from . import memory
 from .request import FrameResult
 from .snow_engine import driver_text, other_engine
 
@@ -122,6 +123,7 @@ class FrameBaker:
                     self._native, output, entry
                 ),
                 snapshot.output,
+                memory.output_bytes(receiver.resolution, self._request.write_normals),
             )
         return volume, slid
 
