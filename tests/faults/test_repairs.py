@@ -105,7 +105,7 @@ def test_a_part_is_not_baked_behind_a_damaged_frame(stopped):
 
 
 def test_a_part_is_baked_from_its_checkpoint(stopped, whole):
-    with pytest.raises(NoCheckpoint, match=r"needs the checkpoint of frame 4 in v001 \(there are: \[3, 5\]"):
+    with pytest.raises(NoCheckpoint, match=r"needs the checkpoint of frame 4 .* \(there are: \[3, 5\]"):
         shot.bake(stopped, first=5)
     shot.bake(stopped, first=6)
     assert shot.files_of(stopped) == whole

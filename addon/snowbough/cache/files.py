@@ -3,6 +3,7 @@
 
 import contextlib
 import hashlib
+import io
 import json
 import os
 import re
@@ -119,7 +120,13 @@ def write_bytes(path, data):
 
 def to_json(value):
     """Canonical JSON: equal values give equal bytes."""
-    return json.dumps(value, sort_keys=True, indent=1, ensure_ascii=False).encode() + b"\n"
+    data = io.BytesIO()
+    # Piece by piece: json.dumps keeps a list of all pieces, many times the size of the text.
+    with io.TextIOWrapper(data, encoding="utf-8", newline="\n") as stream:
+        json.dump(value, stream, sort_keys=True, indent=1, ensure_ascii=False)
+        stream.write("\n")
+        stream.flush()
+        return data.getvalue()
 
 
 def write_report(path, report):
