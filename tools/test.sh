@@ -3,6 +3,7 @@
 #
 #   ./tools/test.sh                        all layers
 #   ./tools/test.sh native|python|blender|ui [...]   only these
+#   ./tools/test.sh faults                 kills, full disks, damaged files, long bakes (about half an hour)
 #   ./tools/test.sh --blender 4.3|5.2      tests/blender in Debian trixie's or sid's Blender (made under build/)
 #   ./tools/test.sh --blender bpy[=VERSION]   tests/blender in PyPI's official bpy; with a version, on the package
 #   ./tools/test.sh --platform windows     tests/python on the wheel for Windows, under wine
@@ -15,7 +16,7 @@ cd "$(dirname "$0")/.."
 results="$PWD/build/tests"
 
 usage() {
-  sed -n '2,11s/^# \{0,1\}//p' "$0"
+  sed -n '2,12s/^# \{0,1\}//p' "$0"
 }
 
 layers=()
@@ -23,7 +24,7 @@ blender=
 platform=
 while [ $# -gt 0 ]; do
   case "$1" in
-    native | python | blender | ui) layers+=("$1") ;;
+    native | python | blender | ui | faults) layers+=("$1") ;;
     --blender)
       blender="${2:-}"
       shift
@@ -97,6 +98,12 @@ run_blender() {
     bpy*) tools/blender_bpy.sh "$results/blender.xml" "${blender#bpy}" ;;
     *) /usr/bin/python3 tests/blender/run.py --blender /usr/bin/blender --junitxml "$results/blender.xml" ;;
   esac
+}
+
+# Not part of `all layers`: it takes long.
+run_faults() {
+  PYTHONPATH=build/python /usr/bin/python3 -m pytest tests/faults -v -rfE -s \
+    -o junit_family=xunit2 --junitxml="$results/faults.xml"
 }
 
 run_ui() {
