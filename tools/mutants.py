@@ -115,10 +115,9 @@ MUTANTS = (
     # Resuming.
     bake("resuming", "request.first - 1 <= frame < at", "request.first - 1 <= frame <= at"),
     bake("resuming", "return max(usable)", "return min(usable)"),
-    bake("resuming", "if damage and any(", "if any("),
     bake("resuming", "if damage and any(", "if False and any("),
-    bake("baked_receiver", "        self.write_manifest(shot, complete=False)\n        receiver_folder.remove_frames_after",
-         "        receiver_folder.remove_frames_after"),
+    bake("baked_receiver", "        self.write_manifest(shot, complete=False)\n        receiver_folder.remove_fr",
+         "        receiver_folder.remove_fr"),
     bake("baked_receiver", "is_bake = (self.folder / MANIFEST).is_file()", "is_bake = True"),
     bake("baked_receiver", "        self.lock.check()\n        try:\n", "        try:\n"),
     bake("map_writer", "self._waiting_bytes + size <= MAX_WAITING_BYTES", "True", CACHE),

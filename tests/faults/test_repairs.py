@@ -98,6 +98,13 @@ def test_a_stopped_bake_goes_on_before_its_damaged_frame(stopped, whole):
     assert shot.files_of(stopped) == whole
 
 
+def test_a_stopped_bake_does_not_go_on_from_the_checkpoint_of_a_damaged_frame(stopped, whole):
+    flip(found(stopped, "Ground-*/height_0005.exr"))
+    job = shot.bake(stopped, resume=True)
+    assert job.results[0].frame == 4
+    assert shot.files_of(stopped) == whole
+
+
 def test_a_part_is_not_baked_behind_a_damaged_frame(stopped):
     flip(found(stopped, "Ground-*/height_0004.exr"))
     with pytest.raises(CacheError, match="height_0004.exr is missing or damaged: resume the bake"):
@@ -117,6 +124,7 @@ def test_a_damaged_manifest_is_restored_from_a_checkpoint(request, cache, whole)
     flip(found(cache, "Cart-*/object.json"))
     job = shot.bake(cache, resume=True)
     assert len(job.repaired) == 1 and "object.json was damaged and is restored" in job.repaired[0]
+    assert job.results[0].frame == (6 if "/b/" in str(cache) else 7)  # after the newest checkpoint
     assert shot.files_of(cache) == whole
 
 
