@@ -3,6 +3,7 @@
 #
 #   ./tools/test.sh                        all layers
 #   ./tools/test.sh native|python|blender|ui [...]   only these
+#   ./tools/test.sh faults                 kills, full disks, damaged files, long bakes (about half an hour)
 #   ./tools/test.sh --blender 4.3|5.2      tests/blender in Debian trixie's or sid's Blender (made under build/)
 #   ./tools/test.sh --blender bpy[=VERSION]   tests/blender in PyPI's official bpy; with a version, on the package
 #   ./tools/test.sh --platform windows     tests/python on the wheel for Windows, under wine
@@ -24,7 +25,7 @@ blender=
 platform=
 while [ $# -gt 0 ]; do
   case "$1" in
-    native | python | blender | ui) layers+=("$1") ;;
+    native | python | blender | ui | faults) layers+=("$1") ;;
     --blender)
       blender="${2:-}"
       shift
@@ -101,6 +102,12 @@ run_blender() {
         --junitxml "$results/blender.xml"
       ;;
   esac
+}
+
+# Not part of `all layers`: it takes long.
+run_faults() {
+  PYTHONPATH=build/python /usr/bin/python3 -m pytest tests/faults -v -rfE -s \
+    -o junit_family=xunit2 --junitxml="$results/faults.xml"
 }
 
 run_ui() {

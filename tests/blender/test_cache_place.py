@@ -96,6 +96,40 @@ def test_a_renamed_file_goes_on_with_its_bake(shot, addon, tmp_path):
     assert heights(tmp_path) == [] and not own.parent.parent.exists()
 
 
+@pytest.mark.parametrize("noted", [True, False])
+def test_a_renamed_scene_goes_on_with_its_bake(shot, addon, tmp_path, noted):
+    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
+    running = from_scene.prepare_bake(bpy.context.scene, from_scene.make_request(bpy.context.scene, last=1))
+    engine.run(bpy.context, running)
+    addon("bake.outcome").conclude(bpy.context.scene, running)
+    own = shown()
+    if not noted:  # baked by an earlier version
+        bpy.context.scene.snowbough.cache_scene = ""
+    bpy.ops.wm.save_mainfile()
+    opened(shot)
+    bpy.context.scene.name = "Renamed"
+    assert addon("bake.cache_place").existing_cache(bpy.context.scene) == own.parent.parent
+    s.bake(resume=True)
+    assert shown() == own and len(heights(tmp_path)) == 2
+    bpy.ops.snowbough.free_bake()
+    assert heights(tmp_path) == [] and bpy.context.scene.snowbough.cache_scene == ""
+
+
+def test_a_copy_of_a_scene_and_a_new_scene_of_its_old_name_get_their_own_folders(shot, addon, tmp_path):
+    s.bake()
+    first = bpy.context.scene
+    bpy.ops.scene.new(type="FULL_COPY")
+    copy = bpy.context.scene
+    place = addon("bake.cache_place")
+    own, other = place.existing_cache(first), place.existing_cache(copy)
+    assert own == shown().parent.parent != other
+    first.name = "Renamed"
+    copy.name = "Scene"
+    copy.snowbough.cache_scene = ""
+    assert place.existing_cache(first) == own
+    assert place.existing_cache(copy) not in (own, None)
+
+
 def test_what_was_baked_before_the_file_was_saved_is_resumed_and_freed(addon, tmp_path):
     s.receive(s.square("Ground"))
     s.settings(tmp_path / "cache", frames=(1, 4))

@@ -11,10 +11,21 @@ from ..base.map_kinds import BY_NAME
 from ..base.names import MAX_RESOLUTION, MIN_RESOLUTION
 from ..cache import folder as receiver_folder
 from ..cache.coverage import Coverage
-from ..cache.errors import CacheError, InputsChanged, LockLost, remedy_for
-from ..cache.files import EVER_COVERED, bake_files, digest, frame_file, state_file
+from ..cache.errors import CacheError, InputsChanged, LockLost, with_remedy
+from ..cache.files import (
+    EVER_COVERED,
+    MANIFEST,
+    POSITIONS,
+    RECEIVER,
+    bake_files,
+    digest,
+    frame_file,
+    state_file,
+)
+from ..cache.integrity import checksums_of, first_damage
 from ..cache.manifest import describe_changes, read_manifest, write_inputs, write_manifest
 from ..scene.uv_overlap import outside_share
+from ..surface.compute import damaged as damaged_surface
 from ..surface.compute import update as update_surface
 from ..surface.recording import ReceiverRecorder
 from . import plan
@@ -80,37 +91,64 @@ class BakedReceiver:
         """Prepares the folder for the first frame of the shot."""
         self.lock.check()
         receiver_folder.clear(self.folder)
+        receiver_folder.remove_stray_files(self.folder)
         self.covered = Coverage(self.resolution)
         self.write_manifest(shot, complete=False)
 
     def write_maps(self, native, output, entry):
         """Writes the result of a native OutputSnapshot's output(). entry: what the manifest stores about the frame, a
-        dict with its number as ``frame``; the greatest height on either side is added."""
+        dict with its number as ``frame``; the greatest height on either side and checksums are added."""
         frame, height = entry["frame"], output["height"]
         with self._writing():
             for name, values in output.items():
                 kind, path = BY_NAME[name], self.folder / frame_file(name, frame)
                 native.write_exr(str(path), kind.encoded(values), half=kind.is_half)
+            checksums = checksums_of(self.folder, [frame_file(name, frame) for name in output])
         self.covered.add(height)
-        self.frames.append({**entry, "highest": float(max(height.max(), -height.min()))})
+        self.frames.append(
+            {**entry, "highest": float(max(height.max(), -height.min())), "checksums": checksums}
+        )
+
+    def _described(self, shot):
+        """The part of the manifest that is known before the first frame."""
+        own = self.settings(shot)
+        return {
+            "object": self.name,
+            "label": self.label,
+            "library": self.library,
+            "cache": self.cache,
+            "hash": digest(own),
+            "settings": own,
+            "share": self.share,
+        }
 
     def write_manifest(self, shot, complete):
-        own = self.settings(shot)
-        write_manifest(
-            self.folder,
-            {
-                "object": self.name,
-                "label": self.label,
-                "library": self.library,
-                "cache": self.cache,
-                "files": bake_files(shot["frame_start"], shot["frame_end"]),
-                "complete": complete,
-                "hash": digest(own),
-                "settings": own,
-                "frames": self.frames,
-                "share": self.share,
-            },
-        )
+        manifest = {
+            **self._described(shot),
+            "files": bake_files(shot["frame_start"], shot["frame_end"]),
+            "complete": complete,
+            "frames": self.frames,
+        }
+        if complete:
+            manifest["checksums"] = checksums_of(self.folder, self._written_once())
+        write_manifest(self.folder, manifest)
+
+    def _written_once(self):
+        """Names of the files of a finished bake that have no checksum in themselves, besides the maps of frames."""
+        has_surface = self.recorder is not None and self.recorder.changed_at is None
+        return [EVER_COVERED, RECEIVER, POSITIONS] if has_surface else [EVER_COVERED]
+
+    def first_damage(self):
+        """(frame, path) of the first file that is missing or damaged: the bake must go on before that frame. None if
+        all files of the manifest are intact."""
+        manifest = read_manifest(self.folder)
+        if manifest is None:
+            return None
+        found = first_damage(self.folder, manifest)
+        if found is None and manifest["complete"]:
+            name = damaged_surface(self.folder)
+            found = None if name is None else (manifest["settings"]["snowfall"]["frame_end"], name)
+        return None if found is None else (found[0], self.folder / found[1])
 
     def record(self, frame, pose):
         """Records the receiver's shape in the scene.pose.ScenePose of a frame. Frames must come in order."""
@@ -140,12 +178,21 @@ class BakedReceiver:
     def write_checkpoint(self, native, frame, shot, state, driver, inputs):
         """Writes the checkpoint of ``frame``, the last frame whose maps were written. state: from simulation_state;
         driver: the engine and driver that ran (snow_engine.driver_text); inputs: all poses so far (scene.inputs)."""
-        sidecar = {"covered": self.covered.pack(), "driver": driver, "frames": self.frames, "inputs": inputs}
+        sidecar = {
+            "covered": self.covered.pack(),
+            "driver": driver,
+            "frames": self.frames,
+            "inputs": inputs,
+            "manifest": self._described(shot),
+        }
         own = {"step_number": state["step_number"], "objects": {self.key: state["objects"][self.key]}}
         with self._writing():
             receiver_folder.write_sidecar(self.folder, frame, sidecar)
-            self.write_manifest(shot, False)
+        with self._writing():
+            self.write_manifest(shot, complete=False)
+        with self._writing():
             native.write_checkpoint(str(self.folder / state_file(frame)), own)
+        with self._writing():
             self._remove_passed_checkpoints(shot, frame)
 
     def read_checkpoint(self, native, frame):
@@ -168,9 +215,15 @@ class BakedReceiver:
             ) from error
         return state["step_number"], own, sidecar["driver"], sidecar["inputs"]
 
-    def forget_after(self, frame):
-        """Removes everything that was baked after a checkpoint."""
+    def checkpoints(self):
+        """Frames of the checkpoints that it can be resumed from: none while its files are being removed."""
+        is_bake = (self.folder / MANIFEST).is_file()
+        return receiver_folder.checkpoints(self.folder) if is_bake else []
+
+    def forget_after(self, frame, shot):
+        """Removes everything that was baked after a checkpoint, which read_checkpoint has read."""
         self.lock.check()
+        self.write_manifest(shot, complete=False)
         receiver_folder.remove_frames_after(self.folder, frame)
         for later in receiver_folder.checkpoints(self.folder):
             if later > frame:
@@ -188,7 +241,7 @@ class BakedReceiver:
         except LockLost:
             raise
         except (OSError, RuntimeError) as error:
-            raise CacheError(f"{error}. {remedy_for(error)}") from error
+            raise CacheError(with_remedy(error)) from error
 
     @contextlib.contextmanager
     def _writing(self):

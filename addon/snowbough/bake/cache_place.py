@@ -29,6 +29,35 @@ def cache_directory(scene, directory=None):
     return str(Path(bpy.path.abspath(path)).resolve())
 
 
+def known_as(scene):
+    """The name that the scene's folder in the cache has: that of its first bake. A copy of a scene, or a new scene of
+    that name, gets another one."""
+    owners = {}
+    for one in bpy.data.scenes:
+        stored = one.snowbough.cache_scene
+        if stored and (stored not in owners or one.name == stored):
+            owners[stored] = one
+    if owners.get(scene.snowbough.cache_scene) == scene:
+        return scene.snowbough.cache_scene
+    number, name = 1, scene.name
+    while name in owners:
+        number += 1
+        name = f"{scene.name} ({number})"
+    return name
+
+
+def note_baked_name(scene):
+    """Stores the name of a scene that an earlier version baked, before it is renamed."""
+    if scene.snowbough.cache_scene or scene.library is not None:
+        return
+    names = {versions.scene_folder("", scene.name, own).name for own in (scene.snowbough.cache_identity, "")}
+    if any(
+        Path(entry.folder.lstrip("/").replace("\\", "/")).parts[-3:-2] in [(name,) for name in names]
+        for entry in scene.snowbough.receivers
+    ):
+        scene.snowbough.cache_scene = scene.name
+
+
 def _stored_identity(scene):
     """The identity in the file on disk; undo to a step before saving removes it from the scene only."""
     return scene.snowbough.cache_identity or session.cache_identities.get(scene.name, "")
@@ -39,7 +68,7 @@ def identity(scene, cache):
     stored, blend = _stored_identity(scene), bpy.data.filepath
     if not stored or not blend:
         return stored
-    root = versions.scene_folder(cache, scene.name, stored)
+    root = versions.scene_folder(cache, known_as(scene), stored)
     return stored if owner.is_owner(root, blend) else owner.copy_identity(stored, blend, root)
 
 
@@ -49,9 +78,13 @@ def bake_place(scene, goes_on, directory=None):
     so the identity in the file is used as it is."""
     cache = cache_directory(scene, directory)
     own = _stored_identity(scene) if directory is not None else identity(scene, cache)
-    if goes_on and own and not versions.versions(versions.scene_folder(cache, scene.name, own)):
+    if goes_on and own and not versions.versions(versions.scene_folder(cache, known_as(scene), own)):
         used = scene.snowbough.cache_used
-        if used and Path(used) == Path(cache) and versions.versions(versions.scene_folder(cache, scene.name)):
+        if (
+            used
+            and Path(used) == Path(cache)
+            and versions.versions(versions.scene_folder(cache, known_as(scene)))
+        ):
             return cache, ""
     return cache, own
 
@@ -62,7 +95,7 @@ def existing_cache(scene):
         cache, own = bake_place(scene, goes_on=True)
     except (ValueError, CacheError):
         return None
-    return versions.scene_folder(cache, scene.name, own)
+    return versions.scene_folder(cache, known_as(scene), own)
 
 
 def own_bakes(scene):
@@ -76,9 +109,9 @@ def own_bakes(scene):
     for folder in dict.fromkeys(place for place in (cache, scene.snowbough.cache_used) if place):
         own = identity(scene, folder)
         if own:
-            found.append(versions.find_bakes(versions.scene_folder(folder, scene.name, own), (own,)))
+            found.append(versions.find_bakes(versions.scene_folder(folder, known_as(scene), own), (own,)))
     if cache is not None:
-        root = versions.scene_folder(cache, scene.name)
+        root = versions.scene_folder(cache, known_as(scene))
         if bpy.data.filepath:
             found.append(versions.find_bakes(root, ("", None), shown=_shown_versions(scene, root)))
         else:

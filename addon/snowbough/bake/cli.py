@@ -13,10 +13,10 @@ engine) and ``files`` (packing and writing) run in parallel.
 AUTO (GL on a graphics card, else CPU). The default is the add-on's preference, or AUTO without one.
 
 Problems that do not stop the bake, such as overlapping UVs, are printed before it as ``SNOWBOUGH warning="..."`` on
-standard error, and each receiver that is left out as ``SNOWBOUGH refused="..."``. With ``--attempts``, each pause
-between two attempts is printed as ``SNOWBOUGH waiting=SECONDS error="..."``. Errors are printed last, as
-``SNOWBOUGH error="..." code=N next="..."``; ``next`` says what a person must do. The JSON report also has ``notes``,
-such as the space that the maps take.
+standard error, each receiver that is left out as ``SNOWBOUGH refused="..."``, and each damaged file that a resumed bake
+makes again as ``SNOWBOUGH repaired="..."``. With ``--attempts``, each pause between two attempts is printed as
+``SNOWBOUGH waiting=SECONDS error="..."``. Errors are printed last, as ``SNOWBOUGH error="..." code=N next="..."``;
+``next`` says what a person must do. The JSON report also has ``notes``, such as the space that the maps take.
 
 Exit codes, also in the JSON report:
 
@@ -261,6 +261,9 @@ def _bake(request, report, pressed):
     report["refused"] = job.refused
     for reason in job.refused.values():
         print(f"SNOWBOUGH refused={json.dumps(reason)}", file=sys.stderr, flush=True)
+    report["repaired"] = job.repaired
+    for text in job.repaired:
+        print(f"SNOWBOUGH repaired={json.dumps(text)}", file=sys.stderr, flush=True)
     report["receivers"] = {label: str(folder) for label, folder in sorted(job.folders.items())}
     report["settings"] = {"frame_start": request.frame_start, "frame_end": request.frame_end,
                           "first": request.first, "last": request.last}  # fmt: skip

@@ -4,6 +4,7 @@
 import time
 
 from ..cache.folder import checkpoints
+from . import memory
 from .request import FrameResult
 from .snow_engine import driver_text, other_engine
 
@@ -43,6 +44,7 @@ class FrameBaker:
         self._log = log
         # Whether the simulation's state is that of the last reported frame.
         self._between_frames = True
+        self._places = {}
         self.inputs = []
         """Fingerprints of the poses up to the last frame (scene.inputs)."""
 
@@ -115,15 +117,23 @@ class FrameBaker:
                 "volume": own_volume,
                 "slid": own_slid,
                 "direction": list(direction),
-                "to_world": places[receiver.key].ravel().tolist(),
+                "to_world": self._place(receiver.key, places[receiver.key]),
             }
             self._writer.call(
                 lambda output, receiver=receiver, entry=entry: receiver.write_maps(
                     self._native, output, entry
                 ),
                 snapshot.output,
+                memory.output_bytes(receiver.resolution, self._request.write_normals),
             )
         return volume, slid
+
+    def _place(self, key, matrix):
+        """The matrix (4, 4) as a list: the same one while a receiver stands still, for memory."""
+        values = matrix.ravel().tolist()
+        if self._places.get(key) != values:
+            self._places[key] = values
+        return self._places[key]
 
     def _checkpoint(self, frame):
         """Reads the state back. The writer packs and writes it, after the maps before it."""

@@ -14,7 +14,7 @@ from ..scene.receivers import note_baked_names, receiver_specs
 from ..settings.preferences import preferred_engine
 from ..settings.scene import SnowboughSceneSettings
 from ..settings.simulation import snow_of
-from .cache_place import bake_place
+from .cache_place import bake_place, known_as
 from .engine import RunningBake
 from .job import BakeJob
 from .request import BakeRequest
@@ -65,6 +65,7 @@ def make_request(scene, resume=False, first=None, last=None, objects=(), directo
     cache, cache_id = bake_place(scene, resume or first > frame_start, directory)
     return BakeRequest(
         scene_name=scene.name,
+        baked_as=known_as(scene),
         cache=cache,
         cache_id=cache_id,
         blend=bpy.data.filepath if cache_id and directory is None else "",
@@ -90,5 +91,6 @@ def prepare_bake(scene, request, on_frame=None):
     physics simulation that is not baked and would not move."""
     physics_caches.require_cached(scene)
     note_baked_names(scene, request.receivers)
+    scene.snowbough.cache_scene = request.baked_as
     job = BakeJob(request, native.load())
     return RunningBake(job, request.receivers, metres_per_unit(scene), on_frame)

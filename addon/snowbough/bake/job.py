@@ -23,9 +23,10 @@ from functools import partial
 
 from ..cache import owner, versions
 from ..cache.errors import CacheError, CacheFinished
-from ..cache.files import digest, make_folder
+from ..cache.files import MANIFEST, digest, make_folder
+from ..cache.folder import restore_manifest
 from ..cache.lock import drop_dead_lock, lock_folder
-from ..cache.manifest import read_inputs, read_manifest
+from ..cache.versions import is_finished
 from ..scene.tracker import SceneTracker
 from ..surface.side_by_side import run_side_by_side
 from . import memory, plan, resuming, simulation
@@ -46,7 +47,7 @@ class BakeJob:
     def __init__(self, request, native):
         self.request = request
         self.native = native
-        self.root = versions.scene_folder(request.cache, request.scene_name, request.cache_id)
+        self.root = versions.scene_folder(request.cache, request.known_as, request.cache_id)
         self.version = None
         self.receivers = []
         self.baked = []
@@ -57,6 +58,8 @@ class BakeJob:
         self.results = []
         self.folders = {}
         """Receiver's label -> folder; known after the version is chosen."""
+        self.repaired = []
+        """Messages about damaged files that this bake makes again."""
         self._simulation = None
         self._registry = None
         self._tracker = SceneTracker()
@@ -97,7 +100,7 @@ class BakeJob:
             if not self.receivers:
                 self._compare_finished(evaluate, snowfall, first_pose, cancelled)
                 return
-            rest = resuming.checkpoint_frame(request, self.receivers, self.version)
+            rest = self._checkpoint_to_resume()
             if request.blend:
                 owner.claim(self.root, request.blend)
             if self._may_resume():  # finished receivers, which need no map, are known only now
@@ -107,6 +110,8 @@ class BakeJob:
             log(f"{self.version.name}; {', '.join(r.shown for r in self.receivers)}")
             for reason in self.refused.values():
                 log(f"left out: {reason}")
+            for text in self.repaired:
+                log(text)
             self._registry.prepare()
             if rest is None:
                 for receiver in self.receivers:
@@ -184,7 +189,7 @@ class BakeJob:
             memory.MapSize(own.resolution, len(pose.objects[own.key].topology.triangles))
             for own in self.receivers
         ]
-        shortage = memory.shortage(sizes, self.request.snow["repose"])
+        shortage = memory.shortage(sizes, self.request.snow["repose"], self.request.write_normals)
         if shortage:
             raise RuntimeError(shortage)
 
@@ -214,14 +219,28 @@ class BakeJob:
             if receiver.key in finished:
                 receiver.compare_settings(settings, self.request.units)
                 drop_dead_lock(receiver.folder)
-        self.receivers = [receiver for receiver in self.receivers if receiver.key not in finished]
+        damaged = resuming.find_damage([own for own in self.receivers if own.key in finished])
+        self.receivers = [own for own in self.receivers if own.key not in finished or own.key in damaged]
         for receiver in self.receivers:
             receiver.lock = stack.enter_context(lock_folder(receiver.folder))
+            if self._may_resume() and restore_manifest(receiver.folder):
+                self.repaired.append(
+                    f"{receiver.folder / MANIFEST} was damaged and is restored from a checkpoint"
+                )
             # Another machine may have finished it between choosing and locking.
-            if (read_manifest(receiver.folder) or {}).get("complete"):
+            if receiver.key not in damaged and is_finished(receiver.folder):
                 raise CacheFinished(
                     f"{receiver.shown} was just finished in {self.version.name} by another bake"
                 )
+
+    def _checkpoint_to_resume(self):
+        """The frame of the checkpoint that this bake continues, None for a fresh start."""
+        damage = resuming.find_damage(self.receivers) if self._may_resume() else {}
+        rest = resuming.checkpoint_frame(self.request, self.receivers, self.version, damage)
+        begin = self.request.frame_start if rest is None else rest + 1
+        for _, path in damage.values():
+            self.repaired.append(f"{path} was missing or damaged: frames from {begin} on are baked again")
+        return rest
 
     def _resume_from(self, frame, evaluate, snowfall, first_pose, settings, log, cancelled):
         """Compares scene and settings with the checkpoint of ``frame`` and restores it."""
@@ -234,16 +253,16 @@ class BakeJob:
         added, moved = self._replay_frames(evaluate, snowfall, first_pose, frame, cancelled)
         self._registry.register_changes(added)
         self._positions.update(moved)
-        recorded = {**self._finished_inputs(), **before}
+        recorded = {**resuming.finished_inputs(self.baked, self.receivers), **before}
         resuming.compare_scenes(recorded, self._tracker.inputs, "was baked from", "bake again from the start")
         for receiver in self.receivers:
-            receiver.forget_after(frame)
+            receiver.forget_after(frame, settings)
         self.native.set_simulation_state(self._simulation, state)
         log(f"restored the checkpoint of frame {frame}")
 
     def _compare_finished(self, evaluate, snowfall, first_pose, cancelled):
         """Compares the scene, frame by frame, with the inputs of the finished receivers."""
-        recorded = self._finished_inputs()
+        recorded = resuming.finished_inputs(self.baked, self.receivers)
         if not recorded:
             return
         self._replay_frames(evaluate, snowfall, first_pose, self.request.last, cancelled)
@@ -253,12 +272,6 @@ class BakeJob:
             f"in {self.version.name} was baked from",
             "bake again; the finished version is kept until it is freed",
         )
-
-    def _finished_inputs(self):
-        """{label: recorded poses} of the receivers that were finished before."""
-        writing = {receiver.key for receiver in self.receivers}
-        found = {own.shown: read_inputs(own.folder) for own in self.baked if own.key not in writing}
-        return {label: poses for label, poses in found.items() if poses is not None}
 
     def _replay_frames(self, evaluate, snowfall, first_pose, last, cancelled):
         """Evaluates all poses up to frame ``last`` without snow; returns the combined changes, as the tracker's

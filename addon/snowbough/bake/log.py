@@ -7,7 +7,7 @@ import os
 import socket
 
 from ..base.names import safe_name
-from ..cache.errors import CacheError
+from ..cache.errors import failed
 from ..cache.files import LOGS, make_folder
 
 
@@ -22,7 +22,7 @@ def open_log(root):
         try:
             stream = stack.enter_context(open(path, "a", encoding="utf-8"))
         except OSError as error:
-            raise CacheError(f"{path} could not be written: {error.strerror}") from error
+            raise failed(path, "written", error) from error
 
         def log(line):
             with contextlib.suppress(OSError):  # the writer of the maps reports a full disk

@@ -6,10 +6,11 @@ import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 
-from ..cache.errors import LockLost, remedy_for
+from ..cache.errors import LockLost, with_remedy
 
-# Limit of the queue; a longer one would only fill memory if the disk is slow.
+# Limits of the queue, in tasks and in bytes of maps; a longer one would only fill memory if the disk is slow.
 MAX_WAITING = 8
+MAX_WAITING_BYTES = 256 << 20
 # Maps made in parallel: the parts of one map that use a single thread overlap with the next map.
 MAKERS = 2
 
@@ -27,6 +28,8 @@ class MapWriter:
 
     def __init__(self):
         self._queue = queue.Queue(MAX_WAITING)
+        self._waiting_bytes = 0
+        self._less_waits = threading.Condition()
         self._error = None
         self._busy = 0.0
         self._busy_before = 0.0
@@ -44,11 +47,16 @@ class MapWriter:
         if error is None:
             self._raise()
 
-    def call(self, write, make=None):
-        """Queues write(), which writes files after those queued before it. make() computes its argument, in parallel to
-        other maps."""
+    def call(self, write, make=None, size=0):
+        """Queues write(), which writes files after those queued before it. make() computes its argument, of `size`
+        bytes, in parallel to other maps."""
         self._raise()
-        self._queue.put((write, self._makers.submit(make) if make else None))
+        with self._less_waits:
+            self._less_waits.wait_for(
+                lambda: not self._waiting_bytes or self._waiting_bytes + size <= MAX_WAITING_BYTES
+            )
+            self._waiting_bytes += size
+        self._queue.put((write, self._makers.submit(make) if make else None, size))
 
     def busy_since_last_call(self):
         """Seconds of work of the writing thread since the last call."""
@@ -67,7 +75,7 @@ class MapWriter:
 
     def _work(self):
         while (task := self._queue.get()) is not None:
-            write, made = task
+            write, made, size = task
             try:
                 if self._error is None:
                     given = () if made is None else (made.result(),)
@@ -79,9 +87,12 @@ class MapWriter:
             except LockLost as error:
                 self._error = error
             except (OSError, RuntimeError) as error:  # reported by call() and flush() in the baking thread
-                self._error = WriteFailed(f"{error}. {remedy_for(error)}")
+                self._error = WriteFailed(with_remedy(error))
             except Exception as error:
                 self._error = error
             finally:
                 task = write = made = given = None  # release the map; the next one may take long
+                with self._less_waits:
+                    self._waiting_bytes -= size
+                    self._less_waits.notify()
                 self._queue.task_done()

@@ -1,19 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Estimates the memory of a bake before anything of it is allocated. No ``bpy``.
 
-The numbers are those of the native memory_estimate (native/snow/scene/memory_estimate.cpp), which counts existing texel
-tables; a test compares both.
+simulation() has the numbers of the native memory_estimate (native/snow/scene/memory_estimate.cpp), which counts
+existing texel tables; a test compares both. estimate() adds the rest of a bake; tests/faults/test_memory.py measures
+it.
 """
 
 import math
 from dataclasses import dataclass
 
 from ..base.names import sized
+from .map_writer import MAX_WAITING, MAX_WAITING_BYTES
 
 # Bytes per texel of a receiver: its map and texel; data of repose; work data of the output of the largest map.
 MAP, REPOSE, OUTPUT = 50, 92, 89
 # Bytes per texel along the rims of charts, about this many map widths per layout; bytes per triangle.
 RIM, RIM_WIDTHS, TRIANGLE = 1536, 6, 235
+# Bytes per texel of all receivers: tables of the output, copies of tables, coverage, the state at a checkpoint.
+BAKE = 72
 # Bytes of the tile of the occlusion render.
 TILE = 80 * 2**20
 
@@ -26,8 +30,26 @@ class MapSize:
     triangles: int
 
 
-def estimate(maps, repose):
-    """Bytes that the simulation of these MapSizes needs. repose: radians, as in SnowSimulation."""
+def output_bytes(resolution, with_normals):
+    """Bytes of the output of a map, before it is written."""
+    return resolution**2 * (16 if with_normals else 4)
+
+
+def estimate(maps, repose, with_normals):
+    """Bytes that a bake of these MapSizes needs. repose: radians, as in SnowSimulation."""
+    if not maps:
+        return 0
+    waiting = [output_bytes(size.resolution, with_normals) for size in maps]
+    kept = BAKE * sum(size.resolution**2 for size in maps)
+    return (
+        simulation(maps, repose)
+        + kept
+        + max(min(MAX_WAITING * max(waiting), MAX_WAITING_BYTES), max(waiting))
+    )
+
+
+def simulation(maps, repose):
+    """Bytes that the simulation of these MapSizes needs."""
     if not maps:
         return 0
     texel = MAP + (REPOSE if repose < math.pi / 2 - 1e-4 else 0)
@@ -48,12 +70,12 @@ def available():
     return int(kibibytes) * 1024
 
 
-def shortage(maps, repose):
+def shortage(maps, repose, with_normals):
     """What to do if a bake of these MapSizes does not fit; empty if it fits or the free memory is unknown."""
-    needed, free = estimate(maps, repose), available()
+    needed, free = estimate(maps, repose, with_normals), available()
     if not free or needed <= free:
         return ""
     return (
-        f"The snow needs about {sized(needed)} of memory, but only {sized(free)} are free: lower the resolution of the "
+        f"The bake needs about {sized(needed)} of memory, but only {sized(free)} are free: lower the resolution of the "
         "largest receivers (half the resolution needs a quarter of the memory), or bake the receivers in several runs"
     )

@@ -13,6 +13,7 @@ from ..cache.manifest import read_manifest
 from ..result import displacement
 from ..result.snow_surface import blend_path
 from ..scene.pose import library_path
+from .cache_place import note_baked_name
 
 
 def describe(running):
@@ -27,8 +28,10 @@ def describe(running):
         text = f"Baked {counted(len(results), 'frame')} in {seconds:.1f} s"
     else:
         text = "Everything is already baked from the current scene"
+    if running.job.repaired:
+        text += f". {'; '.join(running.job.repaired)}"
     if not refused:
-        return "INFO", text
+        return "INFO", one_line(text)
     return "WARNING", one_line(
         f"{text}, without {counted(len(refused), 'receiver')}: {'; '.join(refused.values())}"
     )
@@ -106,6 +109,7 @@ def relocate_folders(*_):
     the cache of the last bake."""
     for scene in bpy.data.scenes:
         used = scene.snowbough.cache_used
+        note_baked_name(scene)
         for entry in scene.snowbough.receivers:
             if entry.folder and entry.object is not None and not entry.baked_as:
                 entry.baked_as = _baked_name(entry)

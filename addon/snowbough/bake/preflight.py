@@ -6,6 +6,7 @@ panel shows its findings (session.issues).
 """
 
 import shutil
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -161,13 +162,11 @@ def _cache(scene):
 
 
 def _is_writable(folder):
-    probe = folder / f".snowbough-probe-{id(folder)}"
     try:
-        probe.touch()
-        probe.unlink()
+        with tempfile.TemporaryFile(dir=folder):
+            return True
     except OSError:
         return False
-    return True
 
 
 def _receiver(scene, entry, depsgraph):
@@ -262,8 +261,8 @@ def _amounts(scene, maps):
     """Disk and memory that the maps need; maps: memory.MapSize."""
     if not maps:
         return
-    repose = scene.snowbough.repose
-    shortage = memory.shortage(maps, repose)
+    needs = (maps, scene.snowbough.repose, scene.snowbough.write_normals)
+    shortage = memory.shortage(*needs)
     if shortage:
         yield Issue("ERROR", shortage)
     sizes = [size.resolution for size in maps]
@@ -273,7 +272,7 @@ def _amounts(scene, maps):
     yield Issue(
         "INFO",
         f"{counted(len(sizes), 'map')}, up to {max(sizes)} texels a side: at most about {sized(disk)} on disk for "
-        f"{counted(frames, 'frame')}, {sized(memory.estimate(maps, repose))} of memory",
+        f"{counted(frames, 'frame')}, {sized(memory.estimate(*needs))} of memory",
     )
     try:
         folder = Path(cache_directory(scene))

@@ -55,6 +55,8 @@ class BakeRequest:
     """{name: bool} of the maps on request (map_kinds)."""
     receivers: tuple
     """scene.pose.ReceiverSpec of the scene's list, disabled ones included."""
+    baked_as: str = ""
+    """The scene's name at its first bake, which its folder keeps; empty for its current name."""
     cache_id: str = ""
     """Identity of the cache (cache.versions.scene_folder)."""
     blend: str = ""
@@ -69,6 +71,10 @@ class BakeRequest:
     """{name: unit} of the settings, for messages."""
     engine: str = "AUTO"
     """AUTO, GL or CPU, as in SnowSimulation. Not part of the shot: checkpoints store the engine that ran."""
+
+    @property
+    def known_as(self):
+        return self.baked_as or self.scene_name
 
     def shot(self):
         """{name: value} of all that affects all maps of the shot, except the depth of each frame and the size of an

@@ -1,23 +1,45 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which checkpoint a bake resumes from, and whether it fits the current scene. No ``bpy``."""
 
-from ..cache.errors import InputsChanged, NoCheckpoint
-from ..cache.folder import checkpoints
+from concurrent.futures import ThreadPoolExecutor
+
+from ..cache.errors import CacheError, InputsChanged, NoCheckpoint
+from ..cache.manifest import read_inputs
+from ..cache.versions import is_finished
 from ..scene.inputs import SceneInputs
 from .snow_engine import other_engine
 
 
-def checkpoint_frame(request, receivers, version):
+def find_damage(receivers):
+    """{key: (frame, path)} of the BakedReceivers with a missing or damaged file: the first one, and the frame before
+    which the bake must go on."""
+    with ThreadPoolExecutor() as pool:
+        found = pool.map(lambda receiver: receiver.first_damage(), receivers)
+        return {receiver.key: place for receiver, place in zip(receivers, found) if place}
+
+
+def checkpoint_frame(request, receivers, version, damage):
     """The frame of the checkpoint that the receivers of a BakeRequest resume from, None for a fresh start.
 
-    Raises NoCheckpoint, naming the existing ones, if the requested frames need another checkpoint."""
-    common = set.intersection(*(set(checkpoints(receiver.folder)) for receiver in receivers))
+    damage: from find_damage. Raises NoCheckpoint, naming the existing ones, if the requested frames need another
+    checkpoint, and CacheError if the damage cannot be repaired."""
+    common = set.intersection(*(set(receiver.checkpoints()) for receiver in receivers))
+    at, path = min(damage.values(), default=(request.last + 1, None))
     if request.resume:
-        usable = [frame for frame in common if request.first - 1 <= frame <= request.last]
+        usable = [frame for frame in common if request.first - 1 <= frame < at and frame <= request.last]
         if usable:
             return max(usable)
     elif request.first - 1 in common and request.first > request.frame_start:
+        if at < request.first:
+            raise CacheError(
+                f"{path} is missing or damaged: resume the bake, which repairs it, then bake this part"
+            )
         return request.first - 1
+    if damage and any(is_finished(receiver.folder) for receiver in receivers):
+        # A finished receiver is only written again if the scene was compared with one of its checkpoints.
+        raise CacheError(
+            f"{path} is missing or damaged, and there is no checkpoint before it. Bake again, which makes a new version"
+        )
     if request.first > request.frame_start:
         there = f"there are: {sorted(common)}" if common else "there is none"
         raise NoCheckpoint(
@@ -46,6 +68,13 @@ def read_checkpoints(native, receivers, frame, driver):
             f"{', '.join(map(str, sorted(numbers)))}): bake again from the start"
         )
     return {"step_number": numbers.pop(), "objects": states}, inputs
+
+
+def finished_inputs(receivers, writing):
+    """{label: recorded poses} of the BakedReceivers that were finished before, all but those in `writing`."""
+    keys = {receiver.key for receiver in writing}
+    found = {own.shown: read_inputs(own.folder) for own in receivers if own.key not in keys}
+    return {label: poses for label, poses in found.items() if poses is not None}
 
 
 def compare_scenes(recorded, inputs, what, remedy):

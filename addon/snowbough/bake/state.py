@@ -44,8 +44,8 @@ def _has_unfinished(root):
     for child in map(folder.joinpath, folders_in(folder)):
         try:
             manifest = read_manifest(child)
-        except CacheError:
-            continue
+        except CacheError:  # resuming restores it
+            return True
         if manifest is not None and not manifest["complete"]:
             return True
     return False

@@ -24,7 +24,17 @@ def remedy_for(error):
 
 
 class CacheError(RuntimeError):
-    """The cache cannot be read or written; the message says where and why."""
+    """The cache cannot be read or written; the message says where, why and what to do."""
+
+
+def failed(path, action, error):
+    """The CacheError for an OSError. action: ``written``."""
+    return CacheError(f"{path} could not be {action}: {error.strerror or error}. {remedy_for(error)}")
+
+
+def with_remedy(error):
+    """The message of an error while a file was written, with what to do."""
+    return str(error) if isinstance(error, CacheError) else f"{error}. {remedy_for(error)}"
 
 
 class CacheBusy(CacheError):

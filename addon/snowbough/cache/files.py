@@ -3,15 +3,17 @@
 
 import contextlib
 import hashlib
+import io
 import json
 import os
 import re
 import stat
+import tempfile
 import uuid
 from pathlib import Path
 
 from ..base.map_kinds import BY_NAME, MAP_KINDS
-from .errors import CacheError
+from .errors import CacheError, failed
 
 MANIFEST = "object.json"
 LOCK = "lock"
@@ -115,12 +117,18 @@ def write_bytes(path, data):
     except OSError as error:
         with contextlib.suppress(OSError):
             temporary.unlink()
-        raise CacheError(f"{path} could not be written: {error.strerror or error}") from error
+        raise failed(path, "written", error) from error
 
 
 def to_json(value):
     """Canonical JSON: equal values give equal bytes."""
-    return json.dumps(value, sort_keys=True, indent=1, ensure_ascii=False).encode() + b"\n"
+    data = io.BytesIO()
+    # Piece by piece: json.dumps keeps a list of all pieces, many times the size of the text.
+    with io.TextIOWrapper(data, encoding="utf-8", newline="\n") as stream:
+        json.dump(value, stream, sort_keys=True, indent=1, ensure_ascii=False)
+        stream.write("\n")
+        stream.flush()
+        return data.getvalue()
 
 
 def write_report(path, report):
@@ -133,13 +141,22 @@ def digest(value):
     return hashlib.blake2b(to_json(value), digest_size=16).hexdigest()
 
 
+def file_digest(path):
+    """A digest of a file's content: 16 bytes in hex."""
+    hasher = hashlib.blake2b(digest_size=16)
+    with open(path, "rb") as stream:
+        while block := stream.read(1 << 20):
+            hasher.update(block)
+    return hasher.hexdigest()
+
+
 def make_folder(path):
     """Makes a folder and checks that it can be written. Raises CacheError with what to do."""
     try:
         Path(path).mkdir(parents=True, exist_ok=True)
-        probe = Path(path) / f"{PROBE}{os.getpid()}"
-        probe.touch()
-        probe.unlink()
+        # On Linux it has no name, so a kill leaves nothing.
+        with tempfile.TemporaryFile(prefix=PROBE, dir=path):
+            pass
     except OSError as error:
         raise CacheError(
             f"The cache folder {path} cannot be written: {error.strerror or error}. "

@@ -6,7 +6,7 @@ import os
 import re
 from pathlib import Path
 
-from .errors import CacheError, NoCheckpoint
+from .errors import CacheError, NoCheckpoint, failed
 from .files import (
     FRAME_PATTERN,
     LOCK,
@@ -15,13 +15,14 @@ from .files import (
     REMOVED_MANIFEST,
     STATE_PATTERN,
     TEXTURE_CACHE,
+    bake_files,
     finished_name,
     is_bake_file,
     is_regular,
     state_file,
     texture_source,
 )
-from .manifest import FRAMES, POSES, listing, read_any_manifest
+from .manifest import FRAMES, POSES, listing, read_any_manifest, read_manifest, write_manifest
 from .sealed import FORMAT, read_sealed, text, write_sealed
 
 
@@ -48,6 +49,27 @@ def read_sidecar(folder, frame):
 def write_sidecar(folder, frame, sidecar):
     """Writes state_NNNN.json. state_NNNN must be written after it, which completes the checkpoint."""
     write_sealed(Path(folder) / f"{state_file(frame)}.json", sidecar)
+
+
+def restore_manifest(folder):
+    """Replaces a damaged manifest by that of the newest checkpoint, of an unfinished bake. Returns whether it was
+    damaged. Raises CacheError if no checkpoint has one."""
+    try:
+        read_manifest(folder)
+        return False
+    except CacheError:
+        for frame in reversed(checkpoints(folder)):
+            with contextlib.suppress(CacheError):
+                sidecar = read_sidecar(folder, frame)
+                if "manifest" in sidecar:
+                    known = sidecar["manifest"]
+                    shot = known["settings"]["snowfall"]
+                    listed = bake_files(shot["frame_start"], shot["frame_end"])
+                    write_manifest(
+                        folder, {**known, "files": listed, "complete": False, "frames": sidecar["frames"]}
+                    )
+                    return True
+        raise
 
 
 def remove_checkpoint(folder, frame):
@@ -107,7 +129,7 @@ def clear(folder):
             path = folder / REMOVED_MANIFEST if path == folder / MANIFEST else path
             path.unlink(missing_ok=True)
     except OSError as error:
-        raise CacheError(f"{error.filename} could not be removed: {error.strerror}") from error
+        raise failed(error.filename, "removed", error) from error
     for emptied in (folder / TEXTURE_CACHE, folder):
         with contextlib.suppress(OSError):
             emptied.rmdir()

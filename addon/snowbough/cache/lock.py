@@ -7,7 +7,7 @@ import socket
 import uuid
 from pathlib import Path
 
-from .errors import CacheBusy, CacheError, LockLost
+from .errors import CacheBusy, CacheError, LockLost, failed
 from .files import LOCK, make_folder
 
 try:
@@ -86,7 +86,7 @@ def lock_folder(folder):
         try:
             descriptor = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
         except OSError as error:
-            raise CacheError(f"{path} could not be opened: {error.strerror}") from error
+            raise failed(path, "opened", error) from error
         if not _try_lock(descriptor):
             text = os.read(descriptor, 200).decode(errors="replace")
             os.close(descriptor)
@@ -102,7 +102,11 @@ def lock_folder(folder):
         if same:
             break
         os.close(descriptor)
-    lock = FolderLock(path, descriptor)
+    try:
+        lock = FolderLock(path, descriptor)
+    except OSError as error:
+        os.close(descriptor)
+        raise failed(path, "written", error) from error
     try:
         yield lock
     finally:

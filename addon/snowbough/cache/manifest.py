@@ -44,10 +44,14 @@ def read_manifest(folder, name=MANIFEST):
 
     Keys: ``format``, ``object``, ``library``, ``complete`` (all frames of the shot exist), ``hash`` (of settings),
     ``settings`` (dict: lengths in metres, angles in radians), ``frames`` (list of dicts with ``frame`` and its
-    statistics), ``cache`` (identity of the .blend's cache, empty if the file was never saved), ``files`` (names of all
-    files of the bake). Earlier formats are converted, but lack the last two. Raises CacheError if it is damaged.
+    statistics, and ``checksums`` of its maps), ``cache`` (identity of the .blend's cache, empty if the file was never
+    saved), ``files`` (names of all files of the bake), ``checksums`` (of files that exist once, in finished bakes).
+    Earlier formats are converted, but lack the last three. Raises CacheError if it is damaged.
     """
-    remedy = f"Delete the folder {folder}, then bake again"
+    remedy = (
+        "Resume the bake to restore it from a checkpoint. If there is none, bake again, which makes a new version, and "
+        f"delete the folder {folder}"
+    )
     manifest = read_sealed(Path(folder) / name, remedy, _SHAPES.get)
     if manifest is None:
         return None

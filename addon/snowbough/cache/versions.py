@@ -40,12 +40,20 @@ def _manifests(folder):
     return {name: manifest for name, manifest in found.items() if manifest is not None}
 
 
+def is_finished(folder):
+    """Whether a receiver's folder has a finished bake; a damaged manifest does not tell."""
+    try:
+        return bool((read_manifest(folder) or {}).get("complete"))
+    except CacheError:
+        return False
+
+
 def choose_version(root, keys, shot_hash):
     """The version for a new bake of the receivers ``keys``.
 
     It is the newest one if none of them is finished there and all its receivers come from the same shot (``shot_hash``:
     all settings except the receiver's own), so that machines that share a shot fill one version. Else it is the next
-    one. Folders that are not from a bake are left alone.
+    one. Folders that are not from a bake, or whose manifest is damaged, are left alone.
     """
     existing = versions(root)
     if not existing:
@@ -54,7 +62,10 @@ def choose_version(root, keys, shot_hash):
     folder = version_folder(root, newest)
     if any(receiver_folder.is_foreign(folder / key) for key in keys):
         return newest + 1
-    manifests = _manifests(folder)
+    try:
+        manifests = _manifests(folder)
+    except CacheError:
+        return newest + 1
     for name, manifest in manifests.items():
         if name in keys and manifest["complete"]:
             return newest + 1
@@ -71,8 +82,7 @@ def resumable_version(root, keys):
         there = folders_in(folder)
         present = [key for key in keys if key in there and not receiver_folder.is_foreign(folder / key)]
         if present:
-            finished = [key for key in present if (read_manifest(folder / key) or {}).get("complete")]
-            return number, finished
+            return number, [key for key in present if is_finished(folder / key)]
     return None, []
 
 

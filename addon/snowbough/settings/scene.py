@@ -93,6 +93,11 @@ class SnowboughSceneSettings(SnowProperties, SurfaceProperties, MapSwitches, bpy
         description="Separates the caches of .blend files that share a folder; set when the file is saved",
         options={"HIDDEN"},
     )
+    cache_scene: StringProperty(
+        name="Scene of the Cache",
+        description="Name of the scene at its first bake; a renamed scene keeps its bakes",
+        options={"HIDDEN"},
+    )
     cache_used: StringProperty(
         name="Cache of the Last Bake",
         description="Absolute folder of the last bake; finds the bake after Save As",

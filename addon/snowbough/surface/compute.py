@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..cache import integrity
 from ..cache.errors import CacheError
 from ..cache.files import POSITIONS, RECEIVER, SURFACE, SURFACE_FACES, SURFACE_POINTS, frame_file
 from ..cache.manifest import read_manifest
@@ -216,9 +217,19 @@ def update(native, folder, style, progress=lambda share: True, check=lambda: Non
                 "first": inputs.first,
                 "frames": count,
                 "points": len(mesh.positions),
+                "checksums": integrity.checksums_of(folder, (SURFACE_FACES, SURFACE_POINTS)),
             },
         )
     return True
+
+
+def damaged(folder):
+    """The name of a missing or damaged file of the surface in a folder; None if it is intact or there is none."""
+    try:
+        summary = read_summary(folder)
+    except CacheError:
+        return SURFACE
+    return None if summary is None else integrity.damaged(folder, summary.get("checksums", {}))
 
 
 def read_summary(folder):

@@ -5,6 +5,7 @@ Layout: 12 bytes ``POINTCACHE2\\0``, int32 version 1, int32 points, float32 firs
 int32 samples, then float32 x, y, z of all points of all samples; all little-endian.
 """
 
+import contextlib
 import os
 import struct
 import uuid
@@ -12,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..cache.errors import CacheError
+from ..cache.errors import CacheError, failed
 from ..cache.files import TEMPORARY_SUFFIX
 
 _HEADER = struct.Struct("<12siiffi")
@@ -30,6 +31,7 @@ class PointCacheWriter:
         self._temporary = Path(f"{path}.{uuid.uuid4().hex[:8]}{TEMPORARY_SUFFIX}")
         self._points = points
         self.samples = 0
+        self._stream = None
         with self._naming_errors():
             self._stream = open(self._temporary, "wb")
         self._write(_HEADER.pack(_MAGIC, 1, points, 0.0, 1.0, 0))
@@ -58,9 +60,12 @@ class PointCacheWriter:
             os.replace(self._temporary, self._path)
 
     def close(self):
-        """Closes the file and removes it if it was not published."""
-        self._stream.close()
-        self._temporary.unlink(missing_ok=True)
+        """Closes the file and removes it if it was not published. Does not raise OSError: it also runs after errors."""
+        with contextlib.suppress(OSError):
+            if self._stream is not None:
+                self._stream.close()
+        with contextlib.suppress(OSError):
+            self._temporary.unlink()
 
     def _write(self, data):
         with self._naming_errors():
@@ -81,13 +86,8 @@ class _Naming:
 
     def __exit__(self, kind, error, trace):
         if isinstance(error, OSError):
-            stream = getattr(self._writer, "_stream", None)
-            if stream is not None:
-                stream.close()
-            self._writer._temporary.unlink(missing_ok=True)
-            raise CacheError(
-                f"{self._writer._path} could not be written: {error.strerror or error}"
-            ) from error
+            self._writer.close()
+            raise failed(self._writer._path, "written", error) from error
 
 
 def read_point_cache(path):

@@ -148,6 +148,8 @@ class SNOWBOUGH_OT_free_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
                 entry.folder = entry.baked_as = ""
                 if entry.object is not None:
                     displacement.refresh(scene, entry)
+        if not cache_place.own_bakes(scene):
+            scene.snowbough.cache_scene = ""
         for text in texts if not removed else ():
             self.report({"WARNING"}, text)
         self.report({"INFO"}, f"Removed {counted(removed, 'file')}")

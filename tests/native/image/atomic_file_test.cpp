@@ -1,13 +1,37 @@
 #include "image/atomic_file.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <csignal>
+#include <cstdio>
 #include <filesystem>
+#include <string>
+#include <vector>
 
+#include "image/open_file.h"
 #include "native/image/temporary_folder.h"
+
+namespace {
+std::vector<std::string>& file_calls() {
+  static std::vector<std::string> calls;
+  return calls;
+}
+}  // namespace
+
+// They replace the functions of the C library in this program.
+extern "C" int fsync(int descriptor) {
+  file_calls().push_back("fsync");
+  return static_cast<int>(syscall(SYS_fsync, descriptor));
+}
+extern "C" int rename(const char* from, const char* to) noexcept {
+  file_calls().push_back("rename");
+  return static_cast<int>(syscall(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0));
+}
 
 namespace snowbough::image {
 namespace {
@@ -60,6 +84,17 @@ TEST_F(AtomicFile, aDiskThatFillsUpKeepsTheOldFileAndNoTemporary) {
   EXPECT_THAT(message, HasSubstr("File too large"));
   EXPECT_EQ(read_file(path("a")), "old");
   EXPECT_THAT(files(), ElementsAre("a"));
+}
+
+TEST_F(AtomicFile, theBytesAreOnTheDiskBeforeTheFileHasItsName) {
+  file_calls().clear();
+  atomic_write(path("a"), "x");
+  EXPECT_THAT(file_calls(), ElementsAre("fsync", "rename"));
+}
+
+TEST_F(AtomicFile, anExistingFileIsNotTakenForATemporaryOne) {
+  atomic_write(path("a.tmp"), "another one's");
+  EXPECT_LT(create_file(path("a.tmp")), 0);
 }
 
 TEST_F(AtomicFile, aMissingFolderIsNamed) {

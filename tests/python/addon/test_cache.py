@@ -93,6 +93,40 @@ def test_checkpoints_between_the_regular_ones_go_once_passed(tmp_path):
     assert folder.checkpoints(tmp_path) == [5, 10, 12]
 
 
+def test_a_checkpoint_is_removed_in_the_order_that_leaves_none_that_looks_complete(tmp_path, monkeypatch):
+    removed = []
+    monkeypatch.setattr(Path, "unlink", lambda path, **_: removed.append(path.name))
+    folder.remove_checkpoint(tmp_path, 4)
+    assert removed == ["state_0004", "state_0004.json"]
+
+
+def test_the_frames_after_a_checkpoint_go_and_no_others(tmp_path):
+    for name in (
+        "height_0003.exr",
+        "height_0004.exr",
+        "normal_0004.exr",
+        "height_0005.exr",
+        "height_0004.exr.bak",
+    ):
+        (tmp_path / name).touch()
+    folder.remove_frames_after(tmp_path, 3)
+    assert sorted(os.listdir(tmp_path)) == ["height_0003.exr", "height_0004.exr.bak"]
+
+
+def test_the_manifest_is_the_last_of_the_files_to_remove(tmp_path):
+    baked(tmp_path)
+    (tmp_path / "state_0002").touch()
+    assert [path.name for path in folder.listed_files(tmp_path)] == [
+        "height_0001.exr", "height_0002.exr", "state_0002", files.MANIFEST
+    ]  # fmt: skip
+
+
+def test_a_link_to_a_bake_is_not_from_this_bake(tmp_path):
+    baked(tmp_path / "a")
+    (tmp_path / "link").symlink_to(tmp_path / "a")
+    assert folder.is_foreign(tmp_path / "link") and not folder.is_foreign(tmp_path / "a")
+
+
 def test_the_first_bake_is_version_1(tmp_path):
     assert versions.choose_version(tmp_path / "none", ["a"], "s") == 1
 
@@ -178,6 +212,12 @@ def test_a_lock_that_was_removed_or_replaced_is_noticed_and_the_other_ones_stays
             with pytest.raises(errors.LockLost):
                 held.check()
             second.check()
+            text = (tmp_path / "a" / "lock").read_text()
+            (tmp_path / "a" / "lock").unlink()
+            (tmp_path / "a" / "lock").write_text(text)  # a copy of the file is not the locked one
+            with pytest.raises(errors.LockLost):
+                second.check()
+        with lock.lock_folder(tmp_path / "a") as second:
             (tmp_path / "a" / "lock").write_text("process 1 on elsewhere")
             with pytest.raises(errors.LockLost):
                 second.check()

@@ -84,3 +84,27 @@ def test_leaving_waits_for_all_and_tells_what_failed():
     assert written == [1]
     with pytest.raises(map_writer.WriteFailed), map_writer.MapWriter() as writer:
         writer.call(lambda: (_ for _ in ()).throw(OSError("gone")))
+
+
+@pytest.mark.parametrize("size, most", [(1, map_writer.MAX_WAITING + 1), (map_writer.MAX_WAITING_BYTES, 1)])
+def test_a_slow_disk_lets_the_bake_wait_with_few_maps_in_memory(size, most):
+    writing, go_on, queued = threading.Event(), threading.Event(), []
+
+    def write(*_):
+        writing.set()
+        assert go_on.wait(WAIT)
+
+    def fill(writer):
+        for number in range(map_writer.MAX_WAITING + 3):
+            writer.call(write, lambda: None, size)
+            queued.append(number)
+
+    with map_writer.MapWriter() as writer:
+        bake = threading.Thread(target=fill, args=(writer,))
+        bake.start()
+        assert writing.wait(WAIT)
+        bake.join(0.3)
+        assert bake.is_alive() and len(queued) == most
+        go_on.set()
+        bake.join(WAIT)
+        assert len(queued) == map_writer.MAX_WAITING + 3

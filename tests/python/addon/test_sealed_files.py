@@ -62,7 +62,7 @@ def test_any_flipped_bit_is_refused_with_the_file_and_what_to_do(cache, name):
         changed = bytearray(whole)
         changed[bit // 8] ^= 1 << bit % 8
         path.write_bytes(changed)
-        with pytest.raises(errors.CacheError, match=r"is damaged \(.*\)\. (Delete|Remove|Free)"):
+        with pytest.raises(errors.CacheError, match=r"is damaged \(.*\)\. (Delete|Resume|Free)"):
             read()
 
 

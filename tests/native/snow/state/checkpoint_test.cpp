@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <cmath>
 #include <cstring>
@@ -106,6 +107,42 @@ TEST_F(CheckpointFile, ofAnotherVersionIsRefusedWithTheVersion) {
   bytes[16] = 2;
   image::atomic_write(path_, bytes);
   EXPECT_THAT(refusal(), HasSubstr("version 2"));
+}
+
+/// A file with another body, but the right length and check sum.
+std::string with_body(std::string file, const std::string& body) {
+  const auto sum = static_cast<uint32_t>(
+      crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size())));
+  const uint64_t size = body.size();
+  std::memcpy(&file[20], &size, sizeof size);
+  std::memcpy(&file[28], &sum, sizeof sum);
+  return file.substr(0, 32) + body;
+}
+
+TEST_F(CheckpointFile, withTheRightCheckSumIsRefusedIfItsContentIsImpossible) {
+  save_checkpoint(path_, example());
+  const std::string whole = image::read_file(path_);
+  const std::string body = whole.substr(32);
+  image::atomic_write(path_, with_body(whole, body));
+  EXPECT_EQ(refusal(), "accepted");
+  image::atomic_write(path_, with_body(whole, body + "x"));
+  EXPECT_THAT(refusal(), HasSubstr("bytes after its end"));
+  std::string large = body;
+  const uint32_t resolution = 8193;
+  std::memcpy(&large[28], &resolution, sizeof resolution);  // of "cart"
+  image::atomic_write(path_, with_body(whole, large));
+  EXPECT_THAT(refusal(), HasSubstr("impossible size"));
+}
+
+TEST_F(CheckpointFile, isCheckedByTheCallerBeforeItsMapsAreUnpacked) {
+  save_checkpoint(path_, example());
+  std::vector<std::string> names;
+  const auto check = [&](const CheckpointOutline& outline) {
+    for (const auto& [name, resolution] : outline.maps) names.push_back(name);
+    throw std::invalid_argument("another simulation");
+  };
+  EXPECT_THROW(load_checkpoint(path_, check), std::invalid_argument);
+  EXPECT_THAT(names, ElementsAre("cart", "ground \xc3\xa4"));
 }
 
 TEST_F(CheckpointFile, withAMapOfTheWrongSizeIsNotWritten) {

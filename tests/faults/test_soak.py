@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A long bake in Blender takes no more memory and descriptors at its end than at its beginning."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+BLENDER = os.environ.get("BLENDER", "blender")
+FRAMES = int(os.environ.get("SNOWBOUGH_TEST_FRAMES", 1000))
+EARLY = FRAMES // 10
+
+BAKE = f"""
+import json, os, sys
+sys.path[:0] = [{str(ROOT / "addon")!r}, {str(ROOT / "tests/blender")!r}]
+import bpy, snowbough
+snowbough.register()
+import snow_scene
+from snowbough.bake import engine, from_scene
+
+def status(name):
+    with open("/proc/self/status") as lines:
+        return next(int(line.split()[1]) for line in lines if line.startswith(name))
+
+taken = {{}}
+
+def note(result):
+    if result.frame in ({EARLY}, {FRAMES}):
+        taken[result.frame] = (status("VmRSS"), len(os.listdir("/proc/self/fd")), status("Threads"))
+
+bpy.ops.wm.read_homefile(use_empty=True)
+snow_scene.moving_scene(sys.argv[-1], frames=(1, {FRAMES}), flutter=0.05, directions=8, checkpoint_interval=50)
+running = from_scene.prepare_bake(bpy.context.scene, from_scene.make_request(bpy.context.scene), note)
+engine.run(bpy.context, running)
+if running.error is not None:
+    raise running.error
+print("TAKEN", json.dumps(taken))
+"""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs /proc")
+def test_a_long_bake_takes_no_more_at_its_end(memory_folder):
+    if shutil.which(BLENDER) is None:
+        pytest.skip(f"needs Blender ({BLENDER})")
+    command = [BLENDER, "-b", "--factory-startup", "--python-exit-code", "1", "--python-expr", BAKE, "--"]
+    done = subprocess.run([*command, memory_folder / "cache"], capture_output=True, text=True, timeout=1800)
+    assert done.returncode == 0, done.stderr
+    line = next(line for line in done.stdout.splitlines() if line.startswith("TAKEN"))
+    early, late = (json.loads(line[5:])[str(frame)] for frame in (EARLY, FRAMES))
+    print(f"frame {EARLY}: {early[0] // 1024} MiB, {early[1]} descriptors, {early[2]} threads")
+    print(f"frame {FRAMES}: {late[0] // 1024} MiB, {late[1]} descriptors, {late[2]} threads")
+    assert late[0] <= 1.02 * early[0]
+    assert late[1:] == early[1:]

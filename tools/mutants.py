@@ -1,0 +1,239 @@
+#!/usr/bin/env python3
+"""Changes the code of the cache and of resuming in small ways, and checks that a test fails for each change.
+
+    python3 tools/mutants.py [--only WORD] [--list]
+
+Each mutant is applied to a copy of the tree, in a temporary folder, and removed again. The module in build/python is
+used as it is; C++ mutants are compiled with the tests of their room only. A mutant that survives means that a test is
+missing. The exit code is 0 only if all are killed.
+"""
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+COPIED = ("addon", "native", "shaders", "tests", "pyproject.toml")
+TIMEOUT = 120
+
+ADDON = "tests/python/addon"
+CACHE = tuple(f"{ADDON}/test_{name}.py" for name in ("cache", "free_bake", "sealed_files", "map_writer"))
+REPAIRS = ("tests/faults/test_repairs.py",)
+CALLS = ("tests/faults/test_file_calls.py", "-k", "flushed")
+MEMORY = ("tests/faults/test_memory.py", "-k", "does_not_fit")
+
+# Sources of the C++ tests: the mutated ones and the tests themselves.
+NATIVE_SOURCES = (
+    "native/image/atomic_file.cpp",
+    "native/image/open_file_posix.cpp",
+    "native/snow/state/checkpoint.cpp",
+    "tests/native/image/atomic_file_test.cpp",
+    "tests/native/snow/state/checkpoint_test.cpp",
+)
+NATIVE = "native"
+
+
+@dataclass(frozen=True)
+class Mutant:
+    file: str
+    before: str
+    """Occurs once in the file."""
+    after: str
+    tests: tuple = CACHE
+    """Arguments of pytest, or NATIVE."""
+
+
+def cache(name, before, after, tests=CACHE):
+    return Mutant(f"addon/snowbough/cache/{name}.py", before, after, tests)
+
+
+def bake(name, before, after, tests=REPAIRS):
+    return Mutant(f"addon/snowbough/bake/{name}.py", before, after, tests)
+
+
+def image(name, before, after):
+    return Mutant(f"native/image/{name}.cpp", before, after, NATIVE)
+
+
+def state(before, after):
+    return Mutant("native/snow/state/checkpoint.cpp", before, after, NATIVE)
+
+
+MUTANTS = (
+    # Files that are written as a whole.
+    cache("files", "            os.fsync(stream.fileno())\n", "", CALLS),
+    cache("files", "            temporary.unlink()", "            pass"),
+    cache("files", "range(first, last + 1)", "range(first, last)"),
+    cache("files", r'r"(.+?)(?:\.\d+\.\d+|\.[0-9a-f]{8})?\.tmp$"', r'r"(.+?)(?:\.[0-9a-f]{8})?\.tmp$"'),
+    cache("files", "stat.S_ISREG(os.lstat(path).st_mode)", "stat.S_ISREG(os.stat(path).st_mode)"),
+    cache("files", "if entry.is_dir(follow_symlinks=False)", "if entry.is_dir()"),
+    cache("files", "        name in ONCE\n", "        True\n"),
+    cache("files", "stream.read(1 << 20)", "stream.read(1 << 20)[:1 << 10]", REPAIRS),
+    # Checksums.
+    cache("sealed", "seal.group(1) != _checksum", "seal.group(0) == _checksum"),
+    cache("sealed", "if not seal and (", "if False and ("),
+    cache("sealed", "if path.stat().st_size > MAX_BYTES:", "if False:"),
+    cache("sealed", "if shape is not None and not fits(value, shape):", "if False:"),
+    cache("integrity", "file_digest(Path(folder) / name) != digest", "False", REPAIRS),
+    cache("integrity", "if not (Path(folder) / name).is_file() or digest and", "if digest and", REPAIRS),
+    cache("integrity", 'or {frame_file("height", frame): ""}', "or {}", REPAIRS),
+    cache("integrity", 'damaged(folder, manifest.get("checksums", {}))', "None", REPAIRS),
+    # Removal.
+    cache("folder", "for name in (state_file(frame), f\"{state_file(frame)}.json\"):",
+          "for name in (f\"{state_file(frame)}.json\", state_file(frame)):"),
+    cache("folder", "if frame < before and", "if frame <= before and"),
+    cache("folder", "(frame - frame_start + 1) % interval", "(frame - frame_start) % interval"),
+    cache("folder", "int(match.group(1)) > frame", "int(match.group(1)) >= frame", REPAIRS),
+    cache("folder", "int(match.group(1)) > frame", "int(match.group(1)) > frame + 1", REPAIRS),
+    cache("folder", "finished_name(name) in listed", "finished_name(name) is not None"),
+    cache("folder", "key=lambda name: (name in (MANIFEST, REMOVED_MANIFEST), name)", "key=None"),
+    cache("folder", "            os.replace(folder / MANIFEST, folder / REMOVED_MANIFEST)", "            pass"),
+    cache("folder", "return [path for path in own if is_regular(path)]", "return own"),
+    cache("folder", "    if folder.is_symlink() or not folder.is_dir():", "    if not folder.is_dir():"),
+    cache("folder", "if half or (match", "if (match", REPAIRS),
+    cache("folder", ".json\").is_file()]", ".json\")]"),
+    cache("folder", '"complete": False, "frames": sidecar["frames"]', '"complete": True, "frames": sidecar["frames"]',
+          REPAIRS),
+    cache("folder", "for frame in reversed(checkpoints(folder)):", "for frame in checkpoints(folder)[:1]:", REPAIRS),
+    # Versions and owners.
+    cache("versions", 'if name in keys and manifest["complete"]:', "if False:"),
+    cache("versions", 'manifest["settings"].get("shot") != shot_hash', "False"),
+    cache("versions", "return number, [key for key in present if is_finished(folder / key)]", "return number, present"),
+    cache("versions", 'manifest.get("cache") in identities', "True"),
+    cache("owner", 'recorded["host"] in ("", own["host"]) and ', ""),
+    # Locks.
+    cache("lock", "fcntl.LOCK_EX | fcntl.LOCK_NB", "fcntl.LOCK_SH | fcntl.LOCK_NB"),
+    cache("lock", "if not os.path.samestat(os.fstat(self._descriptor), os.stat(self._path)):", "if False:"),
+    cache("lock", "return self._path.read_bytes() == self._text", "return True"),
+    cache("lock", "        if held:\n", "        if True:\n"),
+    # Resuming.
+    bake("resuming", "request.first - 1 <= frame < at", "request.first - 1 <= frame <= at"),
+    bake("resuming", "return max(usable)", "return min(usable)"),
+    bake("resuming", "if damage and any(", "if False and any("),
+    bake("baked_receiver", "        self.write_manifest(shot, complete=False)\n        receiver_folder.remove_fr",
+         "        receiver_folder.remove_fr"),
+    bake("baked_receiver", "is_bake = (self.folder / MANIFEST).is_file()", "is_bake = True"),
+    bake("baked_receiver", "        self.lock.check()\n        try:\n", "        try:\n"),
+    bake("map_writer", "self._waiting_bytes + size <= MAX_WAITING_BYTES", "True", CACHE),
+    bake("map_writer", "queue.Queue(MAX_WAITING)", "queue.Queue()", CACHE),
+    bake("memory", "if not free or needed <= free:", "if True:", MEMORY),
+    # C++: files that are written as a whole, and checkpoints.
+    image("atomic_file", "  if (!flush_file(descriptor_)) fail(\"write\", path_, errno);\n", ""),
+    image("atomic_file", "if (!renamed_) remove_file(temporary_);", ""),
+    image("atomic_file", "    if (written < 0) fail(\"write\", path_, errno);\n    // A full", "    // A full"),
+    image("open_file_posix", "O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC", "O_WRONLY | O_CREAT | O_CLOEXEC"),
+    state("body.size() > bytes || check_sum(body) != expected_sum", "body.size() > bytes"),
+    state("if (body.size() < bytes) {", "if (false) {"),
+    state("if (version != kVersion) {", "if (false) {"),
+    state("resolution == 0 || resolution > kLargestResolution", "resolution == 0"),
+    state("if (!reader.at_end())", "if (false)"),
+    state("  if (check) check(outline);\n", ""),
+    state("return std::bit_cast<uint32_t>(height) == 0;", "return height == 0.0f;"),
+)  # fmt: skip
+
+
+class Tree:
+    """A copy of the tree with at most one mutant in it."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        for name in COPIED:
+            source = ROOT / name
+            copy = shutil.copytree if source.is_dir() else shutil.copy
+            copy(source, folder / name)
+        (folder / "build").symlink_to(ROOT / "build")
+
+    def run(self, tests, mutated=None):
+        """(whether the tests pass, seconds)"""
+        begun = time.monotonic()
+        passes = self._native(mutated) if tests == NATIVE else self._python(tests)
+        return passes, time.monotonic() - begun
+
+    def kills(self, mutant):
+        """Whether the tests notice a mutant."""
+        path = self.folder / mutant.file
+        text = path.read_text(encoding="utf-8")
+        path.write_text(text.replace(mutant.before, mutant.after), encoding="utf-8")
+        try:
+            passes, seconds = self.run(mutant.tests, mutant.file)
+        finally:
+            path.write_text(text, encoding="utf-8")
+        return not passes, seconds
+
+    def _python(self, tests):
+        environment = {
+            **os.environ,
+            "PYTHONPATH": "build/python",
+            "PYTHONDONTWRITEBYTECODE": "1",
+            "SNOWBOUGH_TEST_SEED": "1",
+        }
+        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
+        return self._ends_well(command, environment)
+
+    def _native(self, mutated):
+        objects = []
+        for source in NATIVE_SOURCES:
+            compiled = self.folder / f"{source.replace('/', '_')}{'.mutant' if source == mutated else ''}.o"
+            if source == mutated or not compiled.exists():
+                flags = ["-std=c++20", "-w", "-I", ".", "-I", "native", "-I", "tests"]
+                subprocess.run(["c++", *flags, "-c", source, "-o", compiled], cwd=self.folder, check=True)
+            objects.append(compiled)
+        libraries = ["-lgmock", "-lgtest", "-lgtest_main", "-lz", "-pthread"]
+        subprocess.run(["c++", *objects, "-o", "native_tests", *libraries], cwd=self.folder, check=True)
+        return self._ends_well(["./native_tests"], os.environ)
+
+    def _ends_well(self, command, environment):
+        try:
+            done = subprocess.run(
+                command, cwd=self.folder, env=environment, timeout=TIMEOUT,
+                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            )  # fmt: skip
+        except subprocess.TimeoutExpired:
+            return False
+        return done.returncode == 0
+
+
+def check_table():
+    """Each mutant must change one place."""
+    for mutant in MUTANTS:
+        count = (ROOT / mutant.file).read_text(encoding="utf-8").count(mutant.before)
+        if count != 1:
+            sys.exit(f"mutants: {mutant.file} has {count} places with {mutant.before!r}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--only", default="", help="only mutants of files with this word in their path")
+    parser.add_argument("--list", action="store_true", help="print the mutants and stop")
+    options = parser.parse_args()
+    check_table()
+    chosen = [mutant for mutant in MUTANTS if options.only in mutant.file]
+    if options.list:
+        print("\n".join(f"{m.file}: {m.before.strip()}  ->  {m.after.strip()}" for m in chosen))
+        return 0
+    survived = 0
+    with tempfile.TemporaryDirectory(prefix="snowbough-mutants-") as folder:
+        tree = Tree(Path(folder))
+        for tests in dict.fromkeys(mutant.tests for mutant in chosen):
+            if not tree.run(tests)[0]:
+                sys.exit(f"mutants: {tests} fails without a mutant")
+        for mutant in chosen:
+            killed, seconds = tree.kills(mutant)
+            survived += not killed
+            change = f"{mutant.before.strip()}  ->  {mutant.after.strip()}"
+            print(
+                f"{'killed  ' if killed else 'SURVIVED'} {seconds:4.1f} s  {mutant.file}: {change}",
+                flush=True,
+            )
+    print(f"{len(chosen) - survived} of {len(chosen)} mutants killed")
+    return 1 if survived else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
