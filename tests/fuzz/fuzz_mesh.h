@@ -38,7 +38,7 @@ inline Mesh take_mesh(Input& input) {
   for (int32_t v = 0; v < mesh.topology.vertex_count; ++v) {
     glm::vec3 place;
     for (int k = 0; k < 3; ++k) {
-      place[k] = coordinate(input, place_form);
+      place[k] = coordinate(input, place_form) * (place_form == 0 ? 0.25f : 1.0f);
       if (!(std::abs(place[k]) <= 1e9f)) place[k] = 0.0f;
       mesh.is_moderate = mesh.is_moderate && std::abs(place[k]) <= 100.0f;
     }

@@ -16,7 +16,8 @@ class CellGrid {
   };
 
   CellGrid() = default;
-  /// @param size edge length of a cell in metres, over 0.
+  /// @param size edge length of a cell in metres, over 0. It grows if the boxes would overlap many
+  /// millions of cells: a long diagonal box overlaps the cube of its length in cells.
   CellGrid(const std::vector<Box>& boxes, float size);
 
   /// Calls visit(index), in a fixed order, for every box that overlaps a cell between `low` and
