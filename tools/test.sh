@@ -3,6 +3,7 @@
 #
 #   ./tools/test.sh                        all layers
 #   ./tools/test.sh native|python|blender|ui [...]   only these
+#   ./tools/test.sh fuzz                   a minute of each fuzzer (tools/fuzz.sh); not among "all layers"
 #   ./tools/test.sh --blender 4.3|5.2      tests/blender in Debian trixie's or sid's Blender (made under build/)
 #   ./tools/test.sh --blender bpy[=VERSION]   tests/blender in PyPI's official bpy; with a version, on the package
 #   ./tools/test.sh --platform windows     tests/python on the wheel for Windows, under wine
@@ -15,7 +16,7 @@ cd "$(dirname "$0")/.."
 results="$PWD/build/tests"
 
 usage() {
-  sed -n '2,11s/^# \{0,1\}//p' "$0"
+  sed -n '2,12s/^# \{0,1\}//p' "$0"
 }
 
 layers=()
@@ -23,7 +24,7 @@ blender=
 platform=
 while [ $# -gt 0 ]; do
   case "$1" in
-    native | python | blender | ui) layers+=("$1") ;;
+    native | python | blender | ui | fuzz) layers+=("$1") ;;
     --blender)
       blender="${2:-}"
       shift
@@ -97,6 +98,10 @@ run_blender() {
     bpy*) tools/blender_bpy.sh "$results/blender.xml" "${blender#bpy}" ;;
     *) /usr/bin/python3 tests/blender/run.py --blender /usr/bin/blender --junitxml "$results/blender.xml" ;;
   esac
+}
+
+run_fuzz() {
+  SNOWBOUGH_FUZZ_REPORT="$results/fuzz.xml" tools/fuzz.sh 1
 }
 
 run_ui() {
