@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vector_relational.hpp>
 #include <vector>
 
 namespace snowbough::snow {
@@ -24,7 +25,10 @@ class CellGrid {
   /// `high`.
   template <typename Visit>
   void visit(const glm::vec3& low, const glm::vec3& high, const Visit& visit) const {
-    if (begin_.empty()) return;
+    if (begin_.empty() || glm::any(glm::greaterThan(low, high_)) ||
+        glm::any(glm::lessThan(high, low_))) {
+      return;
+    }
     const glm::ivec3 first = cell(glm::max(low, low_));
     const glm::ivec3 last = cell(glm::min(high, high_));
     for (int32_t z = first.z; z <= last.z; ++z) {

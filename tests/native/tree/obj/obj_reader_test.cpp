@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tree/obj/obj_fragment.h"
 #include "tree/obj/parts.h"
 
 namespace snowbough::tree {
