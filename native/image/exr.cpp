@@ -48,7 +48,8 @@ class MemoryReader : public Imf::IStream {
       : Imf::IStream(path.c_str()), bytes_(bytes) {}
 
   bool read(char target[], int count) override {
-    if (position_ + static_cast<size_t>(count) > bytes_.size()) {
+    // The file chooses the position, so a sum may overflow.
+    if (position_ > bytes_.size() || static_cast<size_t>(count) > bytes_.size() - position_) {
       throw std::runtime_error("the file is truncated");
     }
     std::memcpy(target, bytes_.data() + position_, static_cast<size_t>(count));
@@ -185,29 +186,65 @@ ExrCompression from_imf(Imf::Compression compression) {
 /// Best compression ratio of all supported methods (zlib's): pixel bytes per file byte.
 constexpr uint64_t kBestRatio = 1100;
 
-/// Checks that the header's attributes end inside the file: OpenEXR allocates the sizes that they
-/// declare.
-void check_attributes(std::string_view bytes) {
-  const auto end_of_text = [&](size_t at) {
+/// A position in a file's header. @throws std::runtime_error beyond the end of the file.
+struct HeaderCursor {
+  std::string_view bytes;
+  size_t at = 0;
+
+  size_t rest() const { return bytes.size() - at; }
+  std::string_view text() {
     const size_t end = bytes.find('\0', at);
     if (end == std::string_view::npos) throw std::runtime_error("the file is truncated");
-    return end + 1;
-  };
-  size_t at = 2 * sizeof(int32_t);
-  while (at < bytes.size() && bytes[at] != '\0') {
-    at = end_of_text(end_of_text(at));
-    int32_t size = -1;
-    if (at + sizeof size <= bytes.size()) std::memcpy(&size, bytes.data() + at, sizeof size);
-    at += sizeof size;
-    if (size < 0 || static_cast<size_t>(size) > bytes.size() - std::min(at, bytes.size())) {
-      throw std::runtime_error("the file is truncated");
-    }
-    at += static_cast<size_t>(size);
+    const std::string_view text = bytes.substr(at, end - at);
+    at = end + 1;
+    return text;
+  }
+  std::string_view take(size_t count) {
+    if (count > rest()) throw std::runtime_error("the file is truncated");
+    at += count;
+    return bytes.substr(at - count, count);
+  }
+};
+
+/// Length of a channel list: OpenEXR reads it up to its empty name.
+size_t channel_list_length(std::string_view value) {
+  constexpr size_t kChannelBytes = 16;
+  HeaderCursor cursor{value};
+  while (!cursor.text().empty()) cursor.take(kChannelBytes);
+  return cursor.at;
+}
+
+/// Number of bytes that OpenEXR reads of an attribute that an image needs; -1 for other types.
+int64_t length_of_needed(std::string_view type, std::string_view value) {
+  static const std::map<std::string_view, int64_t> kLengths{{"box2i", 16},   {"compression", 1},
+                                                            {"float", 4},    {"lineOrder", 1},
+                                                            {"tiledesc", 9}, {"v2f", 8}};
+  if (type == "chlist") return static_cast<int64_t>(channel_list_length(value));
+  if (type == "string") return static_cast<int64_t>(value.size());
+  const auto found = kLengths.find(type);
+  return found == kLengths.end() ? -1 : found->second;
+}
+
+/// Prepares the header for OpenEXR, which trusts it: it allocates the sizes that attributes
+/// declare, and ignores them for types of known size, after which it reads the wrong bytes. Checks
+/// the sizes, and renames the types of attributes that are not needed, so that OpenEXR skips them.
+void secure_attributes(std::string& bytes) {
+  HeaderCursor cursor{bytes, 2 * sizeof(int32_t)};
+  while (!cursor.text().empty()) {
+    const size_t type_at = cursor.at;
+    const std::string_view type = cursor.text();
+    int32_t size = 0;
+    std::memcpy(&size, cursor.take(sizeof size).data(), sizeof size);
+    if (size < 0) throw std::runtime_error("an attribute has a negative size");
+    const std::string_view value = cursor.take(static_cast<size_t>(size));
+    const int64_t length = length_of_needed(type, value);
+    if (length >= 0 && length != size) throw std::runtime_error("an attribute has a wrong size");
+    if (length < 0 && !type.empty()) bytes[type_at] = '?';
   }
 }
 
-/// Compares the declared size with the file's length and kLargestExr.
-void check_size(const std::string& path, const std::string& bytes) {
+/// Secures the header and compares the declared size with the file's length and kLargestExr.
+void check_header(const std::string& path, std::string& bytes) {
   MemoryReader stream(path, bytes);
   int32_t start[2];
   stream.read(reinterpret_cast<char*>(start), sizeof start);
@@ -215,7 +252,7 @@ void check_size(const std::string& path, const std::string& bytes) {
   if (Imf::isMultiPart(start[1]) || Imf::isNonImage(start[1])) {
     throw std::runtime_error("files with several parts or deep pixels are not supported");
   }
-  check_attributes(bytes);
+  secure_attributes(bytes);
   Imf::Header header;
   header.readFrom(stream, start[1]);
   const Imath::Box2i window = header.dataWindow();
@@ -242,8 +279,8 @@ void check_size(const std::string& path, const std::string& bytes) {
   }
 }
 
-ExrImage decode(const std::string& path, const std::string& bytes) {
-  check_size(path, bytes);
+ExrImage decode(const std::string& path, std::string& bytes) {
+  check_header(path, bytes);
   MemoryReader stream(path, bytes);
   Imf::InputFile file(stream, 0);
   const Imf::Header& header = file.header();
@@ -290,7 +327,7 @@ void write_exr(const std::string& path, const ExrLayout& layout, const float* pi
 }
 
 ExrImage read_exr(const std::string& path) {
-  const std::string bytes = read_file(path);
+  std::string bytes = read_file(path);
   try {
     return decode(path, bytes);
   } catch (const std::exception& error) {

@@ -161,9 +161,7 @@ auto array_view(std::vector<Element> Class::*member) {
 }
 
 py::array_t<float> point_array(const glm::vec3& point) {
-  py::array_t<float> array(3);
-  std::memcpy(array.mutable_data(), &point, sizeof(point));
-  return array;
+  return copied_numpy(&point.x, 3);
 }
 
 py::tuple pair_of(const glm::vec2& pair) {

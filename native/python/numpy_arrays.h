@@ -24,6 +24,15 @@ pybind11::array_t<Scalar> owned_numpy(std::unique_ptr<Owner> owner, Scalar* data
   return pybind11::array_t<Scalar>(std::move(shape), data, std::move(capsule));
 }
 
+/// A numpy array with a copy of `count` values. Use this instead of array_t's constructor with a
+/// count, and sizeof instead of nbytes and itemsize: with pybind11 before 2.12 and NumPy 2, they
+/// take the size of an element for 0.
+template <typename Scalar>
+pybind11::array_t<Scalar> copied_numpy(const Scalar* values, size_t count) {
+  const std::vector<pybind11::ssize_t> shape{static_cast<pybind11::ssize_t>(count)};
+  return pybind11::array_t<Scalar>(shape, values);
+}
+
 /// Moves a vector into a numpy array of `shape` without copying. `Scalar` is the element type in
 /// Python; Element may be a packed struct of Scalars.
 template <typename Scalar, typename Element>

@@ -104,7 +104,7 @@ void SnowSimulation::step_on(Engine& engine, const FrameStep& step) {
     for (auto& [name, object] : objects_) {
       objects.push_back(object.get());
     }
-    run_step(engine, objects, step);
+    run_step(engine, objects, step, hashes_passes_ ? &hashes_ : nullptr);
   });
   pending_state_ = {};
   choice_->commit();

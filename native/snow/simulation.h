@@ -121,6 +121,11 @@ class SnowSimulation {
   /// See Engine; both wait for it.
   void measure_passes(bool on);
   std::vector<PassCost> take_costs();
+  /// Starts or stops hashing the passes of each step (step/pass_hashes.h), which reads all maps
+  /// back.
+  void hash_passes(bool on);
+  /// The hashes since the last call.
+  std::vector<PassHash> take_hashes();
   /// The engine and why it was chosen; waits for it.
   EngineInfo engine_info();
 
@@ -168,6 +173,8 @@ class SnowSimulation {
   std::shared_ptr<MapMemory> map_memory_ = std::make_shared<MapMemory>();
   bool scene_is_current_ = false;
   uint32_t step_number_ = 0;
+  bool hashes_passes_ = false;
+  std::vector<PassHash> hashes_;
   /// State that waits for the engine's scene: applied when the scene is built, and kept until that
   /// engine has finished a step.
   SimulationState pending_state_;

@@ -1,6 +1,7 @@
 // Output of a simulation: smoothed maps.
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "gpu/thread_texture.h"
 #include "snow/simulation.h"
@@ -97,6 +98,16 @@ std::shared_ptr<const gpu::ThreadTexture> SnowSimulation::live_output(const std:
 void SnowSimulation::measure_passes(bool on) {
   const std::scoped_lock lock(mutex_);
   engine().run([&] { engine().measure_passes(on); });
+}
+
+void SnowSimulation::hash_passes(bool on) {
+  const std::scoped_lock lock(mutex_);
+  hashes_passes_ = on;
+}
+
+std::vector<PassHash> SnowSimulation::take_hashes() {
+  const std::scoped_lock lock(mutex_);
+  return std::exchange(hashes_, {});
 }
 
 std::vector<PassCost> SnowSimulation::take_costs() {

@@ -1,6 +1,7 @@
 """The set-up itself: the module is built, and the README names everything it needs."""
 
 import os
+import re
 import subprocess
 from pathlib import Path
 
@@ -24,6 +25,14 @@ def test_module_version_is_the_add_ons():
     add_on = (ROOT / "addon" / "snowbough" / "__init__.py").read_text()
     major, minor, patch = snowbough_native.__version__.split(".")
     assert f'"version": ({major}, {minor}, {patch})' in add_on
+
+
+def test_the_module_asks_numpy_for_no_size_of_an_element():
+    """pybind11 before 2.12, which Debian 12 has, takes it for 0 in Blenders with NumPy 2: see numpy_arrays.h."""
+    sources = [*(ROOT / "native" / "python").rglob("*.cpp"), *(ROOT / "native" / "python").rglob("*.h")]
+    asking = re.compile(r"nbytes\(|itemsize\(|\barray_t<\w+>(\s+\w+)?\((\d|static_cast)")
+    lines = [(path.name, line) for path in sources for line in path.read_text().splitlines()]
+    assert [place for place in lines if asking.search(place[1])] == []
 
 
 def test_readme_names_every_dependency():

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The frames of a bake, in the thread of the simulation: steps, snapshots for the writer, checkpoints. No ``bpy``."""
 
+import os
 import time
 
 from ..cache.folder import checkpoints
@@ -45,6 +46,11 @@ class FrameBaker:
         # Whether the simulation's state is that of the last reported frame.
         self._between_frames = True
         self._places = {}
+        # A file for tools/compare_hashes.py.
+        self._hash_file = os.environ.get("SNOWBOUGH_PASS_HASHES")
+        if self._hash_file:
+            simulation.hash_passes(True)
+            open(self._hash_file, "w", encoding="utf-8").close()
         self.inputs = []
         """Fingerprints of the poses up to the last frame (scene.inputs)."""
 
@@ -66,6 +72,8 @@ class FrameBaker:
                 self._simulation.step(self._positions, depth=step.depth, direction=direction, dt=step.dt)
                 self._positions = {}
         self._follow_engine()
+        if self._hash_file:
+            self._write_hashes(frame)
         snowing = clock() - begun
         reading = -clock()
         volume, slid = self._take_snapshots(frame, depth, work[-1][2], places)
@@ -89,6 +97,12 @@ class FrameBaker:
         if self._between_frames and done and done[-1]["frame"] not in checkpoints(self._receivers[0].folder):
             self._checkpoint(done[-1]["frame"])
             self._writer.flush()
+
+    def _write_hashes(self, frame):
+        """Appends a line per step, pass and object: frame, step, pass, object and hash, separated by tabs."""
+        with open(self._hash_file, "a", encoding="utf-8") as file:
+            for step, name, of, value in self._simulation.pass_hashes():
+                file.write(f"{frame}\t{step}\t{name}\t{of}\t{value:08x}\n")
 
     def _follow_engine(self):
         """Notes the engine that really ran: a simulation may switch from OpenGL to the processor in its first step. A

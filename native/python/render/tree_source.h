@@ -131,7 +131,7 @@ inline render::TreeSource tree_source(const pybind11::dict& arrays) {
     values.resize(static_cast<size_t>(array.shape(0)));
     if (!values.empty()) {
       std::memcpy(static_cast<void*>(values.data()), array.data(),
-                  static_cast<size_t>(array.nbytes()));
+                  values.size() * sizeof values[0]);
     }
   });
   const auto kinds = read("kind", int32_t{}, {});

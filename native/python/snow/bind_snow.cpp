@@ -194,6 +194,14 @@ py::dict pass_costs(SnowSimulation& simulation) {
   return dict;
 }
 
+py::list pass_hashes(SnowSimulation& simulation) {
+  py::list list;
+  for (const snow::PassHash& one : without_gil([&] { return simulation.take_hashes(); })) {
+    list.append(py::make_tuple(one.step, one.pass, one.object, one.hash));
+  }
+  return list;
+}
+
 py::dict statistics(SnowSimulation& simulation) {
   const snow::SnowStatistics statistics = without_gil([&] { return simulation.statistics(); });
   py::dict dict = balance_dict(statistics.all);
@@ -316,6 +324,11 @@ surface.)")
       .def("pass_costs", &pass_costs,
            R"(Costs of the passes of engine GL since the last call, by name: 'calls', 'gpu_seconds'
 by the GPU's clock, 'wall_seconds' of submitting them. Empty unless measure_passes(True).)")
+      .def("hash_passes", &SnowSimulation::hash_passes, "on"_a, py::call_guard<ReleasedGil>(),
+           "Starts or stops hashing what the passes of each step write, to find where runs differ.")
+      .def("pass_hashes", &pass_hashes,
+           R"(Hashes of the steps since the last call: (step, pass, object, CRC-32), in the order in
+which the passes ran. Empty unless hash_passes(True).)")
       .def("statistics", &statistics,
            R"(Balance of the last step, under 'total' of all steps, and under 'objects' per
 receiver: volumes in m3, areas in m2.)")

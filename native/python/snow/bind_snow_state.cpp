@@ -22,8 +22,7 @@ py::dict to_dict(snow::SimulationState&& state) {
     py::dict own;
     const py::ssize_t edge = object.resolution;
     own["height"] = to_numpy<float>(std::move(object.height), {edge, edge});
-    own["sums"] =
-        py::array_t<double>(static_cast<py::ssize_t>(object.sums.size()), object.sums.data());
+    own["sums"] = copied_numpy(object.sums.data(), object.sums.size());
     objects[py::str(object.name)] = own;
   }
   py::dict result;

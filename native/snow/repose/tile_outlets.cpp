@@ -94,7 +94,7 @@ inline std::pair<bool, bool> lower_over_sides(const float* __restrict a, const f
     const auto own = static_cast<size_t>(i);
     const float highest = std::max(bound[first + own], bound[second + own]);
     const float least = std::min(a[i], b[i]) + (1.0f + kWorth) * away[i];
-    may_lower |= (std::abs(b[i] - a[i]) < length[i]) & (least < highest) ? 1 : 0;
+    may_lower |= ((std::abs(b[i] - a[i]) < length[i]) & (least < highest)) ? 1 : 0;
   }
   if (may_lower == 0) return {false, false};
   std::array<float, kReposeBlock> over_first;
@@ -138,7 +138,7 @@ inline bool may_lower_bounds(const float* __restrict diagonal, const float* __re
                          (bound[high + i] > z[high + i]) | (bound[high + i + 1] > z[high + i + 1]);
     const float least = std::min(std::min(passed[low + i], passed[low + i + 1]),
                                  std::min(passed[high + i], passed[high + i + 1]));
-    any |= (diagonal[i] < shared::kUnbounded) & is_high & (least < shared::kUnbounded) ? 1 : 0;
+    any |= ((diagonal[i] < shared::kUnbounded) & is_high & (least < shared::kUnbounded)) ? 1 : 0;
   }
   return any != 0;
 }

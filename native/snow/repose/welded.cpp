@@ -22,6 +22,7 @@ class Welder {
       low = glm::min(low, positions[static_cast<size_t>(v)]);
       high = glm::max(high, positions[static_cast<size_t>(v)]);
     }
+    low_ = low;
     near_ = count > 0 ? kOnePlace * glm::length(high - low) : 0.0f;
     first_.reserve(static_cast<size_t>(count));
     for (int32_t v = 0; v < count; ++v) first_.push_back(add(v));
@@ -30,7 +31,9 @@ class Welder {
 
  private:
   uint64_t cell(const glm::vec3& point) const {
-    const glm::dvec3 at = glm::floor(glm::dvec3(point) / (16.0 * std::max<double>(near_, 1e-30)));
+    // Counted from the mesh's corner, so that the numbers stay small also far from the origin.
+    const glm::dvec3 inside = glm::dvec3(point) - glm::dvec3(low_);
+    const glm::dvec3 at = glm::floor(inside / (16.0 * std::max<double>(near_, 1e-30)));
     const auto part = [](double x) { return static_cast<uint64_t>(static_cast<int64_t>(x)); };
     return (part(at.x) * 73856093u) ^ (part(at.y) * 19349663u) ^ (part(at.z) * 83492791u);
   }
@@ -54,6 +57,7 @@ class Welder {
   }
 
   const std::vector<glm::vec3>& positions_;
+  glm::vec3 low_{0.0f};
   float near_ = 0.0f;
   /// Never iterated over.
   std::unordered_map<uint64_t, std::vector<int32_t>> cells_;

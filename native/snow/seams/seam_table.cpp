@@ -80,13 +80,21 @@ class SeamTableBuilder {
     return i >= 0 && table_.chart[i] == chart ? i : -1;
   }
 
+  /// A point within some texels of the map: a walk across a sliver may end anywhere, or at NaN.
+  glm::dvec2 near_map(const glm::dvec2& at) const {
+    constexpr double kMargin = 16.0;
+    const double last = table_.resolution + kMargin;
+    return {std::min(std::max(-kMargin, at.x), last), std::min(std::max(-kMargin, at.y), last)};
+  }
+
   /// Bilinear interpolation at a point of the surface. Texels that the chart does not own are
   /// looked up beyond the seam, once; those still missing are left out. Adds terms to `terms`,
   /// scaled to sum to `weight`, or none.
   void interpolate(const SurfacePoint& point, double weight, bool beyond_seams,
                    Terms& terms) const {
-    const glm::dvec2 corner = glm::floor(point.at - 0.5);
-    const glm::dvec2 part = point.at - 0.5 - corner;
+    const glm::dvec2 at = near_map(point.at);
+    const glm::dvec2 corner = glm::floor(at - 0.5);
+    const glm::dvec2 part = at - 0.5 - corner;
     const size_t first = terms.size();
     for (int k = 0; k < 4; ++k) {
       const int dx = k & 1;
@@ -122,8 +130,9 @@ class SeamTableBuilder {
 
   /// Adds the chart's own texel nearest to a point between texels of other charts.
   void add_nearest(const SurfacePoint& point, double weight, Terms& terms) const {
-    const auto column = static_cast<int32_t>(std::floor(point.at.x));
-    const auto row = static_cast<int32_t>(std::floor(point.at.y));
+    const glm::dvec2 at = near_map(point.at);
+    const auto column = static_cast<int32_t>(std::floor(at.x));
+    const auto row = static_cast<int32_t>(std::floor(at.y));
     double best = 1e30;
     int32_t nearest = -1;
     for (int32_t dy = -2; dy <= 2; ++dy) {

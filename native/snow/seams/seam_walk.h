@@ -60,9 +60,11 @@ class SeamWalk {
   };
 
   void add_side(const Side& side);
-  /// The row or column of cells of a coordinate in texels.
+  /// The row or column of cells of a coordinate in texels. Clamped before it is an integer: beside
+  /// a sliver, a step of a texel may lead anywhere, or to NaN, which becomes 0.
   int32_t cell(double x) const {
-    return std::clamp(static_cast<int32_t>(x * cells_per_texel_), 0, cells_ - 1);
+    const double last = cells_ - 1;
+    return static_cast<int32_t>(std::min(std::max(0.0, x * cells_per_texel_), last));
   }
   void sort_into_cells(int32_t resolution);
   /// The first side of `chart` that the line from `from` to `to` crosses outwards; `part`: where,

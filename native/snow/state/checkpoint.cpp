@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "image/atomic_file.h"
+#include "snow/state/check_sum.h"
 
 namespace snowbough::snow {
 namespace {
@@ -17,16 +18,6 @@ constexpr uint32_t kVersion = 3;
 constexpr int32_t kLargestResolution = 8192;
 /// Magic, version, length of the body, and its check sum.
 constexpr size_t kHeaderBytes = 16 + 4 + 8 + 4;
-
-uint32_t check_sum(std::string_view bytes) {
-  uLong sum = crc32(0, nullptr, 0);
-  while (!bytes.empty()) {
-    const auto part = static_cast<uInt>(std::min(bytes.size(), size_t{1} << 30));
-    sum = crc32(sum, reinterpret_cast<const Bytef*>(bytes.data()), part);
-    bytes.remove_prefix(part);
-  }
-  return static_cast<uint32_t>(sum);
-}
 
 class Writer {
  public:

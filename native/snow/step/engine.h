@@ -66,6 +66,13 @@ struct PassCost {
   double wall_seconds = 0.0;
 };
 
+/// Gain of a texel in a step; see shared::TexelStep.
+struct TexelGain {
+  /// row * resolution + column.
+  uint32_t place = 0;
+  uint32_t gain = 0;
+};
+
 /// Runs the passes of a step: as OpenGL shaders (step/gl) or as C++ on the CPU's cores (step/cpu).
 /// Chosen once, when a simulation is made. The frame step calls the passes, one function each, in
 /// the order below. `object` is an index into the objects sorted by name. Same input, same engine,
@@ -129,6 +136,12 @@ class Engine {
   virtual void measure_passes(bool /*on*/) {}
   /// Costs measured since the last call, in the order of the passes' first run. Waits for the GPU.
   virtual std::vector<PassCost> take_costs() { return {}; }
+  /// Data of the current step, for hashes (step/pass_hashes.h): triangles as seen along the fall,
+  /// the pixels of the last tile, and, for engine CPU, the gains over 0 of a receiver's texels
+  /// after apply_stability.
+  virtual std::vector<glm::vec4> read_triangles(const TriangleRange& /*range*/) { return {}; }
+  virtual std::vector<shared::SeenPixel> read_occlusion(const Tile& /*tile*/) { return {}; }
+  virtual std::vector<TexelGain> read_gains(size_t /*object*/) { return {}; }
   /// A receiver's balance.
   virtual shared::ObjectSums read_sums(size_t object) = 0;
   virtual void write_sums(size_t object, const shared::ObjectSums& sums) = 0;

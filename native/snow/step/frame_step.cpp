@@ -48,7 +48,8 @@ std::vector<TriangleRange> ranges_in(const std::vector<SceneObject*>& objects,
 
 }  // namespace
 
-void run_step(Engine& engine, const std::vector<SceneObject*>& objects, const FrameStep& step) {
+void run_step(Engine& engine, const std::vector<SceneObject*>& objects, const FrameStep& step,
+              std::vector<PassHash>* hashes) {
   hand_over_moved(engine, objects);
   // Extents and grid come from all objects, so that leaving out a receiver changes nothing.
   Bounds bounds;
@@ -67,7 +68,10 @@ void run_step(Engine& engine, const std::vector<SceneObject*>& objects, const Fr
   const std::vector<Tile> tiles =
       step.fall.depth > 0.0 ? make_tiles(receivers, step.tile_size) : std::vector<Tile>{};
 
+  PassHasher hash(engine, objects, step.fall.step_number, hashes);
+  hash.inputs(frame);
   engine.set_up_triangles(frame);
+  hash.triangles();
   engine.choose_texels();
   engine.open_statistics();
   if (tiles.empty()) {
@@ -75,14 +79,19 @@ void run_step(Engine& engine, const std::vector<SceneObject*>& objects, const Fr
   }
   for (const Tile& tile : tiles) {
     engine.render_occlusion(tile, ranges_in(objects, engine.layout(), rects, tile.with_margin()));
+    hash.occlusion(tile);
     engine.count_back_faces(tile);
     engine.gather_deposit(tile, &tile == &tiles.front());
   }
   const double density = std::min(1.0, step.fall.noise_density);
   engine.apply_stability(step.stability, static_cast<float>(shared::snow_depth(frame) / density),
                          static_cast<float>(step.dt));
+  hash.deposit();
+  hash.heights("stability");
   engine.apply_repose(step.repose, static_cast<float>(step.dt));
+  hash.heights("repose");
   engine.close_statistics(static_cast<float>(step.fall.pixel_size * step.fall.pixel_size));
+  hash.statistics();
 }
 
 }  // namespace snowbough::snow

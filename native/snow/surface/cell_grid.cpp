@@ -1,6 +1,28 @@
 #include "snow/surface/cell_grid.h"
 
+#include <algorithm>
+#include <glm/vec3.hpp>
+
 namespace snowbough::snow {
+namespace {
+
+/// Cells a box, on average, and cells of all boxes that are always allowed.
+constexpr double kCellsPerBox = 64.0;
+constexpr double kFewCells = 1 << 16;
+/// Cells along the longest side of all boxes together, so that their numbers are exact floats.
+constexpr float kLongestSide = 1 << 22;
+
+/// Upper bound on the number of cells that the boxes overlap.
+double count_cells(const std::vector<CellGrid::Box>& boxes, float size) {
+  double count = 0.0;
+  for (const CellGrid::Box& box : boxes) {
+    const glm::dvec3 cells = glm::dvec3(box.high - box.low) / static_cast<double>(size) + 2.0;
+    count += cells.x * cells.y * cells.z;
+  }
+  return count;
+}
+
+}  // namespace
 
 size_t CellGrid::slot_of(const glm::ivec3& cell) const {
   const auto part = [](int32_t x) { return static_cast<uint64_t>(static_cast<uint32_t>(x)); };
@@ -18,6 +40,10 @@ CellGrid::CellGrid(const std::vector<Box>& boxes, float size) : size_(size) {
     low_ = glm::min(low_, box.low);
     high_ = glm::max(high_, box.high);
   }
+  const glm::vec3 extent = high_ - low_;
+  size_ = std::max(size_, std::max({extent.x, extent.y, extent.z}) / kLongestSide);
+  const double most = std::max(kFewCells, kCellsPerBox * static_cast<double>(boxes.size()));
+  while (count_cells(boxes, size_) > most) size_ *= 2.0f;
   const auto for_cells = [&](const auto& visit) {
     for (size_t b = 0; b < boxes.size(); ++b) {
       const glm::ivec3 first = cell(boxes[b].low);

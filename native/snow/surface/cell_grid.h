@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vector_relational.hpp>
 #include <vector>
 
 namespace snowbough::snow {
@@ -16,14 +17,18 @@ class CellGrid {
   };
 
   CellGrid() = default;
-  /// @param size edge length of a cell in metres, over 0.
+  /// @param size edge length of a cell in metres, over 0. It grows if the boxes would overlap many
+  /// millions of cells: a long diagonal box overlaps the cube of its length in cells.
   CellGrid(const std::vector<Box>& boxes, float size);
 
   /// Calls visit(index), in a fixed order, for every box that overlaps a cell between `low` and
   /// `high`.
   template <typename Visit>
   void visit(const glm::vec3& low, const glm::vec3& high, const Visit& visit) const {
-    if (begin_.empty()) return;
+    if (begin_.empty() || glm::any(glm::greaterThan(low, high_)) ||
+        glm::any(glm::lessThan(high, low_))) {
+      return;
+    }
     const glm::ivec3 first = cell(glm::max(low, low_));
     const glm::ivec3 last = cell(glm::min(high, high_));
     for (int32_t z = first.z; z <= last.z; ++z) {

@@ -136,6 +136,7 @@ class FragmentParser {
     } catch (BadLine& bad) {
       fragment_.error = std::move(bad.why);
       fragment_.error_line = fragment_.line_count;
+      forget_corners();
       return false;
     }
   }
@@ -306,6 +307,13 @@ class FragmentParser {
       fragment_.relative[i].corner = -1;
     }
     ++scene_.short_faces;
+  }
+
+  /// After an invalid line: its relative indices are only checked, since its corners are incomplete.
+  void forget_corners() {
+    for (RelativeIndex& entry : fragment_.relative) {
+      if (entry.line == fragment_.line_count) entry.corner = -1;
+    }
   }
 
   ObjFragment fragment_;

@@ -119,5 +119,51 @@ TEST_F(Exr, damagedAndForeignFilesAreRefusedByName) {
   EXPECT_THAT(failure([&] { read_exr(path("cut.exr")); }), HasSubstr("cut.exr"));
 }
 
+/// Offset of an attribute's value in a file of write_exr.
+size_t value_of(const std::string& bytes, const std::string& name_and_type) {
+  return bytes.find(name_and_type) + name_and_type.size() + 4;
+}
+
+/// An uncompressed image of 3 x 2 pixels.
+std::string small_file(const std::string& path) {
+  ExrLayout layout = height_layout(3);
+  layout.height = 2;
+  layout.compression = ExrCompression::kNone;
+  const std::vector<float> height(6, 1.0f);
+  write_exr(path, layout, height.data());
+  return read_file(path);
+}
+
+TEST_F(Exr, anAttributeLongerThanItsContentIsRefused) {
+  // OpenEXR ends the channel list at its empty name, and reads the rest as attributes.
+  std::string bytes = small_file(path("a.exr"));
+  const size_t at = value_of(bytes, std::string("channels\0chlist\0", 16));
+  bytes.insert(at + 19, std::string("x\0y\0\xff\xff\xff\x7f", 8));
+  bytes[at - 4] = 27;
+  atomic_write(path("a.exr"), bytes);
+  EXPECT_THAT(failure([&] { read_exr(path("a.exr")); }), HasSubstr("wrong size"));
+}
+
+TEST_F(Exr, attributesThatAnImageDoesNotNeedAreSkipped) {
+  // A preview image of 4 G pixels, which OpenEXR would allocate.
+  std::string bytes = small_file(path("p.exr"));
+  bytes.insert(8, std::string("p\0preview\0\x08\0\0\0\xff\xff\0\0\xff\xff\0\0", 22));
+  // The table of line offsets counts from the beginning of the file.
+  const size_t table = bytes.size() - 2 * (8 + 12) - 16;
+  for (const size_t line : {0, 1}) {
+    bytes[table + 8 * line] = static_cast<char>(bytes[table + 8 * line] + 22);
+  }
+  atomic_write(path("p.exr"), bytes);
+  EXPECT_EQ(read_exr(path("p.exr")).pixels, std::vector<float>(6, 1.0f));
+}
+
+TEST_F(Exr, aLineOffsetNearTheLargestNumberIsRefused) {
+  std::string bytes = small_file(path("o.exr"));
+  const size_t table = bytes.size() - 2 * (8 + 12) - 16;
+  bytes.replace(table, 8, std::string("\xfc\xff\xff\xff\xff\xff\xff\xff", 8));
+  atomic_write(path("o.exr"), bytes);
+  EXPECT_THAT(failure([&] { read_exr(path("o.exr")); }), HasSubstr("o.exr"));
+}
+
 }  // namespace
 }  // namespace snowbough::image

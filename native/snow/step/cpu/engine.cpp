@@ -106,6 +106,28 @@ class CpuEngine final : public Engine {
     receiver.height = height;
     std::fill(receiver.holds_snow.begin(), receiver.holds_snow.end(), uint8_t{1});
   }
+  std::vector<glm::vec4> read_triangles(const TriangleRange& range) override {
+    const auto corners = scene_.corners.begin() + 3 * ptrdiff_t{range.first};
+    const auto surface = scene_.surface.begin() + range.first;
+    std::vector<glm::vec4> data(corners, corners + 3 * ptrdiff_t{range.count});
+    data.insert(data.end(), surface, surface + range.count);
+    return data;
+  }
+  std::vector<shared::SeenPixel> read_occlusion(const Tile& tile) override {
+    const glm::ivec2 size = tile.with_margin().size();
+    return {scene_.seen.begin(), scene_.seen.begin() + ptrdiff_t{size.x} * size.y};
+  }
+  std::vector<TexelGain> read_gains(size_t object) override {
+    const Receiver& receiver = receiver_of(object);
+    std::vector<TexelGain> gains;
+    for (const uint32_t group : receiver.active) {
+      for (size_t i = receiver.first_texel(group); i < receiver.first_texel(group + 1); ++i) {
+        if (receiver.steps.gain[i] == 0) continue;
+        gains.push_back({receiver.places[i], receiver.steps.gain[i]});
+      }
+    }
+    return gains;
+  }
   shared::ObjectSums read_sums(size_t object) override { return receiver_of(object).sums; }
   void write_sums(size_t object, const shared::ObjectSums& sums) override {
     receiver_of(object).sums = sums;

@@ -181,6 +181,21 @@ class GlEngine final : public Engine {
     }
     return costs;
   }
+  std::vector<glm::vec4> read_triangles(const TriangleRange& range) override {
+    const int64_t first = range.first, count = range.count;
+    std::vector<glm::vec4> data(4 * static_cast<size_t>(count));
+    passes_->scene.triangle_corners.read(48 * first, 48 * count, data.data());
+    passes_->scene.triangle_surface.read(16 * first, 16 * count, data.data() + 3 * count);
+    return data;
+  }
+  std::vector<shared::SeenPixel> read_occlusion(const Tile& tile) override {
+    const glm::ivec2 size = tile.with_margin().size();
+    std::vector<shared::SeenPixel> pixels(static_cast<size_t>(size.x) *
+                                          static_cast<size_t>(size.y));
+    passes_->target.visible.read(0, static_cast<int64_t>(pixels.size() * sizeof(shared::SeenPixel)),
+                                 pixels.data());
+    return pixels;
+  }
   shared::ObjectSums read_sums(size_t object) override {
     shared::ObjectSums sums;
     passes_->scene.sums.read(sums_offset(object), sizeof sums, &sums);

@@ -54,6 +54,16 @@ TEST(SeamWalk, endsWhereTheSurfaceEnds) {
   EXPECT_FALSE(walk.go(point, {60.0, 15.0}, ahead)) << "beyond the second square, too";
 }
 
+TEST(SeamWalk, endsOnTheWayToATargetFarBeyondTheMap) {
+  const SeamWalk walk = Squares(turned).walk();
+  for (const glm::dvec2 target : {glm::dvec2(25.0, 1e30), glm::dvec2(25.0, -1e30)}) {
+    SurfacePoint point{0, {25.0, 15.0}};
+    glm::dvec2 ahead(0.0, 1.0);
+    EXPECT_FALSE(walk.go(point, target, ahead));
+    EXPECT_TRUE(walk.leaves_chart(0, {25.0, 15.0}, target));
+  }
+}
+
 TEST(SeamWalk, tellsLinesThatLeaveTheChart) {
   const SeamWalk walk = Squares(turned).walk();
   EXPECT_FALSE(walk.leaves_chart(0, {12, 12}, {28, 27}));

@@ -49,6 +49,24 @@ TEST(CellGrid, LeavesOutWhatIsInOtherCells) {
   EXPECT_THAT(visited(grid, glm::vec3(-0.5f), glm::vec3(0.5f)), testing::ElementsAre(0));
 }
 
+TEST(CellGrid, GrowsItsCellsForBoxesThatAreMuchLarger) {
+  const CellGrid grid({{glm::vec3(0.0f), glm::vec3(1e3f)}, {glm::vec3(1e9f), glm::vec3(1e9f)}},
+                      0.01f);
+  EXPECT_GT(grid.size(), 1.0f);
+  EXPECT_THAT(visited(grid, glm::vec3(499.0f), glm::vec3(500.0f)), testing::ElementsAre(0));
+  EXPECT_THAT(visited(grid, glm::vec3(1e9f), glm::vec3(1e9f)), testing::ElementsAre(1));
+}
+
+TEST(CellGrid, KeepsItsCellsForOrdinaryBoxes) {
+  EXPECT_EQ(CellGrid({{glm::vec3(-20.0f), glm::vec3(20.0f, -20.0f, 5.0f)}}, 1.0f).size(), 1.0f);
+}
+
+TEST(CellGrid, VisitsNothingFarFromAllBoxes) {
+  const CellGrid grid({{glm::vec3(0.0f), glm::vec3(1.0f)}}, 0.01f);
+  EXPECT_TRUE(visited(grid, glm::vec3(1e9f), glm::vec3(2e9f)).empty());
+  EXPECT_TRUE(visited(grid, glm::vec3(-2e9f), glm::vec3(-1e9f)).empty());
+}
+
 TEST(CellGrid, WithoutBoxesVisitsNothing) {
   EXPECT_TRUE(visited(CellGrid({}, 1.0f), glm::vec3(-1.0f), glm::vec3(1.0f)).empty());
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tree/obj/obj_fragment.h"
 #include "tree/obj/parts.h"
 
 namespace snowbough::tree {
@@ -130,6 +131,15 @@ TEST(ObjReader, TextureCoordinatesOfFacesLeftOutDoNotCount) {
 TEST(ObjReader, TakesNegativeIndicesFromWhereTheyStand) {
   const ObjScene scene = parse(kTriangle + "f -3 -2 -1\nv 5 5 5\nf -1 1 2\n");
   EXPECT_THAT(scene.corner_vertex, ElementsAre(0, 1, 2, 3, 0, 1));
+}
+
+TEST(ObjReader, AnInvalidFaceLeavesNoCornersForNegativeIndices) {
+  // The face's corners are incomplete, so that setting them would write beyond the arrays.
+  std::string text = "v 0 0 0\nvt 0 0\nf -1/-1 -1/-1x\n";
+  const ObjFragment fragment = read_obj_fragment(text.data(), text.data() + text.size(), {});
+  EXPECT_EQ(fragment.error, "malformed face corner '-1/-1x'");
+  EXPECT_EQ(fragment.relative.size(), 4u);
+  for (const RelativeIndex& entry : fragment.relative) EXPECT_EQ(entry.corner, -1);
 }
 
 TEST(ObjReader, TakesIndicesOfVerticesThatComeLater) {

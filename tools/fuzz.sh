@@ -1,0 +1,59 @@
+#!/usr/bin/env bash
+# Runs the fuzzers of tests/fuzz: each reader's under libFuzzer with the address and undefined-behaviour sanitizers, then
+# the module's interface in child processes.
+#
+#   tools/fuzz.sh [MINUTES [NAME...]]     MINUTES for each fuzzer (default 1); NAME: obj, mtl, ..., module (default: all)
+#
+# Installs Debian's Clang if it is missing. Found inputs stay in build/fuzz/inputs. An input that fails is saved in
+# build/fuzz/failed, and `build/fuzz/tests/fuzz/fuzz_NAME FILE` repeats it: add it to tests/fuzz/corpus/NAME with the fix.
+# Prints a line per fuzzer; SNOWBOUGH_FUZZ_REPORT=FILE also writes them as JUnit. The exit status is 1 if any failed.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+minutes="${1:-1}"
+[[ "$minutes" =~ ^[0-9]+(\.[0-9]+)?$ ]] || { sed -n '5s/^# *//p' "$0" >&2; exit 2; }
+shift || true
+seconds=$(/usr/bin/python3 -c "print(max(1, round(60 * $minutes)))")
+all=(obj mtl checkpoint exr texel_table seams surface module)
+[ $# -gt 0 ] || set -- "${all[@]}"
+
+packages=(clang libclang-rt-14-dev)
+if ! dpkg-query -W "${packages[@]}" >/dev/null 2>&1; then
+  sudo=()
+  [ "$(id -u)" -eq 0 ] || sudo=(sudo)
+  echo "fuzz: to be installed with apt-get: ${packages[*]}"
+  "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${packages[@]}" </dev/null
+fi
+launcher=()
+if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
+cmake --preset fuzz "${launcher[@]}" >/dev/null
+cmake --build --preset fuzz
+
+run_module() {
+  PYTHONPATH=build/python /usr/bin/python3 tests/fuzz/fuzz_module.py --seconds "$seconds"
+}
+
+run_reader() {
+  mkdir -p "build/fuzz/inputs/$1" "build/fuzz/failed/$1"
+  build/fuzz/tests/fuzz/fuzz_"$1" -max_total_time="$seconds" -max_len=1024 -timeout=10 -rss_limit_mb=2048 \
+    -malloc_limit_mb=512 -print_final_stats=1 -artifact_prefix="build/fuzz/failed/$1/" \
+    "build/fuzz/inputs/$1" "tests/fuzz/corpus/$1"
+}
+
+failed=0
+cases=
+for name in "$@"; do
+  log="build/fuzz/$name.log"
+  started=$SECONDS
+  status=0
+  if [ "$name" = module ]; then run_module >"$log" 2>&1 || status=$?; else run_reader "$name" >"$log" 2>&1 || status=$?; fi
+  count=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
+  took=$((SECONDS - started))
+  printf 'fuzz: %-12s %9s executions %7s per second  %s\n' "$name" "${count:-0}" \
+    "$((${count:-0} / (took > 0 ? took : 1)))" "$([ $status -eq 0 ] && echo 'nothing found' || echo "FAILED, see $log")"
+  if [ $status -ne 0 ]; then failed=1; fi
+  cases+="<testcase classname=\"fuzz\" name=\"$name\">$([ $status -eq 0 ] || echo "<failure message=\"see $log\"/>")</testcase>"
+done
+if [ -n "${SNOWBOUGH_FUZZ_REPORT:-}" ]; then
+  echo "<testsuite name=\"fuzz\">$cases</testsuite>" >"$SNOWBOUGH_FUZZ_REPORT"
+fi
+exit $failed
