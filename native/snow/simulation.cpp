@@ -8,6 +8,8 @@
 
 #include "base/thread_pool.h"
 #include "snow/repose/pass.h"
+#include "snow/step/choose_engine.h"
+#include "snow/step/frame_step.h"
 
 namespace snowbough::snow {
 
@@ -269,8 +271,8 @@ MemoryEstimate SnowSimulation::memory_estimate() const {
 
 MemoryEstimate SnowSimulation::estimate() const {
   const std::vector<const SceneObject*> objects = all_objects();
-  MemoryEstimate result = estimate_memory(objects, settings_.tile_size,
-                                          settings_.mapping == gl::DepositMapping::kGeometry);
+  MemoryEstimate result =
+      estimate_memory(objects, settings_.tile_size, settings_.mapping == DepositMapping::kGeometry);
   if (ReposeSettings{settings_.repose}.is_on()) result.repose = ReposePass::memory(objects);
   return result;
 }

@@ -18,10 +18,13 @@
 #include "snow/scene/scene_object.h"
 #include "snow/scene/statistics.h"
 #include "snow/state/checkpoint.h"
-#include "snow/step/choose_engine.h"
-#include "snow/step/frame_step.h"
+#include "snow/step/engine/engine.h"
+#include "snow/step/engine/engine_request.h"
 
 namespace snowbough::snow {
+
+class EngineChoice;
+struct FrameStep;
 
 /// Settings of a simulation.
 struct SimulationSettings {
@@ -45,7 +48,7 @@ struct SimulationSettings {
   /// Standard deviation in metres of the blur of `output`; the stored map stays unblurred.
   double blur_radius = 0.0;
   uint32_t seed = 0;
-  gl::DepositMapping mapping = gl::DepositMapping::kCompute;
+  DepositMapping mapping = DepositMapping::kCompute;
   /// Largest edge of an occlusion tile in pixels: a power of two from 64 to 4096. It changes memory
   /// use and speed, never the result.
   int32_t tile_size = 2048;

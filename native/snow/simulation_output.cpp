@@ -9,6 +9,7 @@
 #include "gpu/thread_texture.h"
 #include "snow/simulation.h"
 #include "snow/state/checkpoint.h"
+#include "snow/step/choose_engine.h"
 
 namespace snowbough::snow {
 namespace {
@@ -50,7 +51,7 @@ std::string describe(const SimulationSettings& s,
   if (s.cohesion > 0.0) text += "cohesion=" + number(s.cohesion) + "\n";
   text += "seed=" + std::to_string(s.seed) + "\n";
   text += std::string("mapping=") +
-          (s.mapping == gl::DepositMapping::kCompute ? "COMPUTE" : "GEOMETRY") + "\n";
+          (s.mapping == DepositMapping::kCompute ? "COMPUTE" : "GEOMETRY") + "\n";
   // Older checkpoints of the scattered deposit lack this line.
   text += "deposit=gathered\n";
   text += "driver=" + engine.name() + ", " + engine.driver() + "\n";

@@ -5,6 +5,7 @@
 #include "engine_arguments.h"
 #include "python/bindings.h"
 #include "python/choose.h"
+#include "snow/step/choose_engine.h"
 
 namespace py = pybind11;
 
@@ -42,8 +43,8 @@ class HeldEngine {
 
 }  // namespace
 
-snow::gl::DepositMapping mapping_from(const std::string& name) {
-  using snow::gl::DepositMapping;
+snow::DepositMapping mapping_from(const std::string& name) {
+  using snow::DepositMapping;
   return choose<DepositMapping>(
       "mapping", name,
       {{"COMPUTE", DepositMapping::kCompute}, {"GEOMETRY", DepositMapping::kGeometry}});

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "snow/step/cpu/engine.h"
+#include "snow/step/gl/engine.h"
 
 namespace snowbough::snow {
 namespace {
@@ -15,15 +16,8 @@ bool names_a_device(const std::string& device) {
 
 }  // namespace
 
-EngineKind engine_kind(const std::string& name) {
-  if (name == "AUTO") return EngineKind::kAuto;
-  if (name == "GL") return EngineKind::kGl;
-  if (name == "CPU") return EngineKind::kCpu;
-  throw std::invalid_argument("engine must be AUTO, GL or CPU, not " + name);
-}
-
 EngineChoice::EngineChoice(const EngineRequest& request) : mapping_(request.mapping) {
-  const bool is_geometry = request.mapping == gl::DepositMapping::kGeometry;
+  const bool is_geometry = request.mapping == DepositMapping::kGeometry;
   if (request.kind == EngineKind::kCpu) {
     if (is_geometry) {
       throw std::invalid_argument(

@@ -24,16 +24,15 @@ TEST(ChooseEngine, TakesOpenGlByItselfOnHardwareOnly) {
 }
 
 TEST(ChooseEngine, TakesOpenGlForGeometryAndForADeviceThatIsNamed) {
-  EngineChoice geometry({EngineKind::kAuto, gl::DepositMapping::kGeometry});
+  EngineChoice geometry({EngineKind::kAuto, DepositMapping::kGeometry});
   EXPECT_EQ(geometry.engine().name(), "GL");
-  EngineChoice named({EngineKind::kAuto, gl::DepositMapping::kCompute, "surfaceless"});
+  EngineChoice named({EngineKind::kAuto, DepositMapping::kCompute, "surfaceless"});
   EXPECT_EQ(named.engine().name(), "GL");
 }
 
 TEST(ChooseEngine, RefusesGeometryOnTheProcessorAndDevicesThatAreNot) {
-  EXPECT_THROW(EngineChoice({EngineKind::kCpu, gl::DepositMapping::kGeometry}),
-               std::invalid_argument);
-  EngineChoice none({EngineKind::kGl, gl::DepositMapping::kCompute, "no such device"});
+  EXPECT_THROW(EngineChoice({EngineKind::kCpu, DepositMapping::kGeometry}), std::invalid_argument);
+  EngineChoice none({EngineKind::kGl, DepositMapping::kCompute, "no such device"});
   EXPECT_THROW(none.engine(), std::runtime_error);
 }
 
