@@ -107,10 +107,9 @@ def test_a_heap_over_many_blocks_rests_in_the_step_that_brings_its_snow():
     assert math.degrees(math.atan(np.percentile(slopes, 99.9))) < 42.0
 
 
-@both_engines
-def test_the_edge_of_a_sheltered_spot_becomes_a_bank(engine):
+def test_the_edge_of_a_sheltered_spot_becomes_a_bank():
     meshes = {"ground": grid(1.6, 1.6), "roof": moved(grid(0.7, 0.7), (0, 0, 0.5))}
-    with simulation(meshes, resolution=256, engine=engine, only_shade=["roof"]) as sim:
+    with simulation(meshes, resolution=256, only_shade=["roof"]) as sim:
         fall(sim, meshes, 0.12, 24)
         come_to_rest(sim)
         height = sim.height("ground")[60:-60, 60:-60]
