@@ -10,6 +10,9 @@
 
 namespace snowbough::gpu {
 
+/// Number of copies from GPU memory so far, for tests.
+int64_t read_count();
+
 // Owners of GL objects. All of their functions, destructors included, run on the GPU thread.
 
 /// A GL name that is moved, never copied, and deleted once.

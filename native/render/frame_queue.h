@@ -12,7 +12,7 @@
 
 #include "gpu/program.h"
 #include "gpu/resources.h"
-#include "render/view.h"
+#include "render/data/view.h"
 
 namespace snowbough::render {
 

@@ -12,9 +12,9 @@
 #include "gpu/gpu_thread.h"
 #include "gpu/thread_texture.h"
 #include "gpu/timer.h"
+#include "render/data/sources.h"
+#include "render/data/view.h"
 #include "render/frame_queue.h"
-#include "render/sources.h"
-#include "render/view.h"
 
 namespace snowbough::render {
 

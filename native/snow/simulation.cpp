@@ -9,6 +9,7 @@
 
 #include "base/thread_pool.h"
 #include "snow/repose/pass.h"
+#include "snow/step/choose_engine.h"
 #include "snow/step/frame_step.h"
 
 namespace snowbough::snow {

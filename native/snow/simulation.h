@@ -18,10 +18,12 @@
 #include "snow/scene/statistics.h"
 #include "snow/simulation_settings.h"
 #include "snow/state/checkpoint.h"
-#include "snow/step/choose_engine.h"
-#include "snow/step/engine.h"
+#include "snow/step/engine/engine.h"
+#include "snow/step/engine/engine_request.h"
 
 namespace snowbough::snow {
+
+class EngineChoice;
 
 /// The engine of a simulation.
 struct EngineInfo {

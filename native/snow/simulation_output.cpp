@@ -5,6 +5,7 @@
 
 #include "gpu/thread_texture.h"
 #include "snow/simulation.h"
+#include "snow/step/choose_engine.h"
 
 namespace snowbough::snow {
 double SnowSimulation::blur_radius_of(const SceneObject& receiver) const {

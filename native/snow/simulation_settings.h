@@ -5,7 +5,7 @@
 #include <numbers>
 #include <string>
 
-#include "snow/step/engine.h"
+#include "snow/step/engine/engine_request.h"
 
 namespace snowbough::snow {
 

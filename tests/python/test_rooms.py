@@ -24,7 +24,9 @@ FLOORS = {
 # can be named like a room; where it is not, it stands above all rooms. In folders that are not listed, rooms
 # need only be free of circles.
 ROOMS = {
+    "native/render": "data draw tree snow",
     "native/snow": "state texels seams scene repose output surface step",
+    "native/snow/step": "engine cpu gl",
     "native/tree": "skeleton obj rings welded read surface crossings mesh tubes rims detail uv leaves original",
 }
 

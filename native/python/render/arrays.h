@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "python/numpy_arrays.h"
-#include "render/sources.h"
+#include "render/data/sources.h"
 
 // Conversion from numpy arrays to the renderer's input. @throws std::invalid_argument naming the
 // array with the wrong shape.

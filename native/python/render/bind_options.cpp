@@ -5,7 +5,7 @@
 #include "python/choose.h"
 #include "python/render/arrays.h"
 #include "python/render/bind_parts.h"
-#include "render/view.h"
+#include "render/data/view.h"
 
 namespace snowbough::python {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "python/numpy_arrays.h"
-#include "render/sources.h"
+#include "render/data/sources.h"
 #include "tree/skeleton/tree_mesh.h"
 
 namespace snowbough::python {

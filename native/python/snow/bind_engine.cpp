@@ -5,6 +5,7 @@
 #include "engine_arguments.h"
 #include "python/bindings.h"
 #include "python/choose.h"
+#include "snow/step/choose_engine.h"
 
 namespace py = pybind11;
 

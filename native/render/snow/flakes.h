@@ -4,7 +4,7 @@
 
 #include "gpu/program.h"
 #include "gpu/resources.h"
-#include "render/view.h"
+#include "render/data/view.h"
 #include "shaders/lib/flake_fall.h"
 
 namespace snowbough::render {

@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "gpu/resources.h"
-#include "render/sources.h"
+#include "render/data/sources.h"
 
 namespace snowbough::render {
 

@@ -6,8 +6,8 @@
 
 #include "gpu/program_variants.h"
 #include "gpu/resources.h"
+#include "render/data/sources.h"
 #include "render/draw/draw_kind.h"
-#include "render/sources.h"
 
 namespace snowbough::render {
 

@@ -9,11 +9,11 @@
 #include "gpu/program.h"
 #include "gpu/program_variants.h"
 #include "gpu/resources.h"
+#include "render/data/sources.h"
 #include "render/draw/draw_kind.h"
 #include "render/draw/map_depths.h"
 #include "render/draw/patch_lists.h"
 #include "render/draw/patch_passes.h"
-#include "render/sources.h"
 #include "render/tree/bark_images.h"
 #include "render/tree/tree_patches.h"
 

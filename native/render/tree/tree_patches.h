@@ -4,7 +4,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "render/sources.h"
+#include "render/data/sources.h"
 #include "shaders/lib/tree_shared.h"
 
 namespace snowbough::render {

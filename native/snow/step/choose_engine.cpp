@@ -16,25 +16,6 @@ bool names_a_device(const std::string& device) {
 
 }  // namespace
 
-std::string engine_name(EngineKind kind) {
-  switch (kind) {
-    case EngineKind::kGl:
-      return "GL";
-    case EngineKind::kCpu:
-      return "CPU";
-    case EngineKind::kAuto:
-      break;
-  }
-  return "AUTO";
-}
-
-EngineKind engine_kind(const std::string& name) {
-  for (const EngineKind kind : {EngineKind::kAuto, EngineKind::kGl, EngineKind::kCpu}) {
-    if (name == engine_name(kind)) return kind;
-  }
-  throw std::invalid_argument("engine must be AUTO, GL or CPU, not " + name);
-}
-
 EngineChoice::EngineChoice(const EngineRequest& request) : mapping_(request.mapping) {
   const bool is_geometry = request.mapping == DepositMapping::kGeometry;
   if (request.kind == EngineKind::kCpu) {

@@ -4,17 +4,10 @@
 #include <string>
 
 #include "gpu/gpu_thread.h"
-#include "snow/step/engine.h"
+#include "snow/step/engine/engine.h"
+#include "snow/step/engine/engine_request.h"
 
 namespace snowbough::snow {
-
-struct EngineRequest {
-  EngineKind kind = EngineKind::kAuto;
-  DepositMapping mapping = DepositMapping::kCompute;
-  /// EGL device, see gpu::GlContext. With a device named here or in the environment, AUTO means
-  /// GL.
-  std::string device = {};
-};
 
 /// The engine of a simulation. The constructor starts it and `engine` waits for it, so that objects
 /// can be added while a driver loads. For one thread at a time.
@@ -41,8 +34,5 @@ class EngineChoice {
   std::shared_ptr<gpu::GpuThread> thread_;
   std::unique_ptr<Engine> engine_;
 };
-
-/// @throws std::invalid_argument for names other than AUTO, GL and CPU.
-EngineKind engine_kind(const std::string& name);
 
 }  // namespace snowbough::snow

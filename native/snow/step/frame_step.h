@@ -4,7 +4,7 @@
 
 #include "snow/scene/projection.h"
 #include "snow/scene/scene_object.h"
-#include "snow/step/engine.h"
+#include "snow/step/engine/engine.h"
 #include "snow/step/pass_hashes.h"
 
 namespace snowbough::snow {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "snow/step/engine.h"
+#include "snow/step/engine/engine.h"
 
 namespace snowbough::snow {
 

@@ -22,6 +22,9 @@ def simulation(meshes, repose=FRESH, resolution=128, engine="CPU", only_shade=()
     return sim
 
 
+both_engines = pytest.mark.parametrize("engine", ["CPU", "GL"])
+
+
 def fall(sim, meshes, depth, steps, direction=DOWN):
     for step in range(steps):
         positions = {name: mesh[0] for name, mesh in meshes.items()} if step == 0 else {}
@@ -53,22 +56,23 @@ def steepest(heights, texel):
     return math.degrees(math.atan(max(steps) / texel))
 
 
-def heap(repose, resolution=128):
+def heap(repose, resolution=128, engine="CPU"):
     """A plate of 1.2 m on which snow fell through a hole of 12 cm, at rest; and its texel's size."""
     sheets = [grid(0.94, 2.0), grid(0.94, 2.0), grid(0.12, 0.94), grid(0.12, 0.94)]
     places = [(-0.53, 0, 2), (0.53, 0, 2), (0, -0.53, 2), (0, 0.53, 2)]
     meshes = {"plate": grid(1.2, 1.2)}
     meshes |= {f"lid {i}": moved(mesh, at) for i, (mesh, at) in enumerate(zip(sheets, places))}
     lids = [name for name in meshes if name != "plate"]
-    sim = simulation(meshes, repose, resolution, only_shade=lids)
+    sim = simulation(meshes, repose, resolution, engine, only_shade=lids)
     fall(sim, meshes, 0.5, 24)
     come_to_rest(sim)
     return sim, 1.2 / 0.96 / resolution
 
 
+@both_engines
 @pytest.mark.parametrize("degrees", [40.0, 65.0])
-def test_a_heap_becomes_a_cone_of_that_angle(degrees):
-    sim, texel = heap(math.radians(degrees))
+def test_a_heap_becomes_a_cone_of_that_angle(degrees, engine):
+    sim, texel = heap(math.radians(degrees), engine=engine)
     with sim:
         height = sim.height("plate")
         assert_balanced(sim)
@@ -80,8 +84,9 @@ def test_a_heap_becomes_a_cone_of_that_angle(degrees):
     assert abs(np.std(x) - np.std(y)) < 1.0
 
 
-def test_a_heap_keeps_its_volume_to_a_millionth():
-    sim, _ = heap(FRESH)
+@both_engines
+def test_a_heap_keeps_its_volume_to_a_millionth(engine):
+    sim, _ = heap(FRESH, engine=engine)
     with sim:
         sums = assert_balanced(sim)
         volume = float((sim.height("plate").astype(float) * sim.texel_area("plate")).sum())
@@ -114,9 +119,10 @@ def test_the_edge_of_a_sheltered_spot_becomes_a_bank():
     assert steepest(height, 1.6 / 0.96 / 256) <= 65.5
 
 
-def test_a_box_gets_round_shoulders_and_bare_walls():
+@both_engines
+def test_a_box_gets_round_shoulders_and_bare_walls(engine):
     mesh = box(0.5, 0.5)
-    with simulation({"box": mesh}, resolution=256) as sim:
+    with simulation({"box": mesh}, resolution=256, engine=engine) as sim:
         fall(sim, {"box": mesh}, 0.15, 24)
         come_to_rest(sim)
         height = sim.height("box")
@@ -168,9 +174,10 @@ def test_a_twig_wears_no_sausage():
     assert 0.2 * radius < z.max() - radius <= 2.5 * 2 * radius
 
 
-def test_a_wall_is_bare_a_second_after_the_wind():
+@both_engines
+def test_a_wall_is_bare_a_second_after_the_wind(engine):
     mesh = box(0.5, 0.5)
-    with simulation({"box": mesh}, max_depth=1.0) as sim:
+    with simulation({"box": mesh}, max_depth=1.0, engine=engine) as sim:
         fall(sim, {"box": mesh}, 0.2, 12, direction=(1.0, 0.0, -1.0))
         assert chart_of_box(sim.height("box"), 0).max() > 0.0
         for _ in range(24):
@@ -179,9 +186,10 @@ def test_a_wall_is_bare_a_second_after_the_wind():
         assert_balanced(sim)
 
 
-def test_a_tilted_table_sheds_its_snow():
+@both_engines
+def test_a_tilted_table_sheds_its_snow(engine):
     mesh = grid(1.0, 1.0, cells=4)
-    with simulation({"table": mesh}, repose=math.radians(40.0), resolution=64) as sim:
+    with simulation({"table": mesh}, repose=math.radians(40.0), resolution=64, engine=engine) as sim:
         fall(sim, {"table": mesh}, 0.1, 12)
         before = sim.statistics()["total"]
         for degrees in (15.0, 30.0, 45.0, 60.0):
@@ -193,7 +201,8 @@ def test_a_tilted_table_sheds_its_snow():
     assert sums["slid_volume"] == pytest.approx(sums["deposited_volume"] - sums["held_volume"], rel=1e-5)
 
 
-def test_a_seam_stops_no_snow():
+@both_engines
+def test_a_seam_stops_no_snow(engine):
     """A plate whose halves are charts of their own, and the same with vertices of their own at the seam."""
     positions, triangles, uv = grid(1.0, 1.0, cells=2)
     left = positions[triangles].mean(axis=1)[:, 0] < 0.0
@@ -203,7 +212,7 @@ def test_a_seam_stops_no_snow():
     volumes = []
     for mesh in ((positions, triangles, apart), (*split, apart)):
         meshes = {"plate": mesh, "roof": roof}
-        with simulation(meshes, only_shade=["roof"]) as sim:
+        with simulation(meshes, engine=engine, only_shade=["roof"]) as sim:
             fall(sim, meshes, 0.1, 12)
             come_to_rest(sim)
             height, area = sim.height("plate"), sim.texel_area("plate")
@@ -214,11 +223,12 @@ def test_a_seam_stops_no_snow():
     assert volumes[0] > 1e-4 and volumes[1] == pytest.approx(volumes[0], rel=0.05)
 
 
-def test_a_card_that_lies_face_down_carries_the_same_heap_on_its_back():
+@both_engines
+def test_a_card_that_lies_face_down_carries_the_same_heap_on_its_back(engine):
     card = grid(0.3, 0.3)
     heights = []
     for mesh in (card, (rotated(card[0], "x", 180.0), *card[1:])):
-        with simulation({"card": mesh}, resolution=64) as sim:
+        with simulation({"card": mesh}, resolution=64, engine=engine) as sim:
             fall(sim, {"card": mesh}, 0.1, 12)
             come_to_rest(sim)
             heights.append(sim.height("card"))
@@ -258,26 +268,28 @@ def test_the_frame_rate_makes_no_difference():
     assert np.abs(profiles[0] - profiles[1]).max() < 0.012
 
 
-def test_a_run_that_was_stopped_ends_with_the_same_bits(tmp_path):
+@both_engines
+def test_a_run_that_was_stopped_ends_with_the_same_bits(tmp_path, engine):
     meshes = {"ball": sphere(0.3), "ground": moved(grid(2.0, 2.0), (0, 0, -0.3))}
-    with simulation(meshes) as sim:
+    with simulation(meshes, engine=engine) as sim:
         fall(sim, meshes, 0.1, 6)
         save(sim, tmp_path / "state")
         fall(sim, meshes, 0.1, 6)
         expected = [sim.height(name) for name in meshes]
-    with simulation(meshes) as sim:
+    with simulation(meshes, engine=engine) as sim:
         restore(sim, tmp_path / "state")
         fall(sim, meshes, 0.1, 6)
         assert all(np.array_equal(sim.height(name), map_) for name, map_ in zip(meshes, expected))
 
 
-def test_other_objects_and_tiles_make_no_difference():
+@both_engines
+def test_other_objects_and_tiles_make_no_difference(engine):
     meshes = {"box": box(0.5, 0.5), "far": moved(box(0.4, 0.3), (2.0, 0.0, 0.0))}
     alone = {"box": meshes["box"]}
     heights = []
     for receivers, tile_size in ((meshes, 2048), (meshes, 64), (alone, 2048)):
         shades = [name for name in meshes if name not in receivers]
-        with simulation(meshes, only_shade=shades, tile_size=tile_size) as sim:
+        with simulation(meshes, engine=engine, only_shade=shades, tile_size=tile_size) as sim:
             fall(sim, meshes, 0.1, 6)
             heights.append(sim.height("box"))
     assert np.array_equal(heights[0], heights[1]) and np.array_equal(heights[0], heights[2])

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "snow/step/engine.h"
+#include "snow/step/engine/engine.h"
 
 namespace snowbough::snow::cpu {
 

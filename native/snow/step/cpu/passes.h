@@ -8,7 +8,7 @@
 #include "shaders/lib/snow_shared.h"
 #include "snow/scene/projection.h"
 #include "snow/step/cpu/scene.h"
-#include "snow/step/engine.h"
+#include "snow/step/engine/engine.h"
 
 // The passes of a step on the CPU, in their order. The OcclusionPass in
 // step/cpu/occlusion/occlusion.h draws the surfaces that the sky sees. Each pass has a source of

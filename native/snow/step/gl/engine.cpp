@@ -6,10 +6,10 @@
 
 #include "gpu/timer.h"
 #include "snow/output/gl/live_filter.h"
-#include "snow/repose/pass.h"
 #include "snow/step/gl/driver.h"
 #include "snow/step/gl/occlusion.h"
 #include "snow/step/gl/passes.h"
+#include "snow/step/gl/repose.h"
 #include "snow/step/gl/scene_buffers.h"
 
 namespace snowbough::snow::gl {
@@ -28,6 +28,9 @@ struct Passes {
   std::unique_ptr<DepositGeometryPass> deposit_geometry;
   StabilityPass stability;
   StatisticsPass statistics;
+  std::vector<const SceneObject*> objects;
+  /// Created on first use.
+  std::unique_ptr<ReposePass> repose;
   OcclusionTarget target;
   /// By object.
   std::map<size_t, std::unique_ptr<LiveFilter>> live_filters;
@@ -66,14 +69,15 @@ class GlEngine final : public Engine {
     }
     passes_->scene = SceneBuffers{};
     passes_->live_filters.clear();
+    passes_->repose.reset();
     passes_->scene = build_scene_buffers(objects, thread_->info(), by_geometry_);
-    repose_.lay_out(objects);
+    passes_->objects = objects;
   }
   void set_positions(size_t object, const std::vector<glm::vec3>& positions) override {
     passes_->scene.positions.write(int64_t{12} * layout().first_vertex[object],
                                    static_cast<int64_t>(positions.size()) * 12, positions.data());
     passes_->scene.normals_are_current = false;
-    repose_.forget_pose(object);
+    if (passes_->repose != nullptr) passes_->repose->forget_pose(object);
   }
 
   void set_up_triangles(const shared::ProjectionFrame& frame) override {
@@ -119,27 +123,12 @@ class GlEngine final : public Engine {
   }
   void apply_repose(const ReposeSettings& settings, float dt) override {
     if (!settings.is_on() || !(dt > 0.0f)) return;
-    std::vector<size_t> receivers;
-    for (size_t i = 0; i < layout().plan.slot.size(); ++i) {
-      if (layout().plan.group[i] >= 0) receivers.push_back(i);
+    const auto measured = passes_->timer.measure("repose");
+    if (passes_->repose == nullptr) {
+      passes_->repose =
+          std::make_unique<ReposePass>(passes_->objects, passes_->scene, thread_->info());
     }
-    std::vector<std::vector<float>> heights(receivers.size());
-    std::vector<ReposePass::Map> maps;
-    for (size_t i = 0; i < receivers.size(); ++i) {
-      const auto side = static_cast<size_t>(group_of(receivers[i]).resolution);
-      heights[i].resize(side * side);
-      read_height(receivers[i], heights[i]);
-      maps.push_back({receivers[i], &heights[i]});
-    }
-    repose_.run(settings, dt, maps);
-    for (const ReposePass::Map& map : maps) {
-      if (!map.has_changed) continue;
-      write_height(map.object, *map.height);
-      shared::ObjectSums sums = read_sums(map.object);
-      sums.slid += map.slid;
-      sums.held -= map.slid;
-      write_sums(map.object, sums);
-    }
+    passes_->repose->run(passes_->scene, settings, dt);
   }
   void close_statistics(float pixel_area) override {
     const auto measured = passes_->timer.measure("statistics");
@@ -232,7 +221,6 @@ class GlEngine final : public Engine {
   bool by_geometry_;
   bool measures_ = false;
   std::unique_ptr<Passes> passes_;
-  ReposePass repose_;
 };
 
 }  // namespace

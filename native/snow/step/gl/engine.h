@@ -3,7 +3,8 @@
 #include <memory>
 
 #include "gpu/gpu_thread.h"
-#include "snow/step/engine.h"
+#include "snow/step/engine/engine.h"
+#include "snow/step/engine/engine_request.h"
 
 namespace snowbough::snow::gl {
 

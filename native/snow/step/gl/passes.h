@@ -6,7 +6,7 @@
 #include "gpu/program_variants.h"
 #include "gpu/resources.h"
 #include "snow/scene/projection.h"
-#include "snow/step/engine.h"
+#include "snow/step/engine/engine.h"
 #include "snow/step/gl/driver.h"
 #include "snow/step/gl/occlusion.h"
 #include "snow/step/gl/scene_buffers.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gpu/gpu_thread.h"
-#include "render/view.h"
+#include "render/data/view.h"
 #include "shaders/lib/tree_shared.h"
 
 namespace snowbough::render {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "gpu/gpu_thread.h"
+#include "render/data/view.h"
 #include "render/targets.h"
-#include "render/view.h"
 #include "shaders/lib/tree_shared.h"
 
 namespace snowbough::render {

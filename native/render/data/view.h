@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "render/sources.h"
+#include "render/data/sources.h"
 #include "shaders/lib/tree_shared.h"
 
 namespace snowbough::render {

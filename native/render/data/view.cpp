@@ -1,4 +1,4 @@
-#include "render/view.h"
+#include "render/data/view.h"
 
 #include <algorithm>
 #include <array>

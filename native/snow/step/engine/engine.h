@@ -10,6 +10,7 @@
 #include "snow/scene/projection.h"
 #include "snow/scene/scene_layout.h"
 #include "snow/scene/triangle_range.h"
+#include "snow/step/engine/engine_request.h"
 
 namespace snowbough::gpu {
 struct ThreadTexture;
@@ -18,21 +19,6 @@ struct ThreadTexture;
 namespace snowbough::snow {
 
 struct SeamTable;
-
-/// What runs the passes; kAuto is only a request: GL on a hardware driver, else CPU.
-enum class EngineKind { kAuto, kGl, kCpu };
-
-/// "AUTO", "GL" or "CPU".
-std::string engine_name(EngineKind kind);
-
-/// How snow gets from the occlusion grid onto the maps.
-enum class DepositMapping {
-  /// Texels gather snow from the sky that they see: smooth, and bit-deterministic.
-  kCompute,
-  /// Pixels scatter their snow onto the texels under them: the thesis's Algorithm 1, for
-  /// comparison, by engine GL only.
-  kGeometry,
-};
 
 /// How much snow a slope holds.
 struct StabilitySettings {
