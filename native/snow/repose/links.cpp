@@ -44,7 +44,6 @@ class LinkFinder {
   }
 
  private:
-  int32_t texel_count() const { return static_cast<int32_t>(table_.texel.size()); }
   int32_t chart(int32_t i) const {
     return charts_.chart[static_cast<size_t>(table_.triangle[static_cast<size_t>(i)])];
   }
@@ -59,10 +58,9 @@ class LinkFinder {
   void find_runs() {
     const int32_t blocks = links_.blocks_a_side;
     links_.run_begin.assign(static_cast<size_t>(resolution_) * static_cast<size_t>(blocks) + 1, 0);
-    for (const int32_t place : table_.texel) {
-      const int32_t run = place / resolution_ * blocks + place % resolution_ / kReposeBlock;
-      ++links_.run_begin[static_cast<size_t>(run) + 1];
-    }
+    for_each_place(table_, [&](int32_t, int32_t column, int32_t row) {
+      ++links_.run_begin[static_cast<size_t>(row * blocks + column / kReposeBlock) + 1];
+    });
     std::partial_sum(links_.run_begin.begin(), links_.run_begin.end(), links_.run_begin.begin());
   }
 
@@ -94,19 +92,16 @@ class LinkFinder {
 
   void link_neighbours() {
     links_.forward.assign(table_.texel.size(), 0);
-    for (int32_t i = 0; i < texel_count(); ++i) {
+    for_each_place(table_, [&](int32_t i, int32_t column, int32_t row) {
       for (int32_t k = 0; k < 2; ++k) {
-        const int32_t j =
-            at(place(i) % resolution_ + kForwardColumn[k], place(i) / resolution_ + kForwardRow[k]);
+        const int32_t j = at(column + kForwardColumn[k], row + kForwardRow[k]);
         if (j >= 0 && joined(i, j)) {
           links_.forward[static_cast<size_t>(i)] |= static_cast<uint8_t>(1 << k);
         }
       }
-    }
+    });
     // Diagonal links, if a path around the corner is open.
-    for (int32_t i = 0; i < texel_count(); ++i) {
-      const int32_t column = place(i) % resolution_;
-      const int32_t row = place(i) / resolution_;
+    for_each_place(table_, [&](int32_t i, int32_t column, int32_t row) {
       const int32_t right = at(column + 1, row);
       const int32_t left = at(column - 1, row);
       const int32_t above = at(column, row + 1);
@@ -119,7 +114,7 @@ class LinkFinder {
           (is_linked(i, 1) && is_linked(above_left, 0))) {
         own |= 8;
       }
-    }
+    });
   }
 
   glm::dvec2 corner(int32_t triangle, int32_t k) const {

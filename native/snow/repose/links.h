@@ -21,6 +21,17 @@ inline constexpr int32_t kForwardLinks = 4;
 inline constexpr int32_t kForwardColumn[kForwardLinks] = {1, 0, 1, -1};
 inline constexpr int32_t kForwardRow[kForwardLinks] = {0, 1, 1, 1};
 
+/// Calls visit(texel, column, row) for a map's texels, ascending, without a division for each.
+template <typename Visit>
+void for_each_place(const TexelTable& table, const Visit& visit) {
+  int32_t row = 0;
+  for (size_t i = 0; i < table.texel.size(); ++i) {
+    int32_t column = table.texel[i] - row * table.resolution;
+    for (; column >= table.resolution; column -= table.resolution) ++row;
+    visit(static_cast<int32_t>(i), column, row);
+  }
+}
+
 /// The texels that are neighbours on the surface, between which snow may move: texels side by side
 /// or diagonal in one chart, texels that meet at a seam of the layout, and texels at a rim of the
 /// surface, over which snow falls into the air. Texels are indices into the TexelTable.

@@ -20,11 +20,9 @@ int64_t ReposePass::memory(const std::vector<const SceneObject*>& objects) {
     const TexelTable& table = object->table;
     const int32_t side = (table.resolution + kReposeBlock - 1) / kReposeBlock;
     std::vector<uint8_t> has_texels(static_cast<size_t>(side) * static_cast<size_t>(side), 0);
-    for (const int32_t place : table.texel) {
-      const int32_t row = place / table.resolution / kReposeBlock;
-      const int32_t column = place % table.resolution / kReposeBlock;
-      has_texels[static_cast<size_t>(row * side + column)] = 1;
-    }
+    for_each_place(table, [&](int32_t, int32_t column, int32_t row) {
+      has_texels[static_cast<size_t>(row / kReposeBlock * side + column / kReposeBlock)] = 1;
+    });
     blocks += std::count(has_texels.begin(), has_texels.end(), uint8_t{1});
   }
   return blocks * static_cast<int64_t>(sizeof(ReposeTile) +

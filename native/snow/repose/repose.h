@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "base/parallel_for.h"
 #include "snow/repose/links.h"
 #include "snow/repose/pose.h"
+#include "snow/repose/slack.h"
 #include "snow/repose/surface.h"
 #include "snow/repose/tile.h"
 #include "snow/scene/scene_object.h"
@@ -51,19 +53,13 @@ class Repose {
   bool has_changed() const { return has_changed_; }
 
  private:
-  /// Bounds of a block's links while the surface does not move, in metres: least margin below the
-  /// limits of bare links; the same for links over edges that do not hold; maximum
-  /// shared::column_height, and its maximum difference across a link. See is_level.
-  struct BlockSlack {
-    bool is_known = false;
-    float inside = 0.0f;
-    float at_edges = 0.0f;
-    float column = 0.0f;
-    float turn = 0.0f;
-  };
+  /// The highest snow in a block and across its links, the largest difference across one of them,
+  /// and whether any of it lies on the front or on the back.
   struct HeightRange {
     float high = 0.0f;
     float step = 0.0f;
+    bool any_front = false;
+    bool any_back = false;
   };
   struct BlockRect {
     size_t place = 0;
@@ -105,13 +101,13 @@ class Repose {
 
   // setup.cpp
   void find_links();
-  bool take_pose();
+  void take_pose();
   BlockRect rect_of(int32_t block) const;
   float highest_in(int32_t block, const std::vector<float>& height) const;
-  bool rests(int32_t block, float high, const std::vector<float>& height) const;
+  bool rests(int32_t block, const std::vector<float>& height);
+  const BlockSlack& slack_of(int32_t block);
   HeightRange height_range(int32_t block, const std::vector<float>& height) const;
-  bool is_level(int32_t block, const HeightRange& range) const;
-  void forget_links();
+  void forget_tiles();
   void take_tiles(Marks& changes);
   bool cover_tile(int32_t block, const std::vector<float>& height);
   void set_up(const std::vector<float>& height);
@@ -122,8 +118,6 @@ class Repose {
   float link_limit(const Cell& a, const glm::vec3& at, float curvature, float steep,
                    float leads_down) const;
   float link_limit(const Cell& a, const Cell& b, float leads_down) const;
-  void note_slack(const Cell& a, const Cell& b, float leads_down, BlockSlack& slack) const;
-  void find_slack(int32_t block);
 
   // across.cpp
   template <typename Visit>
@@ -148,16 +142,16 @@ class Repose {
   ReposePose pose_;
   ReposeSurface surface_;
   bool has_pose_ = false;
-  /// Whether the pose is the one of the step before.
-  bool stands_still_ = false;
   bool on_all_cores_ = false;
   bool has_changed_ = false;
   /// Whether snow may flow across seams.
   bool seams_are_pending_ = false;
   ReposeLimits limits_;
-  std::vector<BlockSlack> slack_;
-  /// Blocks to examine closely, and these with their neighbours.
-  Blocks doubtful_;
+  /// By block, in the current pose, as far as it was needed.
+  std::vector<std::optional<BlockSlack>> slack_;
+  /// By block: the highest snow on it at the start of the step, in metres.
+  std::vector<float> highest_;
+  /// Blocks in which snow may not rest, with their neighbours.
   Blocks chosen_;
   /// Tiles of the chosen blocks during a run; all existing tiles between runs.
   ReposeTiles tiles_;

@@ -37,7 +37,6 @@ struct Repose::Cell {
   bool is_there() const { return tile != nullptr && tile->area[at] > 0.0f; }
   bool is_wall() const { return (tile->kind[at] & kWall) != 0; }
   glm::vec3 point() const { return {tile->x[at], tile->y[at], tile->z[at]}; }
-  float column() const { return shared::column_height(std::abs(tile->normal_z[at])); }
   float curvature() const { return tile->curvature[at]; }
   float steep() const { return shared::bare_slope(tile->up[at]); }
 };
@@ -54,20 +53,19 @@ void Repose::find_links() {
   was_chosen_.assign(links_.block_count(), 0);
 }
 
-/// Returns whether the surface has changed for repose.
-bool Repose::take_pose() {
+/// Evaluates the surface, if it has changed for repose.
+void Repose::take_pose() {
   has_pose_ = true;
   if (!pose_.set(object_->description.rest, object_->positions,
                  object_->description.topology.vertex_count)) {
-    return false;
+    return;
   }
   if (links_.resolution == 0) find_links();
   surface_.set_pose(*object_, pose_.positions(), limits_.cohesion > 0.0f);
-  slack_.assign(links_.block_count(), {});
+  slack_.assign(links_.block_count(), std::nullopt);
   for (const std::unique_ptr<ReposeTile>& tile : kept_) {
     if (tile != nullptr) tile->has_pose = false;
   }
-  return true;
 }
 
 /// A block's texels on the map: the first place, and the numbers of columns and rows.
@@ -84,19 +82,23 @@ float Repose::highest_in(int32_t block, const std::vector<float>& height) const 
   return highest(&height[rect.place], static_cast<size_t>(links_.resolution), rect.size);
 }
 
-/// The highest snow in a block and beside it, and the largest difference across one of its links.
 Repose::HeightRange Repose::height_range(int32_t block, const std::vector<float>& height) const {
   HeightRange range;
   const std::vector<int32_t>& places = object_->table.texel;
+  const auto note = [&](float own) {
+    range.high = std::max(range.high, std::abs(own));
+    range.any_front = range.any_front || own > 0.0f;
+    range.any_back = range.any_back || own < 0.0f;
+  };
   const auto compare = [&](float own, size_t place) {
-    const float other = std::abs(height[place]);
-    range.step = std::max(range.step, std::abs(own - other));
-    range.high = std::max(range.high, other);
+    const float other = height[place];
+    range.step = std::max(range.step, std::abs(std::abs(own) - std::abs(other)));
+    note(other);
   };
   links_.for_texels(block, places, [&](int32_t texel, size_t) {
     const auto place = static_cast<size_t>(places[static_cast<size_t>(texel)]);
-    const float own = std::abs(height[place]);
-    range.high = std::max(range.high, own);
+    const float own = height[place];
+    note(own);
     const uint8_t forward = links_.forward[static_cast<size_t>(texel)];
     const auto side = static_cast<size_t>(links_.resolution);
     if ((forward & 1) != 0) compare(own, place + 1);
@@ -110,35 +112,38 @@ Repose::HeightRange Repose::height_range(int32_t block, const std::vector<float>
     if (end.sign > 0 || static_cast<size_t>(end.link) >= across_.size()) continue;
     const auto other = static_cast<size_t>(links_.across[static_cast<size_t>(end.link)].b);
     const auto place = static_cast<size_t>(places[static_cast<size_t>(end.texel)]);
-    compare(std::abs(height[place]), static_cast<size_t>(places[other]));
+    compare(height[place], static_cast<size_t>(places[other]));
   }
   return range;
 }
 
-/// Whether it is certain that no link of a block exceeds its limit. `high`: its highest snow.
-bool Repose::rests(int32_t block, float high, const std::vector<float>& height) const {
-  const BlockSlack& slack = slack_[static_cast<size_t>(block)];
-  if (!slack.is_known) return high == 0.0f;
-  // Snow too high for is_level needs no closer examination.
-  if (high > 0.0f && (high * slack.turn > slack.inside || high * slack.column > slack.at_edges)) {
-    return false;
-  }
-  return is_level(block, height_range(block, height));
+/// Whether it is certain that no link of a block exceeds its limit.
+bool Repose::rests(int32_t block, const std::vector<float>& height) {
+  const auto b = static_cast<size_t>(block);
+  const int32_t* const near = &links_.near_begin[b];
+  const bool is_bare =
+      std::all_of(links_.near.begin() + near[0], links_.near.begin() + near[1],
+                  [&](int32_t n) { return highest_[static_cast<size_t>(n)] == 0.0f; });
+  if (is_bare) return true;
+  const float own = highest_[b];
+  // Snow too high to be level needs no closer examination.
+  if (own > 0.0f && !slack_of(block).is_level(own, 0.0f)) return false;
+  const HeightRange range = height_range(block, height);
+  if (range.high == 0.0f) return true;
+  const BlockSlack& slack = slack_of(block);
+  if (slack.side > 0.0f ? range.any_back : range.any_front) return false;
+  return slack.is_level(range.high, range.step);
 }
 
-/// Whether no link of a block with known slack exceeds its limit. For two columns of snow whose
-/// thickness differs by at most `step`, each up to `column` times as high as thick, with factors
-/// that differ by `turn`, the heights differ by at most step * column + high * turn.
-bool Repose::is_level(int32_t block, const HeightRange& range) const {
-  if (range.high <= 0.0f) return true;
-  const BlockSlack& slack = slack_[static_cast<size_t>(block)];
-  return slack.is_known && range.step * slack.column + range.high * slack.turn <= slack.inside &&
-         range.high * slack.column <= slack.at_edges;
+const BlockSlack& Repose::slack_of(int32_t block) {
+  std::optional<BlockSlack>& slack = slack_[static_cast<size_t>(block)];
+  if (!slack) slack = find_slack(surface_, links_, object_->table.texel, block, limits_);
+  return *slack;
 }
 
-void Repose::forget_links() {
-  slack_.assign(slack_.size(), {});
-  // Treat all blocks as new.
+/// Releases the tiles, and treats all blocks as new in the next step.
+void Repose::forget_tiles() {
+  for (std::unique_ptr<ReposeTile>& tile : kept_) tile.reset();
   was_chosen_.assign(was_chosen_.size(), 0);
 }
 
@@ -152,24 +157,28 @@ size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimit
       pose_ = {};
     }
     limits_ = limits;
-    forget_links();
+    slack_.assign(slack_.size(), std::nullopt);
+    // Treat all blocks as new.
+    was_chosen_.assign(was_chosen_.size(), 0);
   }
-  stands_still_ = has_pose_;
   if (!has_pose_) {
     const bool is_bare = std::all_of(height.begin(), height.end(), [](float h) { return h == 0; });
     if (is_bare) return 0;
-    stands_still_ = !take_pose();
+    take_pose();
   }
+  highest_.resize(slack_.size());
+  base::for_each_item(slack_.size(), 64,
+                      [&](size_t b) { highest_[b] = highest_in(static_cast<int32_t>(b), height); });
   Marks are_doubtful(slack_.size(), 0);
-  base::for_each_item(slack_.size(), 64, [&](size_t b) {
-    const auto block = static_cast<int32_t>(b);
-    are_doubtful[b] = rests(block, highest_in(block, height), height) ? 0 : 1;
+  base::for_each_item(slack_.size(), 16, [&](size_t b) {
+    are_doubtful[b] = rests(static_cast<int32_t>(b), height) ? 0 : 1;
   });
-  doubtful_.clear();
+  Blocks doubtful;
   for (size_t b = 0; b < slack_.size(); ++b) {
-    if (are_doubtful[b] != 0) doubtful_.push_back(static_cast<int32_t>(b));
+    if (are_doubtful[b] != 0) doubtful.push_back(static_cast<int32_t>(b));
   }
-  chosen_ = near(doubtful_);
+  chosen_ = near(doubtful);
+  if (chosen_.empty()) forget_tiles();
   return chosen_.size();
 }
 
@@ -188,56 +197,10 @@ float Repose::link_limit(const Cell& a, const Cell& b, float leads_down) const {
                     0.5f * (a.steep() + b.steep()), leads_down);
 }
 
-/// Adds a link to the slack for is_level.
-void Repose::note_slack(const Cell& a, const Cell& b, float leads_down, BlockSlack& slack) const {
-  if (!a.is_there() || !b.is_there()) return;
-  // Links at walls must be checked for snow.
-  if (a.is_wall() || b.is_wall()) {
-    slack.at_edges = -1.0f;
-    return;
-  }
-  const float bare = link_limit(a, b, leads_down) - std::abs(b.point().z - a.point().z);
-  slack.column = std::max(slack.column, std::max(a.column(), b.column()));
-  slack.inside = std::min(slack.inside, bare);
-  slack.turn = std::max(slack.turn, std::abs(b.column() - a.column()));
-}
-
 Repose::Cell Repose::across_end(int32_t link, size_t end) const {
   const int32_t cell = links_.across_cells[static_cast<size_t>(link)][end];
   return {tiles_[static_cast<size_t>(cell / kTileCells)].get(),
           static_cast<size_t>(cell % kTileCells)};
-}
-
-/// Computes a block's slack, valid until its surface moves. Only if all linked blocks were
-/// examined.
-void Repose::find_slack(int32_t block) {
-  BlockSlack slack{true, kNoLink, kNoLink, 0.0f, 0.0f};
-  const ReposeTile* const tile = tiles_[static_cast<size_t>(block)].get();
-  links_.for_texels(block, object_->table.texel, [&](int32_t texel, size_t cell) {
-    const int32_t column = static_cast<int32_t>(cell) % kReposeBlock;
-    const int32_t row = static_cast<int32_t>(cell) / kReposeBlock;
-    for (size_t k = 0; k < kForwardLinks; ++k) {
-      if (((links_.forward[static_cast<size_t>(texel)] >> k) & 1) == 0) continue;
-      const int32_t x = column + kForwardColumn[k] + kReposeBlock;
-      const int32_t y = row + kForwardRow[k];
-      const int32_t other = block + y / kReposeBlock * links_.blocks_a_side + x / kReposeBlock - 1;
-      note_slack({tile, cell},
-                 {tiles_[static_cast<size_t>(other)].get(),
-                  static_cast<size_t>(y % kReposeBlock * kReposeBlock + x % kReposeBlock)},
-                 shared::kLeadsDown, slack);
-    }
-  });
-  const int32_t* ends = &links_.end_begin[static_cast<size_t>(block)];
-  for (int32_t e = ends[0]; e < ends[1]; ++e) {
-    const ReposeLinks::End& end = links_.ends[static_cast<size_t>(e)];
-    if (end.sign < 0 && static_cast<size_t>(end.link) < across_.size()) {
-      note_slack(across_end(end.link, 0), across_end(end.link, 1), shared::kAllLeadDown, slack);
-    }
-  }
-  for (const RimLink& rim : rims_[static_cast<size_t>(block)]) {
-    slack.at_edges = std::min(slack.at_edges, rim.slack);
-  }
-  slack_[static_cast<size_t>(block)] = slack;
 }
 
 /// A link over a rim into the air, or over a seam onto a wall; `at`: the end of the surface.
@@ -245,11 +208,10 @@ RimLink Repose::rim_link(const Cell& a, const glm::vec3& at) const {
   RimLink link;
   link.cell = static_cast<int32_t>(a.at);
   link.top = at.z;
-  link.limit = link.slack = kNoLink;
+  link.limit = kNoLink;
   if (!a.is_there() || a.is_wall()) return link;
   link.limit = link_limit(a, at, a.curvature(), a.steep(), shared::kAllLeadDown);
   link.rate = shared::link_rate(a.tile->stiffness(a.at), 0.0f);
-  link.slack = link.limit - std::abs(at.z - a.point().z);
   return link;
 }
 
@@ -305,7 +267,7 @@ void Repose::take_tiles(Marks& changes) {
 bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
   ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
   bool changes = !tile.has_pose;
-  const bool bare = highest_in(block, height) == 0.0f;
+  const bool bare = highest_[static_cast<size_t>(block)] == 0.0f;
   // A tile that was and stays bare need not be covered again.
   const bool stays_bare = bare && !changes && tile.is_bare && !tile.has_moved();
   if (changes) {
@@ -342,11 +304,6 @@ void Repose::set_up(const std::vector<float>& height) {
   for_blocks(unlinked, [&](int32_t b) {
     tiles_[static_cast<size_t>(b)]->has_links = false;
     set_up_ends(b);
-  });
-  // A moving surface changes completely in the next step.
-  if (!stands_still_) return;
-  for_blocks(doubtful_, [&](int32_t b) {
-    if (!slack_[static_cast<size_t>(b)].is_known) find_slack(b);
   });
 }
 

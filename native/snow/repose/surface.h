@@ -12,22 +12,7 @@ namespace snowbough::snow {
 /// An object's surface in the current pose, for repose.
 class ReposeSurface {
  public:
-  /// Evaluates the triangles; `object` and `positions` must stay until the last call. `curved`:
-  /// also compute curvatures, which are 0 otherwise.
-  void set_pose(const SceneObject& object, const std::vector<glm::vec3>& positions, bool curved);
-
-  /// Volume in m3 of the unit in which snow moves: a power of two; a texel of mean area under a
-  /// metre of snow holds about shared::kUnitsAMetre of them.
-  float unit() const { return unit_; }
-
-  /// Fills in a tile's data of the bare surface.
-  void fill_block(const ReposeLinks& links, int32_t block, ReposeTile& tile) const;
-
-  /// A point of a triangle, relative to the anchor, by the weights of its second and third corner.
-  glm::vec3 point(int32_t triangle, glm::vec2 weights) const;
-  glm::vec3 point(const ReposeLinks::Point& at) const { return point(at.triangle, at.weights); }
-
- private:
+  /// The bare surface of a texel.
   struct Texel {
     glm::vec3 point{0.0f};
     /// Shading normal.
@@ -39,7 +24,26 @@ class ReposeSurface {
     float up = 0.0f;
     bool two_sided = false;
   };
+
+  /// Evaluates the triangles; `object` and `positions` must stay until the last call. `curved`:
+  /// also compute curvatures, which are 0 otherwise.
+  void set_pose(const SceneObject& object, const std::vector<glm::vec3>& positions, bool curved);
+
+  /// Volume in m3 of the unit in which snow moves: a power of two; a texel of mean area under a
+  /// metre of snow holds about shared::kUnitsAMetre of them.
+  float unit() const { return unit_; }
+
+  /// `index`: of the texel in the TexelTable.
   Texel texel(int32_t index) const;
+
+  /// Fills in a tile's data of the bare surface.
+  void fill_block(const ReposeLinks& links, int32_t block, ReposeTile& tile) const;
+
+  /// A point of a triangle, relative to the anchor, by the weights of its second and third corner.
+  glm::vec3 point(int32_t triangle, glm::vec2 weights) const;
+  glm::vec3 point(const ReposeLinks::Point& at) const { return point(at.triangle, at.weights); }
+
+ private:
   glm::vec3 shading_normal(size_t triangle, glm::vec2 weights) const;
 
   const SceneObject* object_ = nullptr;

@@ -141,8 +141,6 @@ struct RimLink {
   float limit = 0.0f;
   float rate = 0.0f;
   float flow = 0.0f;
-  /// Margin below the limit if the texel is bare.
-  float slack = 0.0f;
 };
 
 /// Result of a tile's rounds.
