@@ -20,6 +20,7 @@
 #include "snow/state/checkpoint.h"
 #include "snow/step/engine/engine.h"
 #include "snow/step/engine/engine_request.h"
+#include "snow/step/pass_hashes.h"
 
 namespace snowbough::snow {
 

@@ -94,7 +94,7 @@ TEST(ReposeShaders, MoveSnowToTheAngleOfReposeAndKeepItsVolume) {
   const double limit = std::tan(40.0 / 180.0 * std::numbers::pi);
   const std::unique_ptr<Engine> engines[] = {gl_engine(), cpu::make_engine()};
   for (const std::unique_ptr<Engine>& engine : engines) {
-    SCOPED_TRACE(engine->name());
+    SCOPED_TRACE(engine_name(engine->kind()));
     const Rested heap = rest(*engine, block_of_snow(42, 52), 40.0);
     EXPECT_NEAR(sum_of(heap.height), 0.5 * 10 * 10, 1e-5 * 50.0);
     EXPECT_EQ(heap.sums.total_slid, 0.0);
@@ -107,7 +107,7 @@ TEST(ReposeShaders, CountTheSnowThatFallsOverRims) {
   const double limit = std::tan(65.0 / 180.0 * std::numbers::pi);
   const std::unique_ptr<Engine> engines[] = {gl_engine(), cpu::make_engine()};
   for (const std::unique_ptr<Engine>& engine : engines) {
-    SCOPED_TRACE(engine->name());
+    SCOPED_TRACE(engine_name(engine->kind()));
     const Rested cap = rest(*engine, block_of_snow(0, kSide), 65.0);
     const double fell = 0.5 * 0.96 * 0.96 - sum_of(cap.height) * 1e-4;
     EXPECT_GT(fell, 0.1);
