@@ -90,7 +90,7 @@ MUTANTS = (
     cache("folder", "if frame < before and", "if frame <= before and"),
     cache("folder", "(frame - frame_start + 1) % interval", "(frame - frame_start) % interval"),
     cache("folder", "int(match.group(1)) > frame", "int(match.group(1)) >= frame", REPAIRS),
-    cache("folder", "int(match.group(1)) > frame", "int(match.group(1)) > frame + 1", REPAIRS),
+    cache("folder", "int(match.group(1)) > frame", "int(match.group(1)) > frame + 1"),
     cache("folder", "finished_name(name) in listed", "finished_name(name) is not None"),
     cache("folder", "key=lambda name: (name in (MANIFEST, REMOVED_MANIFEST), name)", "key=None"),
     cache("folder", "            os.replace(folder / MANIFEST, folder / REMOVED_MANIFEST)", "            pass"),

@@ -128,6 +128,13 @@ def test_a_damaged_manifest_is_restored_from_a_checkpoint(request, cache, whole)
     assert shot.files_of(cache) == whole
 
 
+def test_a_restored_manifest_knows_the_frames_of_the_newest_checkpoint(stopped, whole):
+    flip(found(stopped, "Cart-*/object.json"))
+    flip(found(stopped, "Cart-*/height_0005.exr"))
+    assert shot.bake(stopped, resume=True).results[0].frame == 4
+    assert shot.files_of(stopped) == whole
+
+
 def test_a_damaged_manifest_without_a_checkpoint_says_what_to_do(stopped, whole):
     path = found(stopped, "Cart-*/object.json")
     flip(path)
