@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cstdio>
 #include <string>
 #include <thread>
@@ -72,32 +71,6 @@ TEST(CpuFilter, bothSidesOfASeamShowTheSameHeightOnTheBunny) {
   }
   const auto smoothed = smooth(map, 0.0006f, heights);
   EXPECT_NEAR(volume(map, smoothed) / volume(map, heights), 1.0, 1e-5);
-}
-
-void print_times(int32_t resolution, const char* name, const std::vector<float>& stored,
-                 const Map& map) {
-  const auto begin = std::chrono::steady_clock::now();
-  CpuFilter output(map.table, map.seams, {0.02f});
-  const std::chrono::duration<double> made = std::chrono::steady_clock::now() - begin;
-  double best = 1e30;
-  for (int i = 0; i < 4; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    output.run(stored);
-    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-    best = std::min(best, taken.count());
-  }
-  std::printf("%d, %s: %.1f ms, set up in %.0f ms\n", resolution, name, 1e3 * best,
-              1e3 * made.count());
-}
-
-TEST(MapOutput, timeOfAFullMap) {
-  for (const int32_t resolution : {1024, 2048}) {
-    const float size = 0.01f * static_cast<float>(resolution);
-    const Map map = plate(resolution, size, size);
-    print_times(resolution, "3 to 13 cm", random_map(map, 7), map);
-    print_times(resolution, "30 cm", blanket(map, 0.3f), map);
-    print_times(resolution, "bare patches", patchy_snow(map, 7), map);
-  }
 }
 
 }  // namespace
