@@ -24,9 +24,9 @@ from snowbough import native as native_loader  # noqa: E402
 from snowbough.bake.job import BakeJob  # noqa: E402
 from snowbough.bake.map_writer import WriteFailed  # noqa: E402
 from snowbough.bake.request import BakeRequest  # noqa: E402
+from snowbough.base.names import EXIT_CACHE, EXIT_LOCK_LOST  # noqa: E402
 from snowbough.cache import owner  # noqa: E402
 from snowbough.cache.errors import CacheBusy, CacheError, LockLost  # noqa: E402
-from snowbough.base.names import EXIT_CACHE, EXIT_LOCK_LOST  # noqa: E402
 from snowbough.scene.inputs import fingerprint  # noqa: E402
 from snowbough.scene.pose import ObjectPose, ReceiverSpec, ScenePose, Topology, own_key  # noqa: E402
 from snowbough.surface.style import SurfaceStyle  # noqa: E402

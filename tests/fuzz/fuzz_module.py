@@ -32,7 +32,23 @@ TRIANGLES = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
 UV = np.array([[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]], np.float32)
 POINTS = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
 HEIGHT = np.full((64, 64), 0.1, np.float32)
-NUMBERS = [0, -1, 1, 2, 63, 2**31 - 1, -(2**31), 2**32, 2**63, 1e-30, 1e30, float("nan"), float("inf"), -0.5, True]
+NUMBERS = [
+    0,
+    -1,
+    1,
+    2,
+    63,
+    2**31 - 1,
+    -(2**31),
+    2**32,
+    2**63,
+    1e-30,
+    1e30,
+    float("nan"),
+    float("inf"),
+    -0.5,
+    True,
+]
 TEXTS = ["", "ground", "roof", "\0", "x" * 5000, "\udcff", "/", "/nowhere/at/all", "é", "CPU", "BOTH"]
 
 
@@ -161,7 +177,9 @@ class Calls:
         """Makes a random call and prints it before."""
         calls = self.all() if pick.random() < 0.9 else None
         if calls is None:
-            kind = getattr(native, pick.choice([x for x in dir(native) if isinstance(getattr(native, x), type)]))
+            kind = getattr(
+                native, pick.choice([x for x in dir(native) if isinstance(getattr(native, x), type)])
+            )
             name, function, given = f"{kind.__name__}.__new__", lambda: use_uninitialised(kind), {}
         else:
             name = pick.choice(list(calls))
@@ -214,7 +232,15 @@ def child(seed, calls):
 
 def run_child(seed, calls):
     """Returns the number of calls made, and an error or None."""
-    command = [sys.executable, str(Path(__file__).resolve()), "--child", "--seed", str(seed), "--calls", str(calls)]
+    command = [
+        sys.executable,
+        str(Path(__file__).resolve()),
+        "--child",
+        "--seed",
+        str(seed),
+        "--calls",
+        str(calls),
+    ]
     with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as errors:
         try:
             status = subprocess.run(command, stdout=out, stderr=errors, timeout=SECONDS_A_CHILD).returncode
