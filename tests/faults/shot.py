@@ -20,10 +20,10 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "addon"))
 
-from snowbough import native as native_loader  # noqa: E402
 from snowbough.bake.job import BakeJob  # noqa: E402
 from snowbough.bake.map_writer import WriteFailed  # noqa: E402
 from snowbough.bake.request import BakeRequest  # noqa: E402
+from snowbough.base import native as native_loader  # noqa: E402
 from snowbough.base.names import EXIT_CACHE, EXIT_LOCK_LOST  # noqa: E402
 from snowbough.cache import owner  # noqa: E402
 from snowbough.cache.errors import CacheBusy, CacheError, LockLost  # noqa: E402
@@ -85,7 +85,7 @@ def request(cache, **changes):
         "scene_name": "Scene", "cache": str(cache), "cache_id": "0123456789abcdef", "frame_start": 1,
         "frame_end": FRAMES, "first": 1, "last": FRAMES, "fps": 24.0, "start_depth": 0.0, "end_depth": 0.1,
         "rates": (1.0,) * FRAMES, "snow": snow, "texel_size": 0.01, "pixel_size": 0.04, "blur_radius": 1.0,
-        "substeps": 1, "directions": 4, "checkpoint_interval": INTERVAL, "write_normals": True, "receivers": SPECS,
+        "substeps": 1, "directions": 4, "checkpoint_interval": INTERVAL, "maps": {"normal": True}, "receivers": SPECS,
         "engine": "CPU", "blend": str(Path(cache).parent / "shot.blend"),
     }  # fmt: skip
     return BakeRequest(**{**whole, **changes})

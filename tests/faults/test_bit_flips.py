@@ -9,7 +9,7 @@ from collections import Counter, defaultdict
 
 import pytest
 import shot
-from snowbough import native
+from snowbough.base import native
 from snowbough.cache import folder, manifest
 from snowbough.cache.errors import CacheError
 

@@ -138,7 +138,7 @@ class FrameBaker:
                     self._native, output, entry
                 ),
                 snapshot.output,
-                memory.output_bytes(receiver.resolution, self._request.write_normals),
+                memory.output_bytes(receiver.resolution, self._request.maps["normal"]),
             )
         return volume, slid
 

@@ -189,7 +189,7 @@ class BakeJob:
             memory.MapSize(own.resolution, len(pose.objects[own.key].topology.triangles))
             for own in self.receivers
         ]
-        shortage = memory.shortage(sizes, self.request.snow["repose"], self.request.write_normals)
+        shortage = memory.shortage(sizes, self.request.snow["repose"], self.request.maps["normal"])
         if shortage:
             raise RuntimeError(shortage)
 
