@@ -21,7 +21,7 @@ struct SeamLevelling {
   /// texel.size() for unused terms.
   std::vector<SeamRow> points;
   /// Snow thinner than this (metres) is allowed the difference of snow of this height: a fortieth
-  /// of a texel.
+  /// of a texel, but over 0.
   float least_height = 0.0f;
 };
 

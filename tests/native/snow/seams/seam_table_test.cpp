@@ -243,6 +243,21 @@ TEST(Seams, levellingStaysWithinTheHeightsThereWereAndForgetsTheMapBefore) {
   EXPECT_EQ(again, map);
 }
 
+TEST(Seams, aMeshThatIsScaledToNothingKeepsItsHeights) {
+  LaidOutMesh mesh = cube(64);
+  const TexelTable table = build_texel_table(mesh.topology);
+  std::fill(mesh.positions.begin(), mesh.positions.end(), glm::vec3(1.0f));
+  const SeamTable seams = build_seam_table(mesh.topology, table, mesh.positions);
+  EXPECT_GT(seams.levelling.least_height, 0.0f);
+  std::vector<float> map(64 * 64);
+  for (size_t i = 0; i < map.size(); ++i) map[i] = 0.01f * static_cast<float>(i % 7);
+  SeamLeveller(seams.levelling).run(map);
+  for (const float height : map) {
+    ASSERT_GE(height, 0.0f);
+    ASSERT_LE(height, 0.06f);
+  }
+}
+
 TEST(Seams, bothSidesCarryTheSameHeightOnTheBunny) {
   LaidOutMesh mesh = read_obj_mesh(std::string(SNOWBOUGH_SHARED_DATA) + "/snow/stanford-bunny.obj");
   if (mesh.positions.empty()) GTEST_SKIP() << "shared/data/snow/stanford-bunny.obj is not there";
