@@ -114,7 +114,7 @@ def test_quitting_ends_the_bake_and_leaves_it_resumable(window, addon_zip, tmp_p
         (tmp_path / "shot").mkdir()
         bake_in_the_background(other, tmp_path / "shot")
         other.move(500, 500)
-        other.key("ctrl+q")
+        other.xdotool("key", "ctrl+q")
         assert other.blender.wait(60) == 0
         assert "Traceback" not in other.messages()
     finally:
