@@ -144,7 +144,8 @@ class SNOWBOUGH_BAKE(bpy.types.RenderEngine):
         shown = 0.0
 
         def show_progress(fraction):
-            """Blender redraws the window after each call of these, which takes time from the bake."""
+            """Shows the progress, in the window at most every REDRAW_SECONDS: Blender then redraws the window, which
+            takes time from the bake."""
             nonlocal shown
             now = time.monotonic()
             if in_window and now - shown < REDRAW_SECONDS:

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "image/atomic_file.h"
+#include "snow/state/check_sum.h"
 
 namespace snowbough::snow {
 namespace {
@@ -150,6 +151,12 @@ TEST_F(CheckpointFile, withAMapOfTheWrongSizeIsNotWritten) {
   data.state.objects[0].height.pop_back();
   EXPECT_THROW(save_checkpoint(path_, data), std::invalid_argument);
   EXPECT_FALSE(std::filesystem::exists(path_));
+}
+
+// The check value of CRC-32 in the catalogue of parametrised CRC algorithms.
+TEST(CheckSum, isCrc32InOnePieceOrTwo) {
+  EXPECT_EQ(check_sum("123456789"), 0xCBF43926u);
+  EXPECT_EQ(check_sum("56789", check_sum("1234")), 0xCBF43926u);
 }
 
 }  // namespace

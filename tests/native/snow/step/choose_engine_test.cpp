@@ -47,6 +47,9 @@ TEST(ChooseEngine, KnowsThreeNames) {
   EXPECT_EQ(engine_kind("GL"), EngineKind::kGl);
   EXPECT_EQ(engine_kind("CPU"), EngineKind::kCpu);
   EXPECT_THROW(engine_kind("VULKAN"), std::invalid_argument);
+  EXPECT_EQ(engine_name(EngineKind::kAuto), "AUTO");
+  EXPECT_EQ(engine_name(EngineKind::kGl), "GL");
+  EXPECT_EQ(engine_name(EngineKind::kCpu), "CPU");
 }
 
 }  // namespace
