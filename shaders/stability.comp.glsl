@@ -1,6 +1,6 @@
 // The stability pass, see texel_stability.h.
 //
-// DEPOSIT_MAP: reads the deposit from a map.
+// GAIN_IN_METRES: the gain of a TexelStep is the bits of metres, negative on backs.
 // LOCAL_SIZE: work-group size, at most kMaxLocalSize; see native/snow/step/gl/driver.h.
 #include "glsl/texel_group.glsl"
 #include "glsl/texel_place.glsl"
@@ -10,9 +10,6 @@
 uniform usamplerBuffer texel_steps;
 
 layout(local_size_x = LOCAL_SIZE) in;
-#ifdef DEPOSIT_MAP
-uniform sampler2DArray deposit_map;
-#endif
 /// Sums per invocation, LOCAL_SIZE per group of texels, see StableTexel.
 layout(std430) writeonly buffer Partials { vec4 partials[]; };
 layout(r32f) uniform image2DArray height_map;
@@ -38,8 +35,8 @@ void main() {
     }
     const uvec4 step = texelFetch(texel_steps, index);
     const ivec3 at = decoded_place(place, resolution, one_over_resolution);
-#ifdef DEPOSIT_MAP
-    const float deposit = texelFetch(deposit_map, at, 0).x;
+#ifdef GAIN_IN_METRES
+    const float deposit = uintBitsToFloat(step.x);
 #else
     const float deposit = deposit_of(step);
 #endif

@@ -1,30 +1,24 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <map>
 #include <memory>
 #include <mutex>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "snow/output/map_memory.h"
-#include "snow/output/map_output.h"
-#include "snow/output/output_filter.h"
+#include "snow/receiver_outputs.h"
 #include "snow/scene/memory_estimate.h"
-#include "snow/scene/scene_object.h"
+#include "snow/scene/object_set.h"
 #include "snow/scene/statistics.h"
 #include "snow/simulation_settings.h"
 #include "snow/state/checkpoint.h"
 #include "snow/step/engine/engine.h"
-#include "snow/step/engine/engine_request.h"
 #include "snow/step/pass_hashes.h"
 
 namespace snowbough::snow {
 
-class EngineChoice;
+class EngineScene;
 
 /// The engine of a simulation.
 struct EngineInfo {
@@ -36,29 +30,9 @@ struct EngineInfo {
   std::string reason;
 };
 
-/// Vertex positions of each object in metres, by name.
-using PositionMap = std::map<std::string, std::span<const glm::vec3>>;
-
-/// A copy of a receiver's map at one moment. Its output can be computed on any thread while the
-/// simulation continues, and after it is closed.
-class OutputSnapshot {
- public:
-  int32_t resolution() const { return resolution_; }
-  /// See SnowSimulation::output. @throws std::runtime_error on a second call.
-  MapOutput output();
-  /// Pool to which the memory of the output's heights is returned; may be null.
-  const std::shared_ptr<MapMemory>& memory() const { return memory_; }
-
- private:
-  friend class SnowSimulation;
-  int32_t resolution_ = 0;
-  std::vector<float> stored_;
-  OutputSurface surface_;
-  std::shared_ptr<OutputFilter> filter_;
-  std::shared_ptr<MapMemory> memory_;
-};
-
-/// Simulates snow that accumulates on moving objects. Calls from several threads run one at a time.
+/// Simulates snow that accumulates on moving objects: the objects (ObjectSet), their maps on an
+/// engine (EngineScene) and their output (ReceiverOutputs) behind one lock, so that calls from
+/// several threads run one at a time.
 class SnowSimulation {
  public:
   /// @throws std::invalid_argument for settings out of range, std::runtime_error if the requested
@@ -120,7 +94,8 @@ class SnowSimulation {
   int32_t resolution(const std::string& name) const;
   std::vector<std::string> receivers() const;
   SnowStatistics statistics();
-  MemoryEstimate memory_estimate() const;
+  /// Memory of the next step; waits for the engine.
+  MemoryEstimate memory_estimate();
   /// See Engine; both wait for it.
   void measure_passes(bool on);
   std::vector<PassCost> take_costs();
@@ -142,45 +117,17 @@ class SnowSimulation {
   void close();
 
  private:
-  const std::shared_ptr<SceneObject>& find_receiver(const std::string& name) const;
-  /// The same, with positions. @throws std::invalid_argument before its first step.
-  const std::shared_ptr<SceneObject>& find_stepped_receiver(const std::string& name) const;
+  /// @throws std::runtime_error if closed.
+  EngineScene& scene() const;
   std::vector<float> stored_height(const std::string& name);
-  std::vector<const SceneObject*> all_objects() const;
-  MemoryEstimate estimate() const;
-  void require_open() const;
-  SceneObject make_object(ObjectDescription description);
-  /// Copies the maps and sums from the engine to pending_state_, before the set of objects changes.
-  void set_state_aside();
-  void set_positions(const PositionMap& positions);
-  /// Rebuilds the engine's scene; the maps keep their content.
-  void build_scene();
-  void step_on(Engine& engine, const FrameStep& step);
-  double blur_radius_of(const SceneObject& receiver) const;
-  Engine& engine();
-  SimulationState read_state();
-  void write_state(const SimulationState& state);
-  size_t index_of(const std::string& name) const;
-  /// @throws std::invalid_argument unless a receiver has that name and resolution.
-  void check_map(const std::string& name, int32_t resolution) const;
 
   SimulationSettings settings_;
   mutable std::mutex mutex_;
+  ObjectSet objects_;
+  ReceiverOutputs outputs_;
   /// Null when closed.
-  std::unique_ptr<EngineChoice> choice_;
-  /// By name: the drawing order.
-  std::map<std::string, std::shared_ptr<SceneObject>> objects_;
-  /// Alpha masks of all objects so far: equal masks are stored once.
-  std::vector<std::weak_ptr<const AlphaMask>> masks_;
-  OutputFilterCache outputs_;
-  std::shared_ptr<MapMemory> map_memory_ = std::make_shared<MapMemory>();
-  bool scene_is_current_ = false;
+  std::unique_ptr<EngineScene> scene_;
   uint32_t step_number_ = 0;
-  bool hashes_passes_ = false;
-  std::vector<PassHash> hashes_;
-  /// State that waits for the engine's scene: applied when the scene is built, and kept until that
-  /// engine has finished a step.
-  SimulationState pending_state_;
 };
 
 }  // namespace snowbough::snow

@@ -4,13 +4,16 @@
 
 /// See TriangleSetup.
 uniform samplerBuffer triangle_corners;
-/// Two vectors per triangle: uv of its corners, and the bits of its home texel and chart.
+/// Two vectors per triangle: uv of its corners.
 uniform samplerBuffer map_triangles;
 /// Per slot: offset from a scene triangle's index to its index in the map triangles.
 uniform isamplerBuffer map_offsets;
 /// One SeenPixel per pixel.
 uniform usamplerBuffer occlusion;
+/// See native/snow/step/gl/geometry/geometry_deposit.h.
 uniform usampler2DArray owners;
+uniform usampler2DArray charts;
+uniform usamplerBuffer homes;
 /// Slots of the objects whose maps are in this group: [first, end); layer = slot - first.
 uniform uvec2 group_objects;
 uniform ivec2 tile_origin;
@@ -23,11 +26,9 @@ uint texel_under(ivec2 pixel, uint triangle, uint slot) {
   const vec2 a = texelFetch(triangle_corners, 3 * int(triangle)).xy;
   const vec2 ab = texelFetch(triangle_corners, 3 * int(triangle) + 1).xy - a;
   const vec2 ac = texelFetch(triangle_corners, 3 * int(triangle) + 2).xy - a;
-  const int map_index = 2 * (int(triangle) + texelFetch(map_offsets, int(slot)).x);
-  const vec4 uv_ab = texelFetch(map_triangles, map_index);
-  const vec4 uv_c_home = texelFetch(map_triangles, map_index + 1);
-  const uint home = floatBitsToUint(uv_c_home.z);
-  const uint chart = floatBitsToUint(uv_c_home.w);
+  const int map_index = int(triangle) + texelFetch(map_offsets, int(slot)).x;
+  const vec4 uv_ab = texelFetch(map_triangles, 2 * map_index);
+  const uvec2 home = texelFetch(homes, map_index).xy;
 
   const vec2 offset = vec2(pixel + tile_origin) + 0.5 - a;
   const float area = ab.x * ac.y - ab.y * ac.x;
@@ -37,13 +38,13 @@ uint texel_under(ivec2 pixel, uint triangle, uint slot) {
   weights = clamp(weights, 0.0, 1.0);
   weights /= max(weights.x + weights.y, 1.0);
   const vec2 uv_b = uv_ab.zw - uv_ab.xy;
-  const vec2 uv_c = uv_c_home.xy - uv_ab.xy;
+  const vec2 uv_c = texelFetch(map_triangles, 2 * map_index + 1).xy - uv_ab.xy;
   const vec2 uv = uv_ab.xy + weights.x * uv_b + weights.y * uv_c;
 
   const int resolution = textureSize(owners, 0).x;
   const int layer = int(slot - group_objects.x);
   const ivec2 centre = clamp(ivec2(uv * float(resolution)), ivec2(0), ivec2(resolution - 1));
-  uint best = home;
+  uint best = home.x;
   float least = 1e30;
   ivec2 at = centre;
   // Test the texel itself first, and its eight neighbours only if it does not fit. This is one loop, so that software
@@ -51,11 +52,11 @@ uint texel_under(ivec2 pixel, uint triangle, uint slot) {
   int i = -1;
   bool good;
   do {
-    const uvec2 owner = texelFetch(owners, ivec3(at, layer), 0).xy;
+    const uint owner = texelFetch(owners, ivec3(at, layer), 0).x;
     const vec2 away = vec2(at) + 0.5 - uv * float(resolution);
-    good = owner.x != 0u && owner.y >> 8u == chart;
+    good = owner != 0u && texelFetch(charts, ivec3(at, layer), 0).x == home.y;
     if (good && dot(away, away) < least) {
-      best = owner.x;
+      best = owner;
       least = dot(away, away);
     }
     good = good && i < 0;

@@ -18,15 +18,12 @@ struct SceneTriangle {
 };
 SNOWBOUGH_SHARED_SIZE(SceneTriangle, 16)
 
-/// A receiver's triangle on its map. `home` and `chart` are only for GEOMETRY.
+/// A receiver's triangle on its map.
 struct MapTriangle {
   vec2 uv_a;
   vec2 uv_b;
   vec2 uv_c;
-  /// 1 + index (within the map group) of the texel that holds most of the triangle; 0 = none.
-  uint home;
-  /// Number of its chart within its object.
-  uint chart;
+  vec2 unused_row_end;
 };
 SNOWBOUGH_SHARED_SIZE(MapTriangle, 32)
 

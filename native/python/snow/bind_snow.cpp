@@ -214,8 +214,8 @@ py::dict statistics(SnowSimulation& simulation) {
   return dict;
 }
 
-py::dict memory_estimate(const SnowSimulation& simulation) {
-  const snow::MemoryEstimate estimate = simulation.memory_estimate();
+py::dict memory_estimate(SnowSimulation& simulation) {
+  const snow::MemoryEstimate estimate = without_gil([&] { return simulation.memory_estimate(); });
   py::dict dict;
   dict["total"] = estimate.total();
   dict["maps"] = estimate.maps;

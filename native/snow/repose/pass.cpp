@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel_for.h"
+#include "snow/scene/memory_estimate.h"
 
 namespace snowbough::snow {
 namespace {
@@ -14,19 +15,9 @@ constexpr size_t kManyBlocks = 16;
 }  // namespace
 
 int64_t ReposePass::memory(const std::vector<const SceneObject*>& objects) {
-  int64_t blocks = 0;
-  for (const SceneObject* object : objects) {
-    if (!object->description.receive) continue;
-    const TexelTable& table = object->table;
-    const int32_t side = (table.resolution + kReposeBlock - 1) / kReposeBlock;
-    std::vector<uint8_t> has_texels(static_cast<size_t>(side) * static_cast<size_t>(side), 0);
-    for_each_place(table, [&](int32_t, int32_t column, int32_t row) {
-      has_texels[static_cast<size_t>(row / kReposeBlock * side + column / kReposeBlock)] = 1;
-    });
-    blocks += std::count(has_texels.begin(), has_texels.end(), uint8_t{1});
-  }
-  return blocks * static_cast<int64_t>(sizeof(ReposeTile) +
-                                       sizeof(std::array<ReposeTile::Plane, kForwardLinks>));
+  return count_blocks(objects, kReposeBlock) *
+         static_cast<int64_t>(sizeof(ReposeTile) +
+                              sizeof(std::array<ReposeTile::Plane, kForwardLinks>));
 }
 
 void ReposePass::lay_out(const std::vector<const SceneObject*>& objects) {

@@ -6,8 +6,7 @@
 namespace snowbough::snow {
 
 MapPlan plan_maps(const std::vector<const SceneObject*>& objects, int32_t max_layers) {
-  // The owner table is the largest array: 8 bytes per texel.
-  constexpr int64_t kBytesPerTexel = 8;
+  constexpr int64_t kBytesPerTexel = sizeof(float);
   MapPlan plan;
   plan.slot.resize(objects.size());
   plan.group.assign(objects.size(), -1);

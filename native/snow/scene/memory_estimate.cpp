@@ -9,20 +9,6 @@
 namespace snowbough::snow {
 namespace {
 
-/// Upper bound of the memory of SeamLevelling and SeamLeveller, before seams are known: by texels
-/// at the rim of their chart. The layout of a cylinder takes 540 bytes per rim texel, one with
-/// separate triangles 1450.
-int64_t levelling_bytes(const TexelTable& table) {
-  constexpr int64_t kPerRimTexel = 1536;
-  int64_t count = 0;
-  for (size_t i = 0; i < table.texel.size(); ++i) {
-    const bool goes_on = i + 1 < table.texel.size() && table.texel[i + 1] == table.texel[i] + 1 &&
-                         table.chart[i + 1] == table.chart[i];
-    count += table.coverage[i] < 1.0f || !goes_on ? 1 : 0;
-  }
-  return kPerRimTexel * count;
-}
-
 std::string mebibytes(int64_t bytes) {
   return std::to_string((bytes + (1 << 20) - 1) >> 20);
 }
@@ -35,20 +21,50 @@ std::string MemoryEstimate::text() const {
          mebibytes(output) + ", seams " + mebibytes(seams) + ", repose " + mebibytes(repose) + ")";
 }
 
-MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, int32_t tile_size,
-                               bool with_owners) {
-  constexpr int64_t kPerTexel = 4 + 4 + sizeof(shared::TexelStep);
-  // Of engine CPU, which takes more: 18, and a share of a run of 32 for some eight fragments.
-  constexpr int64_t kPerFragment = 18 + 4;
+int64_t count_rim_texels(const TexelTable& table) {
+  int64_t count = 0;
+  for (size_t i = 0; i < table.texel.size(); ++i) {
+    const bool goes_on = i + 1 < table.texel.size() && table.texel[i + 1] == table.texel[i] + 1 &&
+                         table.chart[i + 1] == table.chart[i];
+    count += table.coverage[i] < 1.0f || !goes_on ? 1 : 0;
+  }
+  return count;
+}
+
+int64_t count_blocks(const std::vector<const SceneObject*>& objects, int32_t side) {
+  int64_t count = 0;
+  for (const SceneObject* object : objects) {
+    if (!object->description.receive) continue;
+    const int32_t resolution = object->table.resolution;
+    const int32_t blocks_a_side = (resolution + side - 1) / side;
+    std::vector<uint8_t> has_texels(
+        static_cast<size_t>(blocks_a_side) * static_cast<size_t>(blocks_a_side), 0);
+    for (const int32_t texel : object->table.texel) {
+      has_texels[static_cast<size_t>(texel / resolution / side * blocks_a_side +
+                                     texel % resolution / side)] = 1;
+    }
+    count += std::count(has_texels.begin(), has_texels.end(), uint8_t{1});
+  }
+  return count;
+}
+
+MemoryEstimate estimate_shared_memory(const std::vector<const SceneObject*>& objects) {
+  // Upper bound of SeamLevelling and SeamLeveller, before seams are known. The layout of a cylinder
+  // takes 540 bytes per rim texel, one with separate triangles 1450.
+  constexpr int64_t kPerRimTexel = 1536;
   MemoryEstimate estimate;
   int64_t largest_map = 0;
   std::set<const AlphaMask*> masks;  // never iterated over
+  const bool is_smooth = std::any_of(objects.begin(), objects.end(), [](const auto* object) {
+    return object->description.receive && !object->description.shading.empty();
+  });
   for (const SceneObject* object : objects) {
     const MapTopology& topology = object->description.topology;
     const auto triangles = static_cast<int64_t>(object->triangle_count());
     const int64_t vertices =
         std::max<int64_t>(static_cast<int64_t>(object->positions.size()), topology.vertex_count);
-    estimate.geometry += vertices * 12 + triangles * (16 + 48 + 16 + 4);
+    // See SceneLayout; with smooth points each triangle has theirs.
+    estimate.geometry += vertices * 12 + triangles * (16 + 48 + 16 + 4 + (is_smooth ? 16 : 0));
     const ObjectAlpha& alpha = object->description.alpha;
     estimate.geometry += static_cast<int64_t>(alpha.mask.size() * sizeof(shared::AlphaTriangle));
     for (const std::shared_ptr<const AlphaMask>& mask : alpha.masks) {
@@ -61,21 +77,13 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
     }
     const int64_t map = int64_t{topology.resolution} * topology.resolution;
     largest_map = std::max(largest_map, map);
-    estimate.maps += map * (with_owners ? 4 + 8 : 4);
-    estimate.seams += levelling_bytes(object->table);
+    estimate.maps += map * 4;
+    estimate.seams += kPerRimTexel * count_rim_texels(object->table);
     estimate.geometry += triangles * static_cast<int64_t>(sizeof(shared::MapTriangle));
     // At most one point per corner: its corner, its list offsets, its normal and its snow.
-    const bool is_smooth = !object->description.shading.empty();
-    estimate.geometry += is_smooth ? triangles * (16 + 3 * (4 + 4 + 16 + 16)) : 0;
-    const int64_t group = shared::kTexelGroup;
-    const int64_t texels =
-        (static_cast<int64_t>(object->table.texel.size()) + group - 1) / group * group;
-    estimate.texels += texels * kPerTexel + texels / group * (16 + 4 * 4) + triangles * 2 * 4 +
-                       kPerFragment * static_cast<int64_t>(object->table.fragment_triangle.size());
+    const auto corners = static_cast<int64_t>(object->description.shading.size());
+    estimate.geometry += corners * (4 + 4 + 16 + 16);
   }
-  // Seen, drawn and copied pixels; the depth buffer.
-  estimate.tile =
-      int64_t{tile_size} * tile_size * static_cast<int64_t>(2 * sizeof(shared::SeenPixel) + 4);
   // Two workspaces of seven arrays and the proximity to feet, a third more for the coarse levels;
   // the map, a normal, tables, and the ends of the surface.
   estimate.output = largest_map * (2 * (28 + 2) + 4 + 12 + 12 + 1);

@@ -11,7 +11,7 @@ namespace snowbough::snow {
 /// Bytes that a simulation will take, on the GPU or in main memory, depending on its engine; known
 /// before anything is allocated.
 struct MemoryEstimate {
-  /// Height maps, and owner tables if there are any.
+  /// Height maps, and the further maps of an engine.
   int64_t maps = 0;
   /// Data of the passes per owned texel.
   int64_t texels = 0;
@@ -25,7 +25,7 @@ struct MemoryEstimate {
   /// here.
   int64_t seams = 0;
 
-  /// Repose, if snow moves, where the heights are; the caller adds it.
+  /// Repose, if snow moves, where the heights are.
   int64_t repose = 0;
 
   int64_t total() const { return maps + texels + geometry + tile + output + seams + repose; }
@@ -33,9 +33,14 @@ struct MemoryEstimate {
   std::string text() const;
 };
 
-/// `with_owners`: see SceneBuffers.
-MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, int32_t tile_size,
-                               bool with_owners = false);
+/// The part that is the same for all engines: height maps, geometry, output and seams.
+MemoryEstimate estimate_shared_memory(const std::vector<const SceneObject*>& objects);
+
+/// Number of blocks of `side` x `side` texels with at least one texel, in the objects' maps.
+int64_t count_blocks(const std::vector<const SceneObject*>& objects, int32_t side);
+
+/// Number of texels at the rim of their chart.
+int64_t count_rim_texels(const TexelTable& table);
 
 /// Free memory of the machine in bytes; 0 = unknown.
 int64_t machine_memory();

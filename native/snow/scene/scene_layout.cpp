@@ -35,7 +35,7 @@ void add_map_triangles(const SceneObject& object, size_t slot, int32_t first_tri
   layout.map_offsets[slot] = static_cast<int32_t>(layout.map_triangles.size()) - first_triangle;
   for (int32_t t = 0; t < object.triangle_count(); ++t) {
     const glm::vec2* uv = &object.description.topology.corner_uv[3 * static_cast<size_t>(t)];
-    layout.map_triangles.push_back({uv[0], uv[1], uv[2], 0, 0});
+    layout.map_triangles.push_back({uv[0], uv[1], uv[2], {}});
   }
 }
 

@@ -46,7 +46,7 @@ struct Bench {
       pointers.push_back(&object);
       bounds.include(object.bounds);
     }
-    scene = build_scene_buffers(pointers, info, true);
+    scene = build_scene_buffers(pointers, info);
     for (size_t i = 0; i < objects.size(); ++i) {
       scene.positions.write(int64_t{12} * scene.layout.first_vertex[i],
                             static_cast<int64_t>(objects[i].positions.size()) * 12,

@@ -1,17 +1,24 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
+#include "shaders/lib/object_sums.h"
 #include "shaders/lib/snow_shared.h"
+#include "snow/repose/pass.h"
 #include "snow/scene/projection.h"
+#include "snow/step/cpu/occlusion/occlusion.h"
 #include "snow/step/cpu/scene.h"
 #include "snow/step/engine/engine.h"
 
-// The passes of a step on the CPU, in their order. The OcclusionPass in
-// step/cpu/occlusion/occlusion.h draws the surfaces that the sky sees. Each pass has a source of
+// The passes of a step on the CPU, in their order, and the engine that runs them. The OcclusionPass
+// in step/cpu/occlusion/occlusion.h draws the surfaces that the sky sees. Each pass has a source of
 // its name.
 namespace snowbough::snow::cpu {
 
@@ -66,5 +73,79 @@ GroupWork deposit_work(Scene& scene, const Tile& tile, bool is_first);
 /// just before, so that its results are still in the cache.
 void apply_stability(Scene& scene, const StabilitySettings& settings, float full_gain, float dt,
                      const GroupWork& before = {});
+
+/// See make_engine (step/cpu/engine.h).
+class CpuEngine final : public Engine {
+ public:
+  EngineKind kind() const override { return EngineKind::kCpu; }
+  std::string driver() const override;
+  int64_t free_memory() override { return machine_memory(); }
+  MemoryEstimate memory(const std::vector<const SceneObject*>& objects, int32_t tile_size,
+                        bool moves_snow) const override;
+  void run(const std::function<void()>& work) override { work(); }
+
+  void build_scene(const std::vector<const SceneObject*>& objects) override;
+  void set_positions(size_t object, const std::vector<glm::vec3>& positions) override;
+
+  void set_up_triangles(const shared::ProjectionFrame& frame) override {
+    scene_.frame = frame;
+    cpu::set_up_triangles(scene_.positions, scene_.layout.triangles, frame, scene_.corners,
+                          scene_.surface);
+    cpu::set_up_smooth_points(scene_);
+  }
+  void choose_texels() override { cpu::choose_texels(scene_); }
+  void open_statistics() override {
+    std::fill(scene_.back_pixels.begin(), scene_.back_pixels.end(), 0u);
+    for (Receiver& receiver : scene_.receivers) receiver.sums = shared::opened(receiver.sums);
+  }
+  void evaluate_texels() override { cpu::evaluate_texels(scene_); }
+  void render_occlusion(const Tile& tile, const std::vector<TriangleRange>& ranges) override;
+  void count_back_faces(const Tile& tile) override { cpu::count_back_faces(scene_, tile); }
+  void gather_deposit(const Tile& tile, bool is_first) override {
+    pending_tile_ = {tile, is_first};
+  }
+  void apply_stability(const StabilitySettings& settings, float full_gain, float dt) override {
+    const GroupWork last = pending_tile_
+                               ? deposit_work(scene_, pending_tile_->tile, pending_tile_->is_first)
+                               : GroupWork();
+    pending_tile_.reset();
+    cpu::apply_stability(scene_, settings, full_gain, dt, last);
+  }
+  void apply_repose(const ReposeSettings& settings, float dt) override;
+  void close_statistics(float pixel_area) override {
+    for (Receiver& receiver : scene_.receivers) {
+      receiver.sums = shared::closed(receiver.sums, scene_.back_pixels[receiver.slot], pixel_area);
+    }
+  }
+
+  void read_height(size_t object, std::vector<float>& height) override {
+    height = receiver_of(object).height;
+  }
+  void write_height(size_t object, const std::vector<float>& height) override;
+  std::vector<glm::vec4> read_triangles(const TriangleRange& range) override;
+  std::vector<shared::SeenPixel> read_occlusion(const Tile& tile) override;
+  std::vector<TexelGain> read_gains(size_t object) override;
+  shared::ObjectSums read_sums(size_t object) override { return receiver_of(object).sums; }
+  void write_sums(size_t object, const shared::ObjectSums& sums) override {
+    receiver_of(object).sums = sums;
+  }
+  const SceneLayout& layout() const override { return scene_.layout; }
+
+ private:
+  Receiver& receiver_of(size_t object) {
+    return scene_.receivers[static_cast<size_t>(scene_.layout.plan.slot[object])];
+  }
+
+  /// The tile whose deposit is not gathered yet: the step's last tile, usually the only one, is
+  /// gathered together with stability, group by group.
+  struct PendingTile {
+    Tile tile;
+    bool is_first;
+  };
+  std::optional<PendingTile> pending_tile_;
+  Scene scene_;
+  OcclusionPass occlusion_;
+  ReposePass repose_;
+};
 
 }  // namespace snowbough::snow::cpu

@@ -7,6 +7,7 @@
 
 #include "shaders/lib/snow_shared.h"
 #include "snow/repose/repose.h"
+#include "snow/scene/memory_estimate.h"
 #include "snow/scene/projection.h"
 #include "snow/scene/scene_layout.h"
 #include "snow/scene/triangle_range.h"
@@ -72,8 +73,10 @@ class Engine {
   virtual std::string driver() const = 0;
   /// Free memory in bytes for a scene; 0 = unknown.
   virtual int64_t free_memory() = 0;
-  /// Largest number of layers of one map array.
-  virtual int32_t max_layers() const = 0;
+  /// Bytes that a scene of these objects will take. `tile_size`: see FrameStep; `moves_snow`:
+  /// whether repose is on.
+  virtual MemoryEstimate memory(const std::vector<const SceneObject*>& objects, int32_t tile_size,
+                                bool moves_snow) const = 0;
 
   /// Calls `work` on the thread on which all functions below are called. Throws as `work`.
   virtual void run(const std::function<void()>& work) = 0;

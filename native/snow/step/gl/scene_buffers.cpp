@@ -1,7 +1,6 @@
 #include "snow/step/gl/scene_buffers.h"
 
 #include <algorithm>
-#include <cmath>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -25,64 +24,13 @@ void require_room(int64_t bytes, const gpu::GpuInfo& info, const char* what) {
   }
 }
 
-/// Writes a layer of a group's `owners`: per texel of the map its owner, 1 + index in the group,
-/// and its chart << 8 with its coverage in 255ths. In bands of rows, to save memory.
-void upload_owners(const TexelTable& table, const std::vector<uint32_t>& owners, int32_t layer,
-                   gpu::Texture& texture) {
-  constexpr int32_t kBandRows = 64;
-  const int32_t resolution = table.resolution;
-  std::vector<glm::uvec2> band;
-  size_t i = 0;  // the table's texels are in the order of the map's
-  for (int32_t row = 0; row < resolution; row += kBandRows) {
-    const int32_t rows = std::min(kBandRows, resolution - row);
-    const int32_t first = row * resolution;
-    const int32_t count = rows * resolution;
-    band.assign(static_cast<size_t>(count), glm::uvec2(0));
-    for (; i < table.texel.size() && table.texel[i] < first + count; ++i) {
-      const auto texel = static_cast<size_t>(table.texel[i]);
-      const auto chart = static_cast<uint32_t>(table.chart[i]);
-      const auto coverage =
-          static_cast<uint32_t>(std::lround(std::clamp(table.coverage[i], 0.0f, 1.0f) * 255.0f));
-      band[texel - static_cast<size_t>(first)] = {owners[texel], chart << 8 | coverage};
-    }
-    texture.write_rows(layer, row, rows, GL_RG_INTEGER, GL_UNSIGNED_INT, band.data());
-  }
-}
-
-/// Fills the lookup of texels for GEOMETRY: a layer of the group's `owners`, and per map triangle
-/// the texel that holds most of it. `order`: the receiver's texels in the group, from `first_owner`
-/// on.
-void add_owners(const TexelTable& table, const std::vector<int32_t>& order, uint32_t first_owner,
-                int32_t layer, MapGroup& group, std::span<shared::MapTriangle> map_triangles) {
-  std::vector<uint32_t> owners(
-      static_cast<size_t>(table.resolution) * static_cast<size_t>(table.resolution), 0);
-  std::vector<float> home_share(map_triangles.size(), 0.0f);
-  for (size_t at = 0; at < order.size(); ++at) {
-    const auto i = static_cast<size_t>(order[at]);
-    const auto owner = first_owner + static_cast<uint32_t>(at);
-    owners[static_cast<size_t>(table.texel[i])] = owner;
-    const auto end = static_cast<size_t>(table.fragment_begin[i + 1]);
-    for (auto f = static_cast<size_t>(table.fragment_begin[i]); f < end; ++f) {
-      const auto triangle = static_cast<size_t>(table.fragment_triangle[f]);
-      if (table.fragment_share[f] > home_share[triangle]) {
-        home_share[triangle] = table.fragment_share[f];
-        map_triangles[triangle].home = owner;
-        map_triangles[triangle].chart = static_cast<uint32_t>(table.chart[i]);
-      }
-    }
-  }
-  upload_owners(table, owners, layer, group.owners);
-}
-
-/// Adds one receiver's texels to its group. `map_triangles`: of the receiver.
+/// Adds one receiver's texels to its group.
 void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t layer,
-                  BatchWriter& writer, MapGroup& group,
-                  std::span<shared::MapTriangle> map_triangles) {
+                  BatchWriter& writer) {
   const TexelTable& table = object.table;
   const auto map_texels =
       static_cast<uint32_t>(table.resolution) * static_cast<uint32_t>(table.resolution);
   const std::vector<int32_t> order = texel_order(table);
-  const auto first_owner = static_cast<uint32_t>(writer.next()) + 1;
   for (size_t begin = 0; begin < order.size(); begin += kTexelGroup) {
     const size_t count = std::min<size_t>(kTexelGroup, order.size() - begin);
     writer.add_group(object, std::span(order).subspan(begin, count),
@@ -90,16 +38,13 @@ void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t lay
                      static_cast<uint32_t>(layer) * map_texels);
   }
   add_group_triangles(table, order, static_cast<uint32_t>(first_triangle), writer.triangles());
-  if (group.owners.id() != 0) {
-    add_owners(table, order, first_owner, layer, group, map_triangles);
-  }
 }
 
 /// Adds the texels of a map group's receivers, in batches, and creates its maps.
 void add_group(const std::vector<const SceneObject*>& by_slot, const MapPlan::Group& plan,
-               SceneBuffers& scene, std::vector<shared::MapTriangle>& map_triangles) {
+               SceneBuffers& scene) {
   BatchWriter::Plan batches{static_cast<int32_t>(scene.groups.size()), 0, 0, false};
-  scene.groups.push_back(make_map_group(plan, scene.has_owners));
+  scene.groups.push_back(make_map_group(plan));
   for (int32_t slot = plan.first_slot; slot < plan.end_slot; ++slot) {
     const SceneObject& object = *by_slot[static_cast<size_t>(slot)];
     batches.texel_count +=
@@ -114,10 +59,7 @@ void add_group(const std::vector<const SceneObject*>& by_slot, const MapPlan::Gr
     const SceneObject& object = *by_slot[at];
     const int32_t first = scene.layout.first_triangle[number[at]];
     writer.begin_object(slot, object.table.texel.size(), object.table.fragment_share.size());
-    add_receiver(object, first, slot - plan.first_slot, writer, scene.groups.back(),
-                 std::span(map_triangles)
-                     .subspan(static_cast<size_t>(first + scene.layout.map_offsets[at]),
-                              static_cast<size_t>(object.triangle_count())));
+    add_receiver(object, first, slot - plan.first_slot, writer);
     writer.end_object();
   }
   writer.finish();
@@ -174,15 +116,17 @@ void add_smooth_points(const SmoothPoints& points, const gpu::GpuInfo& info, Sce
 }  // namespace
 
 SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
-                                 const gpu::GpuInfo& info, bool with_owners) {
+                                 const gpu::GpuInfo& info) {
   SceneBuffers scene;
-  scene.has_owners = with_owners;
   SceneLayout layout = lay_out_scene(objects, info.max_array_layers);
   add_triangles(layout, info, scene);
   add_alpha(layout, info, scene);
   add_smooth_points(layout.smooth_points, info, scene);
-  std::vector<shared::MapTriangle> map_triangles = std::move(layout.map_triangles);
+  require_room(static_cast<int64_t>(layout.map_triangles.size() * sizeof(shared::MapTriangle)),
+               info, "receivers' triangles");
+  scene.map_triangles = gpu::Buffer(layout.map_triangles);
   for (auto* done : {&layout.triangle_sheets, &layout.alpha_bits}) *done = {};
+  layout.map_triangles = {};
   layout.triangles = {};
   layout.smooth_points = {};
   layout.alpha_triangles = {};
@@ -191,11 +135,8 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
   std::vector<const SceneObject*> by_slot;
   for (const size_t object : objects_by_slot(scene.layout.plan)) by_slot.push_back(objects[object]);
   for (const MapPlan::Group& group : scene.layout.plan.groups) {
-    add_group(by_slot, group, scene, map_triangles);
+    add_group(by_slot, group, scene);
   }
-  require_room(static_cast<int64_t>(map_triangles.size() * sizeof(shared::MapTriangle)), info,
-               "receivers' triangles");
-  scene.map_triangles = gpu::Buffer(map_triangles);
   scene.map_offsets = gpu::Buffer(scene.layout.map_offsets);
   scene.back_pixels = gpu::Buffer(static_cast<int64_t>(objects.size() * sizeof(uint32_t)));
   scene.sums = gpu::Buffer(static_cast<int64_t>(objects.size() * sizeof(shared::ObjectSums)));
@@ -213,15 +154,12 @@ void MapGroup::write_height(int32_t layer, const std::vector<float>& heights) {
   height.write(layer, GL_RED, GL_FLOAT, heights.data());
 }
 
-MapGroup make_map_group(const MapPlan::Group& plan, bool with_owners) {
+MapGroup make_map_group(const MapPlan::Group& plan) {
   MapGroup group;
   group.resolution = plan.resolution;
   group.first_slot = plan.first_slot;
   group.end_slot = plan.end_slot;
   group.height = gpu::Texture(GL_R32F, plan.resolution, plan.resolution, group.layers());
-  if (with_owners) {
-    group.owners = gpu::Texture(GL_RG32UI, plan.resolution, plan.resolution, group.layers());
-  }
   return group;
 }
 

@@ -19,11 +19,6 @@ struct MapGroup {
   int32_t end_slot = 0;
   /// Snow thickness in metres, R32F.
   gpu::Texture height;
-  /// Only for mapping GEOMETRY: the owner of each texel, RG32UI: x = 1 + index in the group (0 =
-  /// none), y = chart << 8 | coverage; a step's deposit in metres, R32F, and its render target.
-  gpu::Texture owners;
-  gpu::Texture deposit;
-  gpu::Framebuffer deposit_target;
 
   int32_t layers() const { return end_slot - first_slot; }
   int64_t layer_bytes() const { return int64_t{4} * resolution * resolution; }
@@ -33,7 +28,12 @@ struct MapGroup {
 };
 
 /// Allocates a group's maps, empty. GPU thread.
-MapGroup make_map_group(const MapPlan::Group& plan, bool with_owners);
+MapGroup make_map_group(const MapPlan::Group& plan);
+
+/// Byte offsets of the dispatch arguments in a list of groups: one invocation per texel, in blocks
+/// of 64, or one work group per group, in which each invocation takes every 64th texel.
+inline constexpr int64_t kBlocks = 0;
+inline constexpr int64_t kWholeGroups = 16;
 
 /// Texels of a batch: its steps, 16 bytes a texel, fit llvmpipe's largest storage buffer (128 MiB).
 inline constexpr int32_t kBatchTexels = (1 << 22) - static_cast<int32_t>(shared::kTexelGroup);
@@ -86,8 +86,6 @@ struct TexelBatch {
 /// All scene data on the GPU, in one set of buffers for all objects: a thousand small receivers
 /// cost a handful of dispatches.
 struct SceneBuffers {
-  /// Whether the groups have `owners` and map triangles are present, for DepositGeometryPass.
-  bool has_owners = false;
   /// Without its arrays of triangles, smooth points and alpha, which are in the buffers.
   SceneLayout layout;
   int32_t triangle_count = 0;
@@ -141,10 +139,10 @@ struct SceneBuffers {
   } views;
 };
 
-/// Builds and uploads the scene without positions. `objects` are sorted by name and have positions;
-/// `with_owners`: see SceneBuffers. GPU thread.
+/// Builds and uploads the scene without positions. `objects` are sorted by name and have positions.
+/// GPU thread.
 /// @throws std::runtime_error with the figure if a buffer would exceed the driver's limit.
 SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
-                                 const gpu::GpuInfo& info, bool with_owners = false);
+                                 const gpu::GpuInfo& info);
 
 }  // namespace snowbough::snow

@@ -3,9 +3,9 @@
 namespace snowbough::snow {
 
 void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings, float full_gain,
-                        float dt, bool on_deposit_maps) {
+                        float dt, bool in_metres) {
   std::vector<std::string> defines{local_size_define(local_size_)};
-  if (on_deposit_maps) defines.emplace_back("DEPOSIT_MAP");
+  if (in_metres) defines.emplace_back("GAIN_IN_METRES");
   gpu::Program& program = programs_.with(defines);
   for (TexelBatch& batch : scene.batches) {
     const MapGroup& group = scene.groups[static_cast<size_t>(batch.group)];
@@ -14,9 +14,6 @@ void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings, 
     program.bind("GroupStates", batch.group_states);
     program.bind_texture("places", batch.views.places);
     program.bind_texture("texel_steps", batch.views.steps);
-    if (on_deposit_maps) {
-      program.bind_texture("deposit_map", group.deposit);
-    }
     program.set("full_gain", full_gain);
     program.bind("Partials", batch.partials);
     program.bind_image("height_map", group.height, GL_READ_WRITE);

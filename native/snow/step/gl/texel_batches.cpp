@@ -156,7 +156,7 @@ void BatchWriter::flush() {
     close_segment();
   }
   if (in_batch() > 0) {
-    const int32_t end = next();
+    const int32_t end = first_ + in_batch();
     scene_.batches.push_back(upload(std::move(arrays_), group_, first_));
     arrays_ = {};
     first_ = end;

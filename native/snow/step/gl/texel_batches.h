@@ -41,8 +41,6 @@ class BatchWriter {
 
   /// The triangles of the work groups, in the order of the groups.
   GroupTriangles& triangles() { return triangles_; }
-  /// Index within the map group of the next texel.
-  int32_t next() const { return first_ + in_batch(); }
 
   /// Uploads the rest, and the triangles of the groups.
   void finish();

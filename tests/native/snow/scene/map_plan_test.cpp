@@ -14,7 +14,7 @@ TEST(MapPlan, GroupsMapsBySizeAndSplitsLargeArrays) {
   for (int i = 0; i < 5; ++i) {
     SceneObject object;
     object.description.name = std::string(1, static_cast<char>('a' + i));
-    object.description.topology.resolution = i == 2 ? 64 : 8192;
+    object.description.topology.resolution = i == 2 ? 64 : 16384;
     object.description.receive = i != 4;
     objects.push_back(std::move(object));
   }
@@ -24,9 +24,9 @@ TEST(MapPlan, GroupsMapsBySizeAndSplitsLargeArrays) {
   }
   const MapPlan plan = plan_maps(pointers, 2048);
   EXPECT_EQ(plan.slot, (std::vector<int32_t>{1, 2, 0, 3, 4}));
-  // An 8192 map's owner table takes 512 MiB: two an array.
-  ASSERT_EQ(plan.groups.size(), 3u);
-  EXPECT_EQ(plan.group, (std::vector<int32_t>{1, 1, 0, 2, -1}));
+  // A map takes 1 GiB: one an array.
+  ASSERT_EQ(plan.groups.size(), 4u);
+  EXPECT_EQ(plan.group, (std::vector<int32_t>{1, 2, 0, 3, -1}));
 }
 
 }  // namespace

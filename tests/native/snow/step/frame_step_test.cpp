@@ -27,7 +27,9 @@ class WritesDown : public Engine {
   EngineKind kind() const override { return EngineKind::kCpu; }
   std::string driver() const override { return "none"; }
   int64_t free_memory() override { return 0; }
-  int32_t max_layers() const override { return 8; }
+  MemoryEstimate memory(const std::vector<const SceneObject*>&, int32_t, bool) const override {
+    return {};
+  }
   void run(const std::function<void()>& work) override { work(); }
   void build_scene(const std::vector<const SceneObject*>&) override { calls.push_back("build"); }
   void set_positions(size_t object, const std::vector<glm::vec3>&) override {

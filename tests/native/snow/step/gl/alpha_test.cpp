@@ -167,10 +167,10 @@ TEST(OcclusionAlpha, MemoryCountsAMaskThatTwoObjectsShareOnce) {
       make_alpha_mask(1024, 1024, 0, std::vector<uint8_t>(1 << 20, 255)));
   SceneObject a = alpha_card("a", 1.0f);
   SceneObject b = alpha_card("b", 0.0f);
-  const int64_t opaque = estimate_memory({&a, &b}, 64).geometry;
+  const int64_t opaque = estimate_shared_memory({&a, &b}).geometry;
   cut(a, mask);
   cut(b, mask);
-  EXPECT_EQ(estimate_memory({&a, &b}, 64).geometry - opaque, 4 * 32 + 16 + (1 << 17));
+  EXPECT_EQ(estimate_shared_memory({&a, &b}).geometry - opaque, 4 * 32 + 16 + (1 << 17));
 }
 
 TEST(AlphaMask, HalfAlphaIsThere) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -154,17 +155,18 @@ TEST(Deposit, WithNoiseComesThroughAsManyPixelsAsTheDensitySays) {
   });
 }
 
-TEST(DepositGeometry, PutsEveryPixelsSnowOnTheTexelUnderIt) {
+TEST(GeometryDeposit, PutsEveryPixelsSnowOnTheTexelUnderIt) {
   gpu::GpuThread::shared()->run([] {
     for (const double pixel_size : {1.0 / 300.0, 1.0 / 64.0, 1.0 / 16.0}) {
       Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0.3, 0, -1}, pixel_size));
-      DepositGeometryPass geometry;
-      geometry.begin(bench.scene);
+      GeometryDeposit geometry({bench.objects.data()}, bench.scene);
+      geometry.begin();
       geometry.run(bench.scene, bench.projection, bench.tiles[0], bench.target);
-      std::vector<float> laid(64 * 64);
-      bench.scene.groups[0].deposit.read(0, GL_RED, GL_FLOAT, 64 * 64 * 4, laid.data());
+      geometry.write_gains(bench.scene);
       double volume = 0.0;
-      for (const float thickness : laid) volume += thickness / (64.0 * 64.0);
+      for (const auto& step : bench.scene.batches[0].steps.read_all<shared::TexelStep>()) {
+        volume += std::bit_cast<float>(step.gain) / (64.0 * 64.0);
+      }
       int64_t pixels = 0;
       for (const shared::SeenPixel& pixel : bench.visible()) pixels += pixel.triangle != 0 ? 1 : 0;
       const double thickness = 0.01 * std::sqrt(1.09);  // perpendicular to the fall

@@ -1,11 +1,12 @@
-// The objects of a simulation: adding, replacing and moving them.
+#include "snow/scene/object_set.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
+#include <utility>
 
 #include "snow/scene/fragment_opacity.h"
-#include "snow/simulation.h"
 #include "snow/texels/open_sheets.h"
 
 namespace snowbough::snow {
@@ -27,15 +28,6 @@ void share(std::shared_ptr<const AlphaMask>& mask,
     }
   }
   known.push_back(mask);
-}
-
-/// A copy of a map with 0 for texels without owner.
-std::vector<float> only_owned(const TexelTable& table, const std::vector<float>& height) {
-  std::vector<float> kept(height.size(), 0.0f);
-  for (const int32_t texel : table.texel) {
-    kept[static_cast<size_t>(texel)] = height[static_cast<size_t>(texel)];
-  }
-  return kept;
 }
 
 /// Renumbers shading numbers larger than the number of corners, from 0 on and in the same order:
@@ -68,7 +60,7 @@ void find_sides(SceneObject& object) {
 
 }  // namespace
 
-SceneObject SnowSimulation::make_object(ObjectDescription description) {
+std::shared_ptr<SceneObject> ObjectSet::build(ObjectDescription description) {
   MapTopology& topology = description.topology;
   int32_t highest = -1;
   for (const int32_t index : topology.triangles) {
@@ -95,7 +87,8 @@ SceneObject SnowSimulation::make_object(ObjectDescription description) {
            std::to_string(topology.triangles.size()) + " corners of triangles");
   }
   close_gaps(description.shading);
-  SceneObject object;
+  auto made = std::make_shared<SceneObject>();
+  SceneObject& object = *made;
   try {
     if (!description.alpha.empty()) {
       check_alpha(description.alpha, topology.triangles.size() / 3);
@@ -112,31 +105,17 @@ SceneObject SnowSimulation::make_object(ObjectDescription description) {
   }
   object.description = std::move(description);
   if (!object.description.rest.empty()) find_sides(object);
-  return object;
+  return made;
 }
 
-void SnowSimulation::set_state_aside() {
-  if (scene_is_current_) {
-    pending_state_ = read_state();
-    scene_is_current_ = false;
-  }
-}
-
-void SnowSimulation::add_object(ObjectDescription description) {
-  const std::scoped_lock lock(mutex_);
-  require_open();
+std::shared_ptr<SceneObject> ObjectSet::make(ObjectDescription description) {
   if (objects_.contains(description.name)) {
     refuse("there is already an object named '" + description.name + "'");
   }
-  std::string name = description.name;
-  SceneObject object = make_object(std::move(description));
-  set_state_aside();
-  objects_.emplace(std::move(name), std::make_shared<SceneObject>(std::move(object)));
+  return build(std::move(description));
 }
 
-void SnowSimulation::replace_object(ObjectDescription description) {
-  const std::scoped_lock lock(mutex_);
-  require_open();
+std::shared_ptr<SceneObject> ObjectSet::make_replacement(ObjectDescription description) {
   const auto found = objects_.find(description.name);
   if (found == objects_.end()) {
     refuse("there is no object named '" + description.name + "' to replace: add_object it first");
@@ -150,18 +129,52 @@ void SnowSimulation::replace_object(ObjectDescription description) {
     refuse("object '" + description.name + "' must keep its map of " +
            std::to_string(before.topology.resolution) + " texels per side when it is replaced");
   }
-  SceneObject object = make_object(std::move(description));
-  set_state_aside();
-  for (ObjectState& saved : pending_state_.objects) {
-    if (saved.name == found->first) {
-      saved.height = only_owned(object.table, saved.height);
-    }
-  }
-  outputs_.forget(found->first);
-  found->second = std::make_shared<SceneObject>(std::move(object));
+  return build(std::move(description));
 }
 
-void SnowSimulation::set_positions(const PositionMap& positions) {
+void ObjectSet::put(std::shared_ptr<SceneObject> object) {
+  const std::string name = object->description.name;
+  objects_[name] = std::move(object);
+}
+
+const std::shared_ptr<SceneObject>& ObjectSet::receiver(const std::string& name) const {
+  const auto found = objects_.find(name);
+  if (found == objects_.end()) {
+    refuse("there is no object named '" + name + "'");
+  }
+  if (!found->second->description.receive) {
+    refuse("object '" + name + "' does not receive snow, so it has no map");
+  }
+  return found->second;
+}
+
+const std::shared_ptr<SceneObject>& ObjectSet::stepped_receiver(const std::string& name) const {
+  const std::shared_ptr<SceneObject>& object = receiver(name);
+  if (object->positions.empty()) {
+    refuse("object '" + name + "' has no positions yet: output is available after its first step");
+  }
+  return object;
+}
+
+std::vector<std::string> ObjectSet::receivers() const {
+  std::vector<std::string> names;
+  for (const auto& [name, object] : objects_) {
+    if (object->description.receive) names.push_back(name);
+  }
+  return names;
+}
+
+size_t ObjectSet::index_of(const std::string& name) const {
+  return static_cast<size_t>(std::distance(objects_.begin(), objects_.find(name)));
+}
+
+std::vector<const SceneObject*> ObjectSet::all() const {
+  std::vector<const SceneObject*> result;
+  for (const auto& [name, object] : objects_) result.push_back(object.get());
+  return result;
+}
+
+void ObjectSet::set_positions(const PositionMap& positions) {
   // Checks everything before changing anything.
   for (const auto& [name, points] : positions) {
     const auto found = objects_.find(name);

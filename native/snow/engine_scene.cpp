@@ -1,0 +1,156 @@
+#include "snow/engine_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include "snow/step/frame_step.h"
+
+namespace snowbough::snow {
+namespace {
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw std::invalid_argument(message);
+}
+
+shared::ObjectSums sums_of(const ObjectState& saved) {
+  shared::ObjectSums sums;
+  std::memcpy(&sums, saved.sums.data(), sizeof sums);
+  return sums;
+}
+
+void check_finite(const ObjectState& saved) {
+  const auto finite = [](auto number) { return std::isfinite(number); };
+  if (!std::all_of(saved.height.begin(), saved.height.end(), finite) ||
+      !std::all_of(saved.sums.begin(), saved.sums.end(), finite)) {
+    refuse("the checkpoint's map or sums of '" + saved.name + "' are not finite numbers");
+  }
+}
+
+}  // namespace
+
+void EngineScene::build(const FrameStep& step) {
+  const std::vector<const SceneObject*> objects = objects_.all();
+  require_memory(engine().memory(objects, step.tile_size, step.repose.is_on()),
+                 engine().free_memory());
+  engine().build_scene(objects);
+  for (const auto& [name, object] : objects_.by_name()) object->moved = true;
+  is_current_ = true;
+  write_state(pending_);
+}
+
+void EngineScene::run_on(Engine& engine, const FrameStep& step) {
+  engine.run([&] {
+    if (!is_current_) build(step);
+    std::vector<SceneObject*> objects;
+    for (const auto& [name, object] : objects_.by_name()) objects.push_back(object.get());
+    snow::run_step(engine, objects, step, hashes_passes_ ? &hashes_ : nullptr);
+  });
+  pending_ = {};
+  choice_.commit();
+}
+
+void EngineScene::run_step(const FrameStep& step) {
+  try {
+    run_on(engine(), step);
+  } catch (const std::runtime_error& error) {
+    if (!choice_.may_fall_back()) throw;
+    is_current_ = false;
+    run_on(choice_.fall_back(error.what()), step);
+  }
+}
+
+void EngineScene::set_aside() {
+  if (!is_current_) return;
+  pending_ = state();
+  is_current_ = false;
+}
+
+void EngineScene::keep_owned(const SceneObject& replacement) {
+  for (ObjectState& saved : pending_.objects) {
+    if (saved.name != replacement.description.name) continue;
+    std::vector<float> kept(saved.height.size(), 0.0f);
+    for (const int32_t texel : replacement.table.texel) {
+      kept[static_cast<size_t>(texel)] = saved.height[static_cast<size_t>(texel)];
+    }
+    saved.height = std::move(kept);
+  }
+}
+
+const ObjectState* EngineScene::waiting(const std::string& receiver) const {
+  for (const ObjectState& saved : pending_.objects) {
+    if (saved.name == receiver) return &saved;
+  }
+  return nullptr;
+}
+
+void EngineScene::read_height(const std::string& receiver, std::vector<float>& height) {
+  if (is_current_) {
+    engine().run([&] { engine().read_height(objects_.index_of(receiver), height); });
+  } else if (const ObjectState* saved = waiting(receiver)) {
+    height = saved->height;
+  } else {
+    std::fill(height.begin(), height.end(), 0.0f);
+  }
+}
+
+shared::ObjectSums EngineScene::read_sums(const std::string& receiver) {
+  shared::ObjectSums sums{};
+  if (is_current_) {
+    engine().run([&] { sums = engine().read_sums(objects_.index_of(receiver)); });
+  } else if (const ObjectState* saved = waiting(receiver)) {
+    sums = sums_of(*saved);
+  }
+  return sums;
+}
+
+SimulationState EngineScene::state() {
+  if (!is_current_) return pending_;
+  SimulationState state;
+  engine().run([&] {
+    for (const std::string& name : objects_.receivers()) {
+      ObjectState saved;
+      saved.name = name;
+      saved.resolution = objects_.receiver(name)->description.topology.resolution;
+      const size_t at = objects_.index_of(name);
+      engine().read_height(at, saved.height);
+      const shared::ObjectSums sums = engine().read_sums(at);
+      std::memcpy(saved.sums.data(), &sums, sizeof sums);
+      state.objects.push_back(std::move(saved));
+    }
+  });
+  return state;
+}
+
+void EngineScene::write_state(const SimulationState& state) {
+  for (const ObjectState& saved : state.objects) {
+    const size_t at = objects_.index_of(saved.name);
+    engine().write_height(at, saved.height);
+    engine().write_sums(at, sums_of(saved));
+  }
+}
+
+void EngineScene::set_state(const SimulationState& state) {
+  for (const ObjectState& saved : state.objects) {
+    const int32_t own = objects_.receiver(saved.name)->description.topology.resolution;
+    if (saved.resolution != own) {
+      refuse("the checkpoint's map of '" + saved.name + "' has " +
+             std::to_string(saved.resolution) + " texels per side, the object has " +
+             std::to_string(own));
+    }
+    check_finite(saved);
+  }
+  const size_t receivers = objects_.receivers().size();
+  if (state.objects.size() != receivers) {
+    refuse("the checkpoint holds " + std::to_string(state.objects.size()) +
+           " receivers, the simulation has " + std::to_string(receivers));
+  }
+  if (is_current_) {
+    engine().run([&] { write_state(state); });
+  } else {
+    pending_ = state;
+  }
+}
+
+}  // namespace snowbough::snow
