@@ -138,10 +138,11 @@ class Drawn:
     """The draw handler."""
 
     def __init__(self, scene, playback):
+        from snowbough.base import view_drawing
         from snowbough.preview import drawing, live
 
         self.playback = playback
-        budget = drawing.SOFTWARE_BUDGET if drawing.draws_in_software() else drawing.BUDGET
+        budget = drawing.SOFTWARE_BUDGET if view_drawing.draws_in_software() else drawing.BUDGET
         self.surfaces = live.make_surfaces(playback, *budget)
         self.drawn = drawing.Drawing(scene.unit_settings.scale_length)
         self.handle = bpy.types.SpaceView3D.draw_handler_add(

@@ -7,12 +7,13 @@ from pathlib import Path
 # Offset of the drawn snow towards the viewer: a few steps of a depth buffer of 24 bits.
 DEPTH_BIAS = 4e-7
 
-DEFINES = {"DEPTH_BIAS": f"{DEPTH_BIAS:.1e}"}
-# (name, type in the shader, component type, number of components).
-ATTRIBUTES = (("place", "VEC3", "F32", 3), ("normal", "VEC3", "F32", 3))
-# At most 128 bytes together.
-CONSTANTS = (("MAT4", "view_projection"), ("VEC4", "light"))
-VARYINGS = (("VEC3", "snow_normal"),)
+# Arguments of base.view_drawing.make_shader.
+INPUTS = {
+    "attributes": {"place": "VEC3", "normal": "VEC3"},
+    "varying": ("VEC3", "snow_normal"),
+    "constants": (("MAT4", "view_projection"), ("VEC4", "light")),
+    "defines": (("DEPTH_BIAS", f"{DEPTH_BIAS:.1e}"),),
+}
 
 
 def source(stage):

@@ -10,7 +10,7 @@ import time
 
 import bpy
 
-from ..base import native, session
+from ..base import native, session, view_drawing
 from ..base.names import REALTIME_ENGINE
 from ..scene.pose import metres_per_unit
 from ..surface.compute import seed_of
@@ -109,7 +109,7 @@ class Preview:
         self._computed = set()
         if self._shown is not self.simulation:
             self._shown = self.simulation
-            drawn_by_card = self._draws and not drawing.draws_in_software()
+            drawn_by_card = self._draws and not view_drawing.draws_in_software()
             budget = drawing.BUDGET if drawn_by_card else drawing.SOFTWARE_BUDGET
             self._surfaces = make_surfaces(self.simulated, *budget)
             self.drawn = drawing.Drawing(self._metres) if self._draws else None
@@ -167,7 +167,7 @@ def start(scene, depsgraph, draws=True):
     Raises ValueError if drawing is impossible, and the errors of reading the scene and making the simulation.
     """
     stop()
-    reason = drawing.unavailable_reason() if draws else ""
+    reason = view_drawing.unavailable_reason() if draws else ""
     if reason:
         raise ValueError(reason)
     session.preview = Preview(scene, depsgraph, draws)

@@ -9,7 +9,7 @@ void main() {
   // Wrapped diffuse light imitates scattering in snow; the second part is light from above.
   float sun = 0.5 + 0.5 * dot(normal, light.xyz);
   float sky = 0.5 + 0.5 * normal.z;
-  vec3 color = mix(SHADE, WHITE, clamp(0.85 * sun * sun * sun + 0.18 * sky, 0.0, 1.0));
+  vec3 light_there = mix(SHADE, WHITE, clamp(0.85 * sun * sun * sun + 0.18 * sky, 0.0, 1.0));
   // The view's target takes linear colors.
-  fragment_color = vec4(pow(color, vec3(2.2)), light.w);
+  color = vec4(pow(light_there, vec3(2.2)), light.w);
 }

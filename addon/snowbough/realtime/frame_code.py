@@ -9,6 +9,10 @@ import numpy as np
 
 GAMMA = 2.2
 
+# Arguments of base.view_drawing.make_shader, and a triangle that covers the region.
+INPUTS = {"attributes": {"position": "VEC2"}, "varying": ("VEC2", "uv"), "samplers": ("frame",)}
+CORNERS = ((-1.0, -1.0), (3.0, -1.0), (-1.0, 3.0))
+
 VERTEX = """
 void main()
 {

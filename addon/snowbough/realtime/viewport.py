@@ -9,8 +9,8 @@ import time
 
 import bpy
 import gpu
-from gpu_extras.batch import batch_for_shader
 
+from ..base import view_drawing
 from ..base.names import is_software
 from . import frame_code, sync
 from .pacing import Pacing
@@ -22,23 +22,6 @@ _shader = None
 _open = []
 
 
-def _frame_shader():
-    """The shader that shows a packed frame. It is compiled on first use, during a redraw."""
-    global _shader
-    if _shader is None:
-        interface = gpu.types.GPUStageInterfaceInfo("snowbough_frame_interface")
-        interface.smooth("VEC2", "uv")
-        info = gpu.types.GPUShaderCreateInfo()
-        info.vertex_in(0, "VEC2", "position")
-        info.vertex_out(interface)
-        info.sampler(0, "FLOAT_2D", "frame")
-        info.fragment_out(0, "VEC4", "color")
-        info.vertex_source(frame_code.VERTEX)
-        info.fragment_source(frame_code.FRAGMENT)
-        _shader = gpu.shader.create_from_info(info)
-    return _shader
-
-
 def texture_of(frame):
     """A GPUTexture with one 32-bit channel, from (H, W) float32."""
     height, width = frame.shape
@@ -47,16 +30,15 @@ def texture_of(frame):
 
 
 def draw_frame(texture):
-    """Fills the region with a packed frame."""
-    shader = _frame_shader()
-    corners = {"position": [(-1.0, -1.0), (3.0, -1.0), (-1.0, 3.0)]}
-    batch = batch_for_shader(shader, "TRIS", corners)
-    gpu.state.blend_set("NONE")
-    gpu.state.depth_test_set("NONE")
-    gpu.state.depth_mask_set(False)
-    shader.bind()
-    shader.uniform_sampler("frame", texture)
-    batch.draw(shader)
+    """Fills the region with a packed frame. The shader is compiled on first use."""
+    global _shader
+    if _shader is None:
+        _shader = view_drawing.make_shader(frame_code.VERTEX, frame_code.FRAGMENT, **frame_code.INPUTS)
+    batch = view_drawing.make_batch(frame_code.INPUTS["attributes"], [frame_code.CORNERS])
+    with view_drawing.state("NONE", False, "NONE"):
+        _shader.bind()
+        _shader.uniform_sampler("frame", texture)
+        batch.draw(_shader)
 
 
 class Viewport:

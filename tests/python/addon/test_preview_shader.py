@@ -15,17 +15,17 @@ BYTES = {"FLOAT": 4, "VEC4": 16, "MAT4": 64}
 def declarations(stage):
     """What Blender writes above a stage's source."""
     yield "#version 450 core"
-    for name, value in interface.DEFINES.items():
+    for name, value in interface.INPUTS["defines"]:
         yield f"#define {name} {value}"
-    for kind, name in interface.CONSTANTS:
+    for kind, name in interface.INPUTS["constants"]:
         yield f"uniform {GLSL[kind]} {name};"
-    for location, (kind, name) in enumerate(interface.VARYINGS):
+    for location, (kind, name) in enumerate([interface.INPUTS["varying"]]):
         yield f"layout(location = {location}) {'out' if stage == 'vert' else 'in'} {GLSL[kind]} {name};"
     if stage == "vert":
-        for location, (name, kind, _, _) in enumerate(interface.ATTRIBUTES):
+        for location, (name, kind) in enumerate(interface.INPUTS["attributes"].items()):
             yield f"layout(location = {location}) in {GLSL[kind]} {name};"
     else:
-        yield "layout(location = 0) out vec4 fragment_color;"
+        yield "layout(location = 0) out vec4 color;"
 
 
 @pytest.mark.skipif(not shutil.which("glslangValidator"), reason="glslangValidator is not installed")
@@ -39,4 +39,4 @@ def test_both_stages_compile_and_fit_together(tmp_path):
 
 
 def test_constants_fit_into_what_every_driver_takes():
-    assert sum(BYTES[kind] for kind, _ in interface.CONSTANTS) <= 128
+    assert sum(BYTES[kind] for kind, _ in interface.INPUTS["constants"]) <= 128
