@@ -123,7 +123,7 @@ def test_the_command_line_has_every_option_with_its_default(addon):
     options, parser = addon("tree.import_options"), addon("cli").parser()
     given = addon("base.options").options_of(options.ImportOptions, parser.parse_args(["import", "tree.obj"]))
     assert given == options.ImportOptions()
-    assert given.max_bones == 1000 and given.simplify == "TOLERANCE" and given.foliage is True
+    assert given.max_bones == 1000 and given.simplify == "DETAIL" and given.foliage is True
 
 
 @pytest.mark.parametrize(
@@ -163,7 +163,7 @@ def test_every_option_but_that_of_scripts_stands_under_one_heading(addon):
     options = addon("tree.import_options")
     shown = [name for _identifier, _text, names in options.SECTIONS for name in names]
     assert len(shown) == len(set(shown))
-    assert option_names(addon) - set(shown) == {"lod"}
+    assert option_names(addon) - set(shown) == {"lod", "simplify", "tolerance"}
     panels = [cls.names for cls in addon("ui.import_panels").CLASSES]
     assert [name for names in panels for name in names] == shown
 

@@ -11,6 +11,13 @@ from ..base.options import options_class
 LOD_COUNT = 4
 # Value of the option `lod` if `detail` sets the fineness of the surface.
 BY_DETAIL = -1
+# The native module's simplify and tolerance by `detail`; the option `simplify` overrides them.
+JOINTS = {
+    "DRAFT": ("TOLERANCE", 0.5),
+    "GAME": ("TOLERANCE", 1.0),
+    "DEFAULT": ("TOLERANCE", 0.5),
+    "FILM": ("NONE", 0.0),
+}
 
 # Metres of a unit of the file; None: a unit of the file is a Blender unit.
 METRES_OF_UNIT = {
@@ -68,8 +75,9 @@ class ImportProperties:
     )
     simplify: EnumProperty(
         name="Simplify",
-        description="Points of a branch that become joints of bones",
+        description="For scripts, instead of Detail: points of a branch that become joints of bones",
         items=(
+            ("DETAIL", "By Detail", "As Detail says"),
             ("NONE", "Keep All", "All points in the file"),
             (
                 "THESIS",
@@ -82,14 +90,16 @@ class ImportProperties:
                 "Attach points, and the points needed to stay close to the original shape",
             ),
         ),
-        default="TOLERANCE",
+        default="DETAIL",
+        options={"HIDDEN"},
     )
     tolerance: FloatProperty(
         name="Tolerance",
-        description="Largest deviation from the original shape. Higher values give fewer bones (radii of the limb)",
+        description="For scripts, with Simplify TOLERANCE: largest deviation from the original shape. Higher values give "
+        "fewer bones (radii of the limb)",
         default=0.5,
         min=0.0,
-        soft_max=4.0,
+        options={"HIDDEN"},
     )
     width: EnumProperty(
         name="Width",
@@ -111,12 +121,12 @@ class ImportProperties:
     )
     detail: EnumProperty(
         name="Detail",
-        description="Fineness of the surface: sides of limbs, smoothness of bends and forks",
+        description="Fineness of the tree: sides of limbs, smoothness of bends and forks, joints of branches",
         items=(
             ("DRAFT", "Draft", "For a quick look: trunks of up to 8 sides, few faces in bends"),
-            ("GAME", "Game", "For game engines with many trees"),
+            ("GAME", "Game", "For game engines with many trees: fewer joints in branches"),
             ("DEFAULT", "Default", "Trunks of up to 16 sides, limbs without visible kinks"),
-            ("FILM", "Film", "For close-ups: trunks of up to 32 sides"),
+            ("FILM", "Film", "For close-ups: trunks of up to 32 sides, all points of the file as joints"),
         ),
         default="DEFAULT",
     )
@@ -178,10 +188,10 @@ class ImportProperties:
 
 ImportOptions = options_class("ImportOptions", ImportProperties)
 
-# Headings of the options in dialogs, and the options of each. `lod` is only for scripts.
+# Headings of the options in dialogs, and the options of each. `lod`, `simplify` and `tolerance` are for scripts.
 SECTIONS = (
     ("file", "File", ("up_axis", "unit", "height", "levels", "outside_files")),
-    ("surface", "Surface", ("detail", "lod_chain", "simplify", "tolerance", "width", "species")),
+    ("surface", "Surface", ("detail", "lod_chain", "width", "species")),
     ("bones", "Bones", ("max_bones", "max_bone_level", "show_bones")),
     ("foliage", "Foliage", ("foliage", "foliage_names")),
     ("extras", "Maps and Extras", ("snow_resolution", "wind_attributes", "mark_asset")),

@@ -268,5 +268,5 @@ def summary_of_all(reports, failures):
 def message(error):
     """The text of an error for the user; a MemoryError has none of its own."""
     if isinstance(error, MemoryError):
-        return "The tree does not fit into memory: choose a lower detail, or simplify it"
+        return "The tree does not fit into memory: choose a lower detail"
     return str(error)

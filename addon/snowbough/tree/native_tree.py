@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..base import native
-from .import_options import BY_DETAIL, LOD_COUNT, METRES_OF_UNIT
+from .import_options import BY_DETAIL, JOINTS, LOD_COUNT, METRES_OF_UNIT
 
 # A dead trunk or a stump may be intended, but a pole rarely is.
 BARE_TRUNK = "nothing in the file has branches or leaves: it was imported as a bare trunk, but may be a pole"
@@ -143,12 +143,15 @@ def read_native(path, options, progress=None, units_per_metre=1.0):
         """Converts the progress of a stage to that of the whole."""
         return lambda share: progress is None or progress(begin + (end - begin) * share)
 
+    simplify, tolerance = options.simplify, options.tolerance
+    if simplify == "DETAIL":
+        simplify, tolerance = JOINTS[options.detail if options.lod == BY_DETAIL else "DEFAULT"]
     skeleton = module.read_tree(
         str(path),
         up_axis=options.up_axis,
         levels=options.levels,
-        simplify=options.simplify,
-        tolerance=options.tolerance,
+        simplify=simplify,
+        tolerance=tolerance,
         **size_settings(options, units_per_metre),
         outside_files=options.outside_files,
         foliage=(options.foliage_names or "AUTO") if options.foliage else "NONE",

@@ -32,13 +32,12 @@ PRESETS = {
     "Broad-leaf": {},
     "Evergreen": {"width": "INVERSE", "species": "EVERGREEN"},
     "Game_engine": {
-        "tolerance": 1.0,
         "detail": "GAME",
         "lod_chain": True,
         "max_bones": 250,
         "max_bone_level": 2,
     },
-    "Film_close-up": {"simplify": "NONE", "detail": "FILM", "max_bones": 0},
+    "Film_close-up": {"detail": "FILM", "max_bones": 0},
 }
 
 _registered = []

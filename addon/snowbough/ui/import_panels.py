@@ -11,7 +11,6 @@ OPERATOR = "IMPORT_SCENE_OT_xfrog_tree"
 # Options that have an effect only under a condition; they are greyed out otherwise.
 ONLY_WITH = {
     "species": lambda options: options.width == "INVERSE",
-    "tolerance": lambda options: options.simplify == "TOLERANCE",
     "detail": lambda options: not options.lod_chain,
     "unit": lambda options: options.height == 0.0,
     "foliage_names": lambda options: options.foliage,
