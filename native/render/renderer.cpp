@@ -5,27 +5,37 @@
 #include <stdexcept>
 #include <utility>
 
-#include "render/scene.h"
+#include "render/frame_drawing.h"
 
 namespace snowbough::render {
 
 struct Renderer::Drawing {
   // Created and destroyed on the GPU thread, in this order.
-  std::optional<Scene> scene;
+  std::optional<SceneObjects> objects;
+  std::optional<FrameDrawing> frames;
   std::optional<FrameReader> reader;
 
   void make() {
-    scene.emplace();
+    objects.emplace();
+    frames.emplace(*objects);
     reader.emplace();
   }
   /// @throws std::runtime_error if the creation failed.
-  Scene& made_scene() {
+  void require_made() const {
     if (!reader) throw std::runtime_error("the renderer was not created: see the previous error");
-    return *scene;
+  }
+  SceneObjects& made_objects() {
+    require_made();
+    return *objects;
+  }
+  FrameDrawing& made_frames() {
+    require_made();
+    return *frames;
   }
   void destroy() {
     reader.reset();
-    scene.reset();
+    frames.reset();
+    objects.reset();
   }
 };
 
@@ -67,45 +77,45 @@ Renderer::Drawing& Renderer::drawing() const {
   return *drawing_;
 }
 
-void Renderer::change(std::function<void(Scene&)> work) {
+void Renderer::change(std::function<void(SceneObjects&)> work) {
   Drawing& of = drawing();
   if (waits_) {
-    thread_->run([&] { work(of.made_scene()); });
+    thread_->run([&] { work(of.made_objects()); });
     return;
   }
-  thread_->post([&of, work = std::move(work)] { work(of.made_scene()); },
+  thread_->post([&of, work = std::move(work)] { work(of.made_objects()); },
                 [this](const std::exception_ptr& error) { queue_.fail(error); });
 }
 
 void Renderer::add_tree(const std::string& name, const TreeSource& source, const TreeLook& look) {
   drawing();
-  change([name, look, patches = make_tree_patches(source, look.bark_depth)](Scene& scene) {
-    scene.add_tree(name, patches, look);
+  change([name, look, patches = make_tree_patches(source, look.bark_depth)](SceneObjects& objects) {
+    objects.add_tree(name, patches, look);
   });
 }
 
 void Renderer::set_leaves(const std::string& tree, const LeafSource& leaves) {
-  change([tree, leaves](Scene& scene) { scene.set_leaves(tree, leaves); });
+  change([tree, leaves](SceneObjects& objects) { objects.set_leaves(tree, leaves); });
 }
 
 void Renderer::set_bark(const std::string& tree, const BarkSource& bark) {
-  change([tree, bark](Scene& scene) { scene.set_bark(tree, bark); });
+  change([tree, bark](SceneObjects& objects) { objects.set_bark(tree, bark); });
 }
 
 void Renderer::set_pose(const std::string& tree, const std::vector<glm::mat4>& matrices) {
-  change([tree, matrices](Scene& scene) { scene.set_pose(tree, matrices); });
+  change([tree, matrices](SceneObjects& objects) { objects.set_pose(tree, matrices); });
 }
 
 void Renderer::add_mesh(const std::string& name, const MeshSource& source) {
-  change([name, source](Scene& scene) { scene.add_mesh(name, source); });
+  change([name, source](SceneObjects& objects) { objects.add_mesh(name, source); });
 }
 
 void Renderer::set_places(const std::string& mesh, const std::vector<glm::mat4>& matrices) {
-  change([mesh, matrices](Scene& scene) { scene.set_places(mesh, matrices); });
+  change([mesh, matrices](SceneObjects& objects) { objects.set_places(mesh, matrices); });
 }
 
 void Renderer::set_mesh_snow(const std::string& mesh, const MeshSnow& snow) {
-  change([mesh, snow](Scene& scene) { scene.set_mesh_snow(mesh, snow); });
+  change([mesh, snow](SceneObjects& objects) { objects.set_mesh_snow(mesh, snow); });
 }
 
 void Renderer::set_snow(const std::string& tree, const TreeSnow& snow) {
@@ -117,7 +127,7 @@ void Renderer::set_snow(const std::string& tree, const TreeSnow& snow) {
         "set_snow: a map must have height x width values and sides from 1 to 16384");
   }
   check(snow.depths);
-  change([tree, snow](Scene& scene) { scene.set_snow(tree, snow); });
+  change([tree, snow](SceneObjects& objects) { objects.set_snow(tree, snow); });
 }
 
 bool Renderer::share_snow(const std::string& tree, const gpu::ThreadTexture& heights,
@@ -125,19 +135,19 @@ bool Renderer::share_snow(const std::string& tree, const gpu::ThreadTexture& hei
   check(depths);
   Drawing& to = drawing();
   if (heights.thread != thread_) return false;
-  thread_->run([&] { to.made_scene().share_snow(tree, heights.texture, depths); });
+  thread_->run([&] { to.made_objects().share_snow(tree, heights.texture, depths); });
   return true;
 }
 
 void Renderer::remove(const std::string& name) {
-  change([name](Scene& scene) { scene.remove(name); });
+  change([name](SceneObjects& objects) { objects.remove(name); });
 }
 
 Picture Renderer::render(const Camera& camera, const RenderSettings& settings) {
   check(camera, settings);
   flake_fall(settings.snowfall);
   Drawing& of = drawing();
-  return thread_->run([&] { return of.made_scene().render(camera, settings); });
+  return thread_->run([&] { return of.made_frames().render(camera, settings); });
 }
 
 LightPicture Renderer::render_light(const Camera& camera, const RenderSettings& settings,
@@ -147,13 +157,13 @@ LightPicture Renderer::render_light(const Camera& camera, const RenderSettings& 
     throw std::invalid_argument("samples must be from 1 to 4096, not " + std::to_string(samples));
   }
   Drawing& of = drawing();
-  return thread_->run([&] { return of.made_scene().render_light(camera, settings, samples); });
+  return thread_->run([&] { return of.made_frames().render_light(camera, settings, samples); });
 }
 
 DepthPicture Renderer::render_depth(const Camera& camera, const RenderSettings& settings) {
   check(camera, settings);
   Drawing& of = drawing();
-  return thread_->run([&] { return of.made_scene().render_depth(camera, settings); });
+  return thread_->run([&] { return of.made_frames().render_depth(camera, settings); });
 }
 
 uint64_t Renderer::request_frame(const Camera& camera, const RenderSettings& settings) {
@@ -178,9 +188,9 @@ void Renderer::post_pump() {
   Drawing& of = drawing();
   thread_->post(
       [this, &of] {
-        of.made_scene();
+        of.require_made();
         queue_.pump(*of.reader, [&](const FrameQueue::Request& asked) -> const gpu::Texture& {
-          return of.made_scene().draw_light(asked.camera, asked.settings);
+          return of.made_frames().draw_light(asked.camera, asked.settings);
         });
       },
       [this](const std::exception_ptr& error) { queue_.fail(error); });
@@ -198,19 +208,19 @@ bool Renderer::is_ready() const {
 
 FrameStatistics Renderer::statistics() const {
   Drawing& of = drawing();
-  return thread_->run([&] { return of.made_scene().statistics(); });
+  return thread_->run([&] { return of.made_frames().statistics(); });
 }
 
 std::vector<glm::vec3> Renderer::triangles(const std::string& name, const Camera& camera,
                                            const RenderSettings& settings) {
   check(camera, settings);
   Drawing& of = drawing();
-  return thread_->run([&] { return of.made_scene().triangles(name, camera, settings); });
+  return thread_->run([&] { return of.made_frames().triangles(name, camera, settings); });
 }
 
 TreeLevels Renderer::levels(const std::string& tree) const {
   Drawing& of = drawing();
-  return thread_->run([&] { return of.made_scene().levels(tree); });
+  return thread_->run([&] { return of.made_frames().levels(tree); });
 }
 
 const gpu::GpuInfo& Renderer::info() const {

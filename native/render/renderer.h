@@ -18,7 +18,7 @@
 
 namespace snowbough::render {
 
-class Scene;
+class SceneObjects;
 
 /// Appearance of a tree's bark.
 struct TreeLook {
@@ -157,7 +157,7 @@ class Renderer {
 
   Drawing& drawing() const;
   /// Runs `work` on the scene on the GPU thread. It waits for the end only if `waits_` is true.
-  void change(std::function<void(Scene&)> work);
+  void change(std::function<void(SceneObjects&)> work);
   void post_pump();
 
   bool waits_ = true;

@@ -3,14 +3,7 @@
 
 import pytest
 from PIL import ImageChops, ImageStat
-from snow_shot import (
-    LONG_SHOT,
-    SNOW_SCENE,
-    START,
-    assert_resumable,
-    bake_in_the_background,
-    wait_for_heights,
-)
+from snow_shot import START, assert_resumable, bake_in_the_background, make_long_shot, wait_for_heights
 from window import BlenderWindow, wait_for
 
 
@@ -159,7 +152,7 @@ def keys(window):
 
 def begin_with_keys(window, folder):
     """A bake of a scene whose last step, after saving, moved the cube; the pointer is over the 3D view."""
-    window.run(SNOW_SCENE.format(frames=LONG_SHOT, resolution=512, path=str(folder / "shot.blend")))
+    make_long_shot(window, folder)
     window.run(
         "cube = bpy.data.objects['Cube']\n"
         "bpy.ops.ed.undo_push(message='Scene')\n"

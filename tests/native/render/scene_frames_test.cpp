@@ -11,8 +11,8 @@ namespace snowbough::render {
 namespace {
 
 void add_both(Scene& scene) {
-  scene.add_tree("tree", make_tree_patches(tube(true), 0.0f), {});
-  scene.add_mesh("square", square(true));
+  scene.objects.add_tree("tree", make_tree_patches(tube(true), 0.0f), {});
+  scene.objects.add_mesh("square", square(true));
 }
 
 std::vector<float> light_of(const gpu::Texture& texture) {
@@ -26,7 +26,7 @@ TEST(SceneFrames, anEmptySceneShowsTheBackground) {
   with_scene([](Scene& scene) {
     RenderSettings settings;
     settings.background = glm::vec3(1.0f, 0.0f, 0.5f);
-    const Picture picture = scene.render(square_camera(2), settings);
+    const Picture picture = scene.frames.render(square_camera(2), settings);
     EXPECT_EQ(std::vector<uint8_t>(picture.rgba.begin(), picture.rgba.begin() + 4),
               (std::vector<uint8_t>{255, 0, 188, 0}));
   });
@@ -35,10 +35,10 @@ TEST(SceneFrames, anEmptySceneShowsTheBackground) {
 TEST(SceneFrames, statisticsCountAllPatchesAndNameThePasses) {
   with_scene([](Scene& scene) {
     add_both(scene);
-    EXPECT_THROW(scene.statistics(), std::runtime_error);
-    scene.render(square_camera(), {});
-    const FrameStatistics told = scene.statistics();
-    const auto patches = static_cast<int64_t>(scene.levels("tree").classes.size());
+    EXPECT_THROW(scene.frames.statistics(), std::runtime_error);
+    scene.frames.render(square_camera(), {});
+    const FrameStatistics told = scene.frames.statistics();
+    const auto patches = static_cast<int64_t>(scene.frames.levels("tree").classes.size());
     EXPECT_EQ(told.dropped + told.plain + told.tessellated, patches);
     EXPECT_GT(told.tessellated, 0);
     EXPECT_GE(told.triangles, told.plain);
@@ -57,45 +57,45 @@ TEST(SceneFrames, trianglesAreThoseThatThePictureCounts) {
     add_both(scene);
     RenderSettings settings;
     settings.shadow_resolution = 0;
-    scene.render(square_camera(), settings);
-    const size_t corners = scene.triangles("tree", square_camera(), settings).size();
-    EXPECT_EQ(static_cast<int64_t>(corners / 3) + 2, scene.statistics().triangles);
-    EXPECT_THROW(scene.triangles("other", square_camera(), settings), std::invalid_argument);
+    scene.frames.render(square_camera(), settings);
+    const size_t corners = scene.frames.triangles("tree", square_camera(), settings).size();
+    EXPECT_EQ(static_cast<int64_t>(corners / 3) + 2, scene.frames.statistics().triangles);
+    EXPECT_THROW(scene.frames.triangles("other", square_camera(), settings), std::invalid_argument);
   });
 }
 
 TEST(SceneFrames, theSunsPictureIsKeptAsLongAsItWouldBeTheSame) {
   with_scene([](Scene& scene) {
     add_both(scene);
-    const auto light = [&](Scene::Shadows shadows) {
-      return light_of(scene.draw_light(square_camera(), {}, shadows));
+    const auto light = [&](Shadows shadows) {
+      return light_of(scene.frames.draw_light(square_camera(), {}, shadows));
     };
-    const std::vector<float> first = light(Scene::Shadows::kDraw);
-    EXPECT_EQ(light(Scene::Shadows::kIfOther), first);
+    const std::vector<float> first = light(Shadows::kDraw);
+    EXPECT_EQ(light(Shadows::kIfOther), first);
     glm::mat4 aside(1.0f);
     aside[3].x = 0.3f;
-    scene.set_pose("tree", {aside});
-    const std::vector<float> stale = light(Scene::Shadows::kKeep);
-    const std::vector<float> renewed = light(Scene::Shadows::kIfOther);
+    scene.objects.set_pose("tree", {aside});
+    const std::vector<float> stale = light(Shadows::kKeep);
+    const std::vector<float> renewed = light(Shadows::kIfOther);
     EXPECT_NE(stale, renewed);
-    EXPECT_EQ(light(Scene::Shadows::kDraw), renewed);
+    EXPECT_EQ(light(Shadows::kDraw), renewed);
   });
 }
 
 TEST(SceneFrames, aFrameBringsNothingBackAndWaitsForNothing) {
   with_scene([](Scene& scene) {
     add_both(scene);
-    scene.set_snow("tree", blanket(0.05f));
-    scene.draw_light(square_camera(), {});
+    scene.objects.set_snow("tree", blanket(0.05f));
+    scene.frames.draw_light(square_camera(), {});
     const GlWatch watch;
     Camera nearer = square_camera();
     nearer.eye *= 0.7f;
     RenderSettings settings;
     settings.snowfall.rate = 1e-5f;
-    scene.draw_light(nearer, settings, Scene::Shadows::kDraw);
+    scene.frames.draw_light(nearer, settings, Shadows::kDraw);
     EXPECT_EQ(watch.seen().read_backs, 0);
     EXPECT_EQ(watch.seen().waits, 0);
-    scene.render(nearer, settings);  // whose pixels and statistics are asked for
+    scene.frames.render(nearer, settings);  // whose pixels and statistics are asked for
     EXPECT_GT(watch.seen().read_backs, 0);
   });
 }
@@ -103,18 +103,18 @@ TEST(SceneFrames, aFrameBringsNothingBackAndWaitsForNothing) {
 TEST(SceneFrames, aPoseUploadsItsBonesAlone) {
   with_scene([](Scene& scene) {
     add_both(scene);
-    scene.draw_light(square_camera(), {});
+    scene.frames.draw_light(square_camera(), {});
     const auto uploaded_by = [&](auto&& work) {
       const GlWatch watch;
       work();
       return watch.seen().uploaded;
     };
-    const auto frame = [&] { scene.draw_light(square_camera(), {}); };
+    const auto frame = [&] { scene.frames.draw_light(square_camera(), {}); };
     // The views of the camera and of the sun, once for the tree and once for all else.
     EXPECT_EQ(uploaded_by(frame), 4 * static_cast<int64_t>(sizeof(shared::TreeView)));
     glm::mat4 aside(1.0f);
     aside[3].x = 0.3f;
-    EXPECT_EQ(uploaded_by([&] { scene.set_pose("tree", {aside}); }),
+    EXPECT_EQ(uploaded_by([&] { scene.objects.set_pose("tree", {aside}); }),
               3 * static_cast<int64_t>(sizeof(glm::vec4)));
     EXPECT_EQ(uploaded_by(frame), 4 * static_cast<int64_t>(sizeof(shared::TreeView)));
   });
@@ -123,9 +123,9 @@ TEST(SceneFrames, aPoseUploadsItsBonesAlone) {
 TEST(SceneFrames, lightIsTheMeanOfItsSamples) {
   with_scene([](Scene& scene) {
     add_both(scene);
-    const LightPicture one = scene.render_light(square_camera(), {}, 1);
+    const LightPicture one = scene.frames.render_light(square_camera(), {}, 1);
     EXPECT_EQ(one.rgba.size(), 64u * 64 * 4);
-    const LightPicture many = scene.render_light(square_camera(), {}, 16);
+    const LightPicture many = scene.frames.render_light(square_camera(), {}, 16);
     const auto partly = [](const LightPicture& of) {
       int32_t count = 0;
       for (size_t i = 3; i < of.rgba.size(); i += 4) {

@@ -32,13 +32,13 @@ int32_t red_pixels(const Picture& picture) {
 
 TEST(SceneSnow, aMeshOfSnowIsWhiteWhateverItsMaterial) {
   with_scene([](Scene& scene) {
-    scene.add_mesh("square", square(false));
-    const Picture red = scene.render(square_camera(), {});
+    scene.objects.add_mesh("square", square(false));
+    const Picture red = scene.frames.render(square_camera(), {});
     EXPECT_GT(covered(red), 100);
     EXPECT_EQ(red_pixels(red), covered(red));
-    scene.remove("square");
-    scene.add_mesh("square", square(true));
-    const Picture white = scene.render(square_camera(), {});
+    scene.objects.remove("square");
+    scene.objects.add_mesh("square", square(true));
+    const Picture white = scene.frames.render(square_camera(), {});
     EXPECT_EQ(covered(white), covered(red));
     EXPECT_EQ(red_pixels(white), 0);
   });
@@ -46,58 +46,58 @@ TEST(SceneSnow, aMeshOfSnowIsWhiteWhateverItsMaterial) {
 
 TEST(SceneSnow, aMapMayBeSharedWithATree) {
   with_scene([](Scene& scene) {
-    scene.add_tree("tree", make_tree_patches(tube(true), 0.0f), {});
+    scene.objects.add_tree("tree", make_tree_patches(tube(true), 0.0f), {});
     const TreeSnow snow = blanket(0.1f);
     const auto map = std::make_shared<gpu::Texture>(GL_R32F, 4, 4, 0, GL_LINEAR);
     map->write(0, GL_RED, GL_FLOAT, snow.values.data());
     const GlWatch watch;
-    scene.share_snow("tree", map, snow.depths);
-    scene.draw_light(square_camera(), {});
+    scene.objects.share_snow("tree", map, snow.depths);
+    scene.frames.draw_light(square_camera(), {});
     EXPECT_EQ(watch.seen().read_backs, 0);
-    const Picture shared = scene.render(square_camera(), {});
-    scene.set_snow("tree", snow);
-    EXPECT_EQ(scene.render(square_camera(), {}).rgba, shared.rgba);
-    scene.set_snow("tree", blanket(0.0f));
-    EXPECT_NE(scene.render(square_camera(), {}).rgba, shared.rgba);
+    const Picture shared = scene.frames.render(square_camera(), {});
+    scene.objects.set_snow("tree", snow);
+    EXPECT_EQ(scene.frames.render(square_camera(), {}).rgba, shared.rgba);
+    scene.objects.set_snow("tree", blanket(0.0f));
+    EXPECT_NE(scene.frames.render(square_camera(), {}).rgba, shared.rgba);
   });
 }
 
 TEST(SceneSnow, aTreeIsDroppedOnlyWithAllOfItsSnow) {
   with_scene([](Scene& scene) {
-    scene.add_tree("tree", make_tree_patches(tube(true), 0.0f), {});
+    scene.objects.add_tree("tree", make_tree_patches(tube(true), 0.0f), {});
     Camera aside = square_camera();
     aside.target.x = aside.eye.x = 3.0f;
-    scene.render(aside, {});
-    EXPECT_EQ(scene.statistics().dropped, 4);
+    scene.frames.render(aside, {});
+    EXPECT_EQ(scene.frames.statistics().dropped, 4);
     // Two metres of snow reach into the picture.
-    scene.set_snow("tree", blanket(2.0f));
-    scene.render(aside, {});
-    EXPECT_LT(scene.statistics().dropped, 4);
-    scene.set_snow("tree", blanket(0.0f));
-    scene.render(aside, {});
-    EXPECT_EQ(scene.statistics().dropped, 4);
+    scene.objects.set_snow("tree", blanket(2.0f));
+    scene.frames.render(aside, {});
+    EXPECT_LT(scene.frames.statistics().dropped, 4);
+    scene.objects.set_snow("tree", blanket(0.0f));
+    scene.frames.render(aside, {});
+    EXPECT_EQ(scene.frames.statistics().dropped, 4);
   });
 }
 
 TEST(SceneSnow, snowIsTessellatedByTheThesissRuleWhereItLiesOnTop) {
   with_scene([](Scene& scene) {
-    scene.add_tree("tree", make_tree_patches(tube(true), 0.0f), {});
-    scene.set_pose("tree", {lying()});
+    scene.objects.add_tree("tree", make_tree_patches(tube(true), 0.0f), {});
+    scene.objects.set_pose("tree", {lying()});
     RenderSettings settings;
     settings.metric = Metric::kThesis;
     settings.max_distance = 0.1f;  // Tl is 1
     settings.snow_factor = 2000.0f;
     settings.min_pixels = 0.0f;
     const auto highest = [&] {
-      scene.render(square_camera(), settings);
+      scene.frames.render(square_camera(), settings);
       float found = 0.0f;
-      for (const auto& edges : scene.levels("tree").edges) {
+      for (const auto& edges : scene.frames.levels("tree").edges) {
         for (const float level : edges) found = std::max(found, level);
       }
       return found;
     };
     EXPECT_EQ(highest(), 1.0f);
-    scene.set_snow("tree", blanket(0.05f));
+    scene.objects.set_snow("tree", blanket(0.05f));
     const float level = highest();
     EXPECT_GT(level, 2.0f);
     settings.snow_factor = 1000.0f;
@@ -126,15 +126,15 @@ glm::vec3 on_snow(const glm::vec3& rest, float thickness, const SnowDepths& dept
 TEST(SceneSnow, aTreesSnowFollowsTheRuleOfAllSnow) {
   with_scene([](Scene& scene) {
     const TreeSource source = tube(true);
-    scene.add_tree("tree", make_tree_patches(source, 0.0f), {});
-    scene.set_pose("tree", {lying()});
+    scene.objects.add_tree("tree", make_tree_patches(source, 0.0f), {});
+    scene.objects.set_pose("tree", {lying()});
     RenderSettings plain;
     plain.max_level = 1.0f;
     plain.min_pixels = 0.0f;
     TreeSnow snow = blanket(0.06f);
     snow.depths = {0.08f, 0.1f};
-    scene.set_snow("tree", snow);
-    const std::vector<glm::vec3> corners = scene.triangles("tree", square_camera(), plain);
+    scene.objects.set_snow("tree", snow);
+    const std::vector<glm::vec3> corners = scene.frames.triangles("tree", square_camera(), plain);
     ASSERT_EQ(corners.size(), 24u);
     float tallest = 0.0f;
     for (const glm::vec3& rest : source.vertices) {
@@ -152,14 +152,14 @@ TEST(SceneSnow, aTreesSnowFollowsTheRuleOfAllSnow) {
 
 TEST(SceneSnow, depthIsThatOfOpenGLsBuffer) {
   with_scene([](Scene& scene) {
-    scene.add_mesh("square", square(true));
+    scene.objects.add_mesh("square", square(true));
     Camera camera = square_camera(5);
     camera.eye = {0.0f, 0.0f, 3.0f};
     camera.target = glm::vec3(0.0f);
     camera.up = {0.0f, 1.0f, 0.0f};
     camera.near = 1.0f;
     camera.far = 9.0f;
-    const DepthPicture found = scene.render_depth(camera, {});
+    const DepthPicture found = scene.frames.render_depth(camera, {});
     // f (z - n) / (z (f - n)) of z = 3.
     EXPECT_NEAR(found.depth[12], 0.75f, 1e-5f);
     EXPECT_EQ(found.depth[0], 1.0f);

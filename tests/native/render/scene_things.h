@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "gpu/gpu_thread.h"
-#include "render/scene.h"
+#include "render/frame_drawing.h"
 #include "render/tree/tree_patches.h"
 
 namespace snowbough::render {
@@ -65,6 +65,11 @@ inline Camera square_camera(int32_t size = 64) {
   camera.width = camera.height = size;
   return camera;
 }
+
+struct Scene {
+  SceneObjects objects;
+  FrameDrawing frames{objects};
+};
 
 /// Does `work` with a scene on the GPU thread.
 template <typename Work>

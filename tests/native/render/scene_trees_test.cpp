@@ -12,16 +12,16 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 void add_tube(Scene& scene, bool with_places = true) {
-  scene.add_tree("tree", make_tree_patches(tube(with_places), 0.0f), {});
+  scene.objects.add_tree("tree", make_tree_patches(tube(with_places), 0.0f), {});
 }
 
 TEST(SceneTrees, aTreeIsDrawnUntilItIsRemoved) {
   with_scene([](Scene& scene) {
     add_tube(scene);
-    EXPECT_GT(covered(scene.render(square_camera(), {})), 50);
-    EXPECT_EQ(scene.levels("tree").classes.size(), 4u);
-    scene.remove("tree");
-    EXPECT_EQ(covered(scene.render(square_camera(), {})), 0);
+    EXPECT_GT(covered(scene.frames.render(square_camera(), {})), 50);
+    EXPECT_EQ(scene.frames.levels("tree").classes.size(), 4u);
+    scene.objects.remove("tree");
+    EXPECT_EQ(covered(scene.frames.render(square_camera(), {})), 0);
   });
 }
 
@@ -29,8 +29,8 @@ TEST(SceneTrees, aNameIsGivenOnce) {
   with_scene([](Scene& scene) {
     add_tube(scene);
     EXPECT_THROW(add_tube(scene), std::invalid_argument);
-    EXPECT_THROW(scene.add_mesh("tree", {}), std::invalid_argument);
-    EXPECT_THAT([&] { scene.set_pose("other", {}); },
+    EXPECT_THROW(scene.objects.add_mesh("tree", {}), std::invalid_argument);
+    EXPECT_THAT([&] { scene.objects.set_pose("other", {}); },
                 ThrowsMessage<std::invalid_argument>(HasSubstr("no tree 'other'")));
   });
 }
@@ -38,19 +38,19 @@ TEST(SceneTrees, aNameIsGivenOnce) {
 TEST(SceneTrees, aPoseHasAMatrixABoneAndMovesTheTree) {
   with_scene([](Scene& scene) {
     add_tube(scene);
-    EXPECT_THAT([&] { scene.set_pose("tree", std::vector<glm::mat4>(2, glm::mat4(1.0f))); },
+    EXPECT_THAT([&] { scene.objects.set_pose("tree", std::vector<glm::mat4>(2, glm::mat4(1.0f))); },
                 ThrowsMessage<std::invalid_argument>(HasSubstr("1 bone matrices, not 2")));
     glm::mat4 away(1.0f);
     away[3] = glm::vec4(0.0f, -100.0f, 0.0f, 1.0f);  // behind the camera
-    scene.set_pose("tree", {away});
-    EXPECT_EQ(covered(scene.render(square_camera(), {})), 0);
+    scene.objects.set_pose("tree", {away});
+    EXPECT_EQ(covered(scene.frames.render(square_camera(), {})), 0);
   });
 }
 
 TEST(SceneTrees, snowWantsPlacesOnItsMap) {
   with_scene([](Scene& scene) {
     add_tube(scene, false);
-    EXPECT_THAT([&] { scene.set_snow("tree", blanket(0.1f)); },
+    EXPECT_THAT([&] { scene.objects.set_snow("tree", blanket(0.1f)); },
                 ThrowsMessage<std::invalid_argument>(HasSubstr("no snow map coordinates")));
   });
 }
@@ -58,12 +58,12 @@ TEST(SceneTrees, snowWantsPlacesOnItsMap) {
 TEST(SceneTrees, snowThickensATreeAndAMapWithoutAnyTakesItOff) {
   with_scene([](Scene& scene) {
     add_tube(scene);
-    const Picture bare = scene.render(square_camera(), {});
-    scene.set_snow("tree", blanket(0.1f));
-    const Picture thick = scene.render(square_camera(), {});
+    const Picture bare = scene.frames.render(square_camera(), {});
+    scene.objects.set_snow("tree", blanket(0.1f));
+    const Picture thick = scene.frames.render(square_camera(), {});
     EXPECT_GT(covered(thick), 3 * covered(bare) / 2);
-    scene.set_snow("tree", blanket(0.0f));
-    EXPECT_EQ(scene.render(square_camera(), {}).rgba, bare.rgba);
+    scene.objects.set_snow("tree", blanket(0.0f));
+    EXPECT_EQ(scene.frames.render(square_camera(), {}).rgba, bare.rgba);
   });
 }
 

@@ -1,10 +1,10 @@
+#include "render/frame_drawing.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-
-#include "render/scene.h"
 
 namespace snowbough::render {
 namespace {
@@ -57,26 +57,18 @@ float encoded(float linear) {
 
 }  // namespace
 
-bool Scene::ShadowInputs::sees(const ShadowInputs& before, bool roughly) const {
-  const bool same_sun = scene == before.scene && resolution == before.resolution &&
-                        shadow_from_world == before.shadow_from_world;
-  const bool same_levels = eye == before.eye && level == before.level && drop == before.drop &&
-                           max_level == before.max_level && thesis == before.thesis;
-  return same_sun && (roughly || same_levels);
-}
-
-shared::TreeView Scene::write_views(const Camera& camera, const RenderSettings& settings,
-                                    bool linear) {
-  Bounds around = bounds();
+shared::TreeView FrameDrawing::write_views(const Camera& camera, const RenderSettings& settings,
+                                           bool linear) {
+  Bounds around = objects_.bounds();
   // Meshes such as ground extend beyond the trees: nothing in front of the camera is clipped.
-  around.reach = meshes_.empty() ? around.radius : std::numeric_limits<float>::max();
+  around.reach = objects_.meshes().empty() ? around.radius : std::numeric_limits<float>::max();
   const shared::TreeView base = camera_view(camera, settings, around, linear);
   const auto write = [](gpu::Buffer& buffer, const shared::TreeView& view) {
     buffer.write(0, sizeof view, &view);
   };
   write(camera_view_, base);
   write(sun_view_, sun_view(base));
-  for (const auto& [name, of] : trees_) {
+  for (const auto& [name, of] : objects_.trees()) {
     shared::TreeView view = base;
     if (settings.max_area == 0.0f) view.thesis.y = of->largest_area;
     view.thesis.z = static_cast<float>(of->levels);
@@ -90,32 +82,40 @@ shared::TreeView Scene::write_views(const Camera& camera, const RenderSettings& 
   return base;
 }
 
-void Scene::draw_shadows(const RenderSettings& settings) {
-  const int32_t size = std::max(settings.shadow_resolution, 1);
-  const Target& target = shadow_.of_size(size, size);
-  shadow_map_ = &target.depth;
-  target.begin(0.0f, 0.0f, 0.0f);
+void FrameDrawing::prepare_trees(const RenderSettings& settings) {
+  const auto each = [&](const char* pass, auto&& work) {
+    const auto measured = timer_.measure(pass);
+    for (const auto& [name, of] : objects_.trees()) work(*of);
+  };
+  each("pose", [&](SceneTree& of) { passes_.pose(of.buffers, of.camera_view); });
+  each("edges", [&](SceneTree& of) { passes_.edge_levels(of.buffers, of.camera_view); });
+  each("classify", [&](SceneTree& of) {
+    passes_.patches.classify(of.buffers, of.buffers.camera, of.camera_view, settings.max_level);
+  });
+}
+
+void FrameDrawing::draw_shadows(const RenderSettings& settings) {
   if (settings.shadow_resolution == 0) return;
   const auto measured = timer_.measure("shadow");
   glDisable(GL_CULL_FACE);
-  const DrawStyle style{Kind::kDepth, shadow_map_, kInk};
+  const DrawStyle style{DrawKind::kDepth, shadow_.texture(), kInk};
   const auto draw = [&](PatchPasses& passes, PatchSource& of, const gpu::Buffer& view) {
     passes.classify(of, of.sun, view, settings.max_level);
     passes.draw_plain(of, of.sun, view, style);
     passes.draw_tessellated(of, of.sun, view, style);
   };
-  for (const auto& [name, of] : trees_) {
+  for (const auto& [name, of] : objects_.trees()) {
     draw(passes_.patches, of->buffers, of->sun_view);
     if (of->leaves) {
       leaf_passes_.draw(*of->leaves, of->buffers.bones, of->sun_view, style);
     }
   }
-  for (const auto& [name, mesh] : meshes_) {
+  for (const auto& [name, mesh] : objects_.meshes()) {
     mesh_passes_.draw(*mesh, sun_view_, style);
   }
 }
 
-void Scene::draw_all(const DrawStyle& style, bool cull_back_faces, bool measured) {
+void FrameDrawing::draw_all(const DrawStyle& style, bool cull_back_faces, bool measured) {
   const auto pass = [&](const char* name, auto&& work) {
     if (!measured) return work();
     const auto timed = timer_.measure(name);
@@ -123,32 +123,32 @@ void Scene::draw_all(const DrawStyle& style, bool cull_back_faces, bool measured
   };
   (cull_back_faces ? glEnable : glDisable)(GL_CULL_FACE);
   pass("plain", [&] {
-    for (const auto& [name, of] : trees_) {
+    for (const auto& [name, of] : objects_.trees()) {
       passes_.patches.draw_plain(of->buffers, of->buffers.camera, of->camera_view, style);
     }
   });
   pass("tessellated", [&] {
-    for (const auto& [name, of] : trees_) {
+    for (const auto& [name, of] : objects_.trees()) {
       passes_.patches.draw_tessellated(of->buffers, of->buffers.camera, of->camera_view, style);
     }
   });
   glDisable(GL_CULL_FACE);
   pass("leaves", [&] {
-    for (const auto& [name, of] : trees_) {
+    for (const auto& [name, of] : objects_.trees()) {
       if (of->leaves) {
         leaf_passes_.draw(*of->leaves, of->buffers.bones, of->camera_view, style);
       }
     }
   });
   pass("meshes", [&] {
-    for (const auto& [name, mesh] : meshes_) {
+    for (const auto& [name, mesh] : objects_.meshes()) {
       mesh_passes_.draw(*mesh, camera_view_, style);
     }
   });
 }
 
-void Scene::draw_picture(const Target& target, const RenderSettings& settings, bool linear) {
-  DrawStyle style{Kind::kShaded, shadow_map_, kInk};
+void FrameDrawing::draw_picture(const Target& target, const RenderSettings& settings, bool linear) {
+  DrawStyle style{DrawKind::kShaded, shadow_.texture(), kInk};
   if (!settings.wireframe) {
     const vec3 sky = settings.background.value_or(settings.sky_color);
     const vec3 clear = linear ? sky : vec3(encoded(sky.r), encoded(sky.g), encoded(sky.b));
@@ -163,7 +163,7 @@ void Scene::draw_picture(const Target& target, const RenderSettings& settings, b
   target.begin(1.0f, 1.0f, 1.0f);
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(1.0f, 1.0f);
-  style.kind = Kind::kWire;
+  style.kind = DrawKind::kWire;
   style.wire_color = kPaper;
   draw_all(style, settings.cull_back_faces, false);
   glDisable(GL_POLYGON_OFFSET_FILL);
@@ -173,8 +173,9 @@ void Scene::draw_picture(const Target& target, const RenderSettings& settings, b
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
 
-void Scene::draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
-                       KeptTarget& large, bool linear, Shadows shadows) {
+void FrameDrawing::draw_frame(const Camera& camera, const RenderSettings& settings,
+                              const Target& target, KeptTarget& large, bool linear,
+                              Shadows shadows) {
   const DrawState state;
   glBindVertexArray(no_vertices_.id());
   Camera of_pixels = camera;
@@ -187,7 +188,7 @@ void Scene::draw_frame(const Camera& camera, const RenderSettings& settings, con
   }
   const shared::TreeView view = write_views(of_pixels, for_pixels, linear);
   prepare_trees(settings);
-  const ShadowInputs inputs{revision_,
+  const ShadowInputs inputs{objects_.revision(),
                             settings.shadow_resolution,
                             view.shadow_from_world,
                             vec3(view.eye),
@@ -195,11 +196,9 @@ void Scene::draw_frame(const Camera& camera, const RenderSettings& settings, con
                             view.eye.w / view.tessellation.w,
                             view.tessellation.y,
                             view.thesis};
-  const bool stays = shadows == Shadows::kKeep || (shadows == Shadows::kIfOther && shadow_inputs_ &&
-                                                   inputs.sees(*shadow_inputs_, settings.draft));
-  if (!stays) {
+  if (shadow_.is_outdated(inputs, shadows, settings.draft)) {
+    shadow_.begin(inputs);
     draw_shadows(settings);
-    shadow_inputs_ = inputs;
   }
   if (settings.antialias) {
     const Target& twice = large.of_size(of_pixels.width, of_pixels.height);
@@ -210,7 +209,7 @@ void Scene::draw_frame(const Camera& camera, const RenderSettings& settings, con
   }
 }
 
-Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
+Picture FrameDrawing::render(const Camera& camera, const RenderSettings& settings) {
   const auto started = std::chrono::steady_clock::now();
   timer_.take();
   const Target& picture = picture_.of_size(camera.width, camera.height);
@@ -228,8 +227,8 @@ Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
   return made;
 }
 
-const gpu::Texture& Scene::draw_light(const Camera& camera, const RenderSettings& settings,
-                                      Shadows shadows) {
+const gpu::Texture& FrameDrawing::draw_light(const Camera& camera, const RenderSettings& settings,
+                                             Shadows shadows) {
   const Target& picture = light_.of_size(camera.width, camera.height);
   timer_.set_enabled(false);
   draw_frame(camera, settings, picture, large_light_, true, shadows);
@@ -237,8 +236,8 @@ const gpu::Texture& Scene::draw_light(const Camera& camera, const RenderSettings
   return picture.color;
 }
 
-LightPicture Scene::render_light(const Camera& camera, const RenderSettings& settings,
-                                 int32_t samples) {
+LightPicture FrameDrawing::render_light(const Camera& camera, const RenderSettings& settings,
+                                        int32_t samples) {
   const gpu::Texture sum(GL_RGBA32F, camera.width, camera.height);
   Camera of_sample = camera;
   for (int32_t i = 0; i < samples; ++i) {
@@ -260,7 +259,7 @@ LightPicture Scene::render_light(const Camera& camera, const RenderSettings& set
   return made;
 }
 
-DepthPicture Scene::render_depth(const Camera& camera, const RenderSettings& settings) {
+DepthPicture FrameDrawing::render_depth(const Camera& camera, const RenderSettings& settings) {
   const Target& target = picture_.of_size(camera.width, camera.height);
   timer_.set_enabled(false);
   {
@@ -269,7 +268,7 @@ DepthPicture Scene::render_depth(const Camera& camera, const RenderSettings& set
     write_views(camera, settings, false);
     prepare_trees(settings);
     target.begin(0.0f, 0.0f, 0.0f);
-    draw_all({Kind::kDepth, nullptr, kInk}, settings.cull_back_faces, false);
+    draw_all({DrawKind::kDepth, nullptr, kInk}, settings.cull_back_faces, false);
   }
   timer_.set_enabled(true);
   DepthPicture made{camera.width, camera.height, {}};
@@ -279,32 +278,45 @@ DepthPicture Scene::render_depth(const Camera& camera, const RenderSettings& set
   return made;
 }
 
-FrameStatistics Scene::statistics() const {
+FrameStatistics FrameDrawing::statistics() const {
   if (!statistics_) throw std::runtime_error("statistics: render a picture first");
   return *statistics_;
 }
 
-void Scene::count_all_patches() {
+TreeLevels FrameDrawing::levels(const std::string& name) const {
+  const SceneTree& of = objects_.tree(name);
+  if (!statistics_) throw std::runtime_error("levels: render a picture first");
+  const auto edges = of.buffers.edge_levels.read_all<float>();
+  TreeLevels levels;
+  levels.classes = of.buffers.camera.classes.read_all<uint32_t>();
+  for (const glm::ivec4& patch : of.patch_edges) {
+    levels.edges.push_back(
+        {edges[patch.x >> 1], edges[patch.y >> 1], edges[patch.z >> 1], edges[patch.w >> 1]});
+  }
+  return levels;
+}
+
+void FrameDrawing::count_all_patches() {
   const auto add = [&](const PatchCounts& counts) {
     statistics_->dropped += counts.dropped;
     statistics_->plain += counts.plain;
     statistics_->tessellated += counts.tessellated;
   };
-  for (const auto& [name, of] : trees_) {
+  for (const auto& [name, of] : objects_.trees()) {
     add(passes_.patches.count(of->buffers.camera));
   }
 }
 
-std::vector<vec3> Scene::captured(PatchPasses& passes, PatchSource& of, const gpu::Buffer& view,
-                                  float max_level) {
+std::vector<vec3> FrameDrawing::captured(PatchPasses& passes, PatchSource& of,
+                                         const gpu::Buffer& view, float max_level) {
   PatchList& list = of.camera;
   passes.classify(of, list, view, max_level);
-  const auto style = [](Kind kind) { return DrawStyle{kind, nullptr, kInk}; };
+  const auto style = [](DrawKind kind) { return DrawStyle{kind, nullptr, kInk}; };
   timer_.take();
   {
     const auto counted = timer_.measure("count");
-    passes.draw_plain(of, list, view, style(Kind::kDepth));
-    passes.draw_tessellated(of, list, view, style(Kind::kDepth));
+    passes.draw_plain(of, list, view, style(DrawKind::kDepth));
+    passes.draw_tessellated(of, list, view, style(DrawKind::kDepth));
   }
   const uint64_t count = timer_.take()[0].primitives;
   const gpu::Buffer positions(static_cast<int64_t>(3 * count * sizeof(vec3)));
@@ -315,16 +327,16 @@ std::vector<vec3> Scene::captured(PatchPasses& passes, PatchSource& of, const gp
     glBindBufferRange(GL_TRANSFORM_FEEDBACK_BUFFER, 0, positions.id(), offset, bytes);
     draw();
   };
-  into(0, split, [&] { passes.draw_plain(of, list, view, style(Kind::kCapture)); });
+  into(0, split, [&] { passes.draw_plain(of, list, view, style(DrawKind::kCapture)); });
   into(split, positions.bytes() - split,
-       [&] { passes.draw_tessellated(of, list, view, style(Kind::kCapture)); });
+       [&] { passes.draw_tessellated(of, list, view, style(DrawKind::kCapture)); });
   glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
   return positions.read_all<vec3>();
 }
 
-std::vector<vec3> Scene::triangles(const std::string& name, const Camera& camera,
-                                   const RenderSettings& settings) {
-  Tree& of = tree(name);
+std::vector<vec3> FrameDrawing::triangles(const std::string& name, const Camera& camera,
+                                          const RenderSettings& settings) {
+  SceneTree& of = objects_.tree(name);
   const DrawState state;
   glBindVertexArray(no_vertices_.id());
   // Draws need a framebuffer even if they write only to transform feedback.

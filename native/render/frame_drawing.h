@@ -1,0 +1,68 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gpu/timer.h"
+#include "render/scene_objects.h"
+#include "render/shadow_map.h"
+#include "render/snow/flakes.h"
+#include "render/targets.h"
+
+namespace snowbough::render {
+
+/// Draws frames of a scene: the passes, in order. All functions run on the GPU thread and have the
+/// same meaning as Renderer's.
+class FrameDrawing {
+ public:
+  /// `objects` must outlive it.
+  explicit FrameDrawing(const SceneObjects& objects) : objects_(objects) {}
+
+  Picture render(const Camera& camera, const RenderSettings& settings);
+  LightPicture render_light(const Camera& camera, const RenderSettings& settings, int32_t samples);
+  DepthPicture render_depth(const Camera& camera, const RenderSettings& settings);
+  /// Draws a picture of linear light without timing it, so that nothing blocks.
+  const gpu::Texture& draw_light(const Camera& camera, const RenderSettings& settings,
+                                 Shadows shadows = Shadows::kIfOther);
+  FrameStatistics statistics() const;
+  std::vector<glm::vec3> triangles(const std::string& name, const Camera& camera,
+                                   const RenderSettings& settings);
+  TreeLevels levels(const std::string& tree) const;
+
+ private:
+  shared::TreeView write_views(const Camera& camera, const RenderSettings& settings, bool linear);
+  void prepare_trees(const RenderSettings& settings);
+  void draw_shadows(const RenderSettings& settings);
+  void draw_all(const DrawStyle& style, bool cull_back_faces, bool measured);
+  void draw_picture(const Target& target, const RenderSettings& settings, bool linear);
+  void draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
+                  KeptTarget& large, bool linear, Shadows shadows);
+  void count_all_patches();
+  /// Positions that the draws of the camera's list write to transform feedback, the plain patches
+  /// first.
+  std::vector<glm::vec3> captured(PatchPasses& passes, PatchSource& of, const gpu::Buffer& view,
+                                  float max_level);
+
+  const SceneObjects& objects_;
+  /// Views of all objects except trees, which have their own.
+  gpu::Buffer camera_view_{sizeof(shared::TreeView)};
+  gpu::Buffer sun_view_{sizeof(shared::TreeView)};
+
+  TreePasses passes_;
+  FlakePass flakes_;
+  LeafPasses leaf_passes_;
+  MeshPasses mesh_passes_;
+  gpu::Program sum_{{"frame_sum.comp.glsl"}};
+  gpu::VertexArray no_vertices_;
+  KeptTarget picture_{GL_RGBA8};
+  KeptTarget large_{GL_RGBA8};
+  KeptTarget light_{GL_RGBA16F};
+  KeptTarget large_light_{GL_RGBA16F};
+  ShadowMap shadow_;
+  KeptTarget nothing_{GL_NONE};
+  gpu::PassTimer timer_{gpu::renders_in_software()};
+  std::optional<FrameStatistics> statistics_;
+};
+
+}  // namespace snowbough::render
