@@ -20,7 +20,3 @@ bool has_forward(int i, int k) {
   const ivec2 to = place_in_window(i) + kReposeBorder + forward_step(k);
   return to.x >= 0 && to.x < kReposeWindow && to.y < kReposeWindow;
 }
-bool has_backward(int i, int k) {
-  const ivec2 from = place_in_window(i) + kReposeBorder - forward_step(k);
-  return from.x >= 0 && from.x < kReposeWindow && from.y >= 0;
-}

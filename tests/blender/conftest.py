@@ -4,6 +4,7 @@
 import importlib
 import os
 import sys
+import types
 from pathlib import Path
 
 import bpy
@@ -24,6 +25,20 @@ def addon_module(name):
 def addon():
     """Loads modules of the installed add-on: addon("bake.job")."""
     return addon_module
+
+
+@pytest.fixture
+def stand_in(monkeypatch):
+    """stand_in(SnowSimulation=...): a copy of the native module with other things under these names takes its place in
+    sys.modules, where the add-on looks it up."""
+    real = addon_module("base.native").load()
+
+    def put(**names):
+        module = types.ModuleType(real.__name__)
+        vars(module).update({**vars(real), **names})
+        monkeypatch.setitem(sys.modules, "snowbough_native", module)
+
+    return put
 
 
 @pytest.fixture(autouse=True)

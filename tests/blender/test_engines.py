@@ -193,33 +193,29 @@ def test_a_checkpoint_carries_engine_and_driver(addon, native, engine, tmp_path)
 
 
 class CardThatFails:
-    """Stands in for the native module: a card is chosen, and gone when the simulation takes its first step."""
+    """An Engine that is gone when the simulation takes its first step."""
 
-    info = {"name": "GL", "driver": "A Card, 4.6", "reason": "a graphics driver for A Card"}
+    def __init__(self, engine, mapping):
+        self.info = {"name": "GL", "driver": "A Card, 4.6", "reason": "a graphics driver for A Card"}
 
-    class Engine:
-        def __init__(self, engine, mapping):
-            self.info = CardThatFails.info
+    def __enter__(self):
+        return self
 
-        def __enter__(self):
-            return self
-
-        def __exit__(self, *_):
-            pass
-
-    def __init__(self, real):
-        self._real = real
-
-    def __getattr__(self, name):
-        return getattr(self._real, name)
-
-    def SnowSimulation(self, engine, **settings):  # noqa: N802
-        return self._real.SnowSimulation(engine="CPU", **settings)
+    def __exit__(self, *_):
+        pass
 
 
-def test_after_a_fallback_log_and_checkpoint_name_what_really_ran(addon, native, monkeypatch, tmp_path):
+@pytest.fixture
+def card_fails(native, stand_in):
+    def simulation(engine, **settings):
+        return native.SnowSimulation(engine="CPU", **settings)
+
+    return lambda: stand_in(Engine=CardThatFails, SnowSimulation=simulation)
+
+
+def test_after_a_fallback_log_and_checkpoint_name_what_really_ran(addon, native, card_fails, tmp_path):
     s.moving_scene(tmp_path)
-    monkeypatch.setattr(addon("base.native"), "load", lambda: CardThatFails(native))
+    card_fails()
     assert run_part(addon, 1, 6).error is None
     with native.Engine("CPU") as held:
         ran = f"CPU, {held.info['driver']}"
@@ -231,14 +227,14 @@ def test_after_a_fallback_log_and_checkpoint_name_what_really_ran(addon, native,
     ]
 
 
-def test_a_fallback_does_not_continue_what_opengl_began(addon, native, monkeypatch, tmp_path):
+def test_a_fallback_does_not_continue_what_opengl_began(addon, card_fails, tmp_path):
     s.moving_scene(tmp_path)
     assert run_part(addon, 1, 4).error is None
     for path in tmp_path.rglob("state_*.json"):
         folder, frame = addon("cache.folder"), int(path.stem[-4:])
         sidecar = folder.read_sidecar(path.parent, frame)
         folder.write_sidecar(path.parent, frame, {**sidecar, "driver": "GL, A Card, 4.6"})
-    monkeypatch.setattr(addon("base.native"), "load", lambda: CardThatFails(native))
+    card_fails()
     error = run_part(addon, 5, 12).error
     assert isinstance(error, addon("cache.errors").InputsChanged)
     assert "GL, A Card, 4.6; this is CPU, processor" in str(error)

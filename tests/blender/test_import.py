@@ -268,11 +268,11 @@ def test_a_lone_pole_comes_in_with_a_warning_and_a_tree_without(tmp_path):
     assert not [text for text in _report(_import())["warnings"] if text.startswith(expected)]
 
 
-def test_too_little_memory_is_reported(addon, monkeypatch):
+def test_too_little_memory_is_reported(stand_in):
     def fail(*_arguments, **_options):
         raise MemoryError
 
-    monkeypatch.setattr(addon("base.native"), "load", lambda: SimpleNamespace(read_tree=fail))
+    stand_in(read_tree=fail)
     assert "memory" in _refused(MAPLE)
 
 

@@ -3,6 +3,7 @@
 
 import argparse
 import json
+import shutil
 from types import SimpleNamespace
 
 import bpy
@@ -77,7 +78,7 @@ def test_one_without_a_map_does_not_stop_the_others_and_still_gives_shelter(addo
 def test_the_command_line_has_what_the_check_finds(addon, tmp_path, monkeypatch, capfd):
     s.receive(s.square("Ground"))
     s.settings(tmp_path / "cache")
-    monkeypatch.setattr(addon("bake.preflight").shutil, "disk_usage", lambda _: SimpleNamespace(free=1))
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=1))
     code, report = run_cli(addon, tmp_path)
     assert code == 0 and report["warnings"][0].startswith("Only 1 KiB are free in ")
     assert 'SNOWBOUGH warning="Only 1 KiB are free in ' in capfd.readouterr().err

@@ -3,11 +3,14 @@
 it is in the scene. What it draws is in tests/ui/test_preview.py."""
 
 import math
+import os
 
 import bpy
 import numpy as np
 import pytest
 import snow_scene as s
+
+PACKAGE = os.environ["SNOWBOUGH_TEST_ADDON"]
 
 
 @pytest.fixture
@@ -303,15 +306,20 @@ def test_another_receiver_begins_anew_with_it(ground, preview):
 # -- what is shown -----------------------------------------------------------------------------------------
 
 
-def test_maps_are_as_large_as_the_receiver_says_but_no_larger_than_allowed(
-    ground, preview, addon, monkeypatch
-):
-    playback = addon("preview.playback")
+@pytest.fixture
+def preferences():
+    """The add-on's; afterwards their largest map is what it was."""
+    own = bpy.context.preferences.addons[PACKAGE].preferences
+    before = own.preview_resolution
+    yield own
+    own.preview_resolution = before
+
+
+def test_maps_are_as_large_as_the_receiver_says_but_no_larger_than_allowed(ground, preview, preferences):
     bpy.context.scene.snowbough.receivers[0].resolution = 512
-    monkeypatch.setattr(playback, "preview_limits", lambda: (1024, 1 << 30))
-    assert [own.resolution for own in preview().simulated.maps.values()] == [512]
-    monkeypatch.setattr(playback, "preview_limits", lambda: (128, 1 << 30))
-    assert [own.resolution for own in preview().simulated.maps.values()] == [128]
+    for largest, side in (("1024", 512), ("256", 256)):
+        preferences.preview_resolution = largest
+        assert [own.resolution for own in preview().simulated.maps.values()] == [side]
 
 
 def test_members_of_instanced_collections_are_there(ground, preview):
@@ -492,7 +500,7 @@ def test_it_ends_with_its_scene(ground, preview, addon, how):
     assert running.simulated.simulation is None
 
 
-def test_it_sets_its_simulation_up_as_the_bake_does(addon, ground, preview, tmp_path, monkeypatch):
+def test_it_sets_its_simulation_up_as_the_bake_does(addon, ground, preview, tmp_path, stand_in):
     """The same grid, the same objects, the same map and blur, from one function."""
     real, made = addon("base.native").load(), []
 
@@ -506,13 +514,7 @@ def test_it_sets_its_simulation_up_as_the_bake_does(addon, ground, preview, tmp_
             made[-1][1].append((name, triangles.tolist(), uv.tolist(), options["resolution"], options["receive"],
                                 options["blur_radius"], options["alpha"]))  # fmt: skip
 
-    class Native:
-        SnowSimulation = Recorded
-
-        def __getattr__(self, name):
-            return getattr(real, name)
-
-    monkeypatch.setattr(addon("base.native"), "load", Native)
+    stand_in(SnowSimulation=Recorded)
     bpy.ops.mesh.primitive_cube_add(size=0.5, location=(0, 0, 2))
     snow = bpy.context.scene.snowbough
     snow.receivers[0].resolution = 256

@@ -101,19 +101,18 @@ def assert_alike(one, other):
     assert np.abs(one - other).max() < 0.3
 
 
-def test_large_pictures_are_drawn_in_tiles(scene, addon, monkeypatch):
+def test_large_pictures_are_drawn_in_tiles(scene, addon):
     snow_scene.square("Square", 2.0, x=0.3)
     camera_at((2, -4, 5)).data.shift_x = 0.1
-    whole = rendered(scene)
-    monkeypatch.setattr(addon("realtime.final"), "LARGEST_TILE", 50)
-    tiled = rendered(scene)
-    assert whole.shape == tiled.shape == (120, 160, 4)
-    assert whole[..., 0].max() > whole[..., 0].min() + 0.3
-    assert_alike(whole, tiled)
     render = scene.render
+    render.resolution_x, render.resolution_y = addon("realtime.final").LARGEST_TILE + 904, 60
+    tiled = rendered(scene)
+    assert tiled.shape == (60, 5000, 4)
+    assert tiled[..., 0].max() > tiled[..., 0].min() + 0.3
+    # A part over the border of two tiles, in one tile.
     render.use_border = render.use_crop_to_border = True
-    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.25, 0.75, 0.5, 1.0
-    assert_alike(rendered(scene), whole[60:120, 40:120])
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.25, 0.95, 0.5, 1.0
+    assert_alike(rendered(scene), tiled[30:60, 1250:4750])
 
 
 @pytest.mark.parametrize("kind", ["PERSP", "ORTHO"])

@@ -42,19 +42,15 @@ def test_the_settings_go_into_the_request_as_they_are(addon, snowy):
 
 
 @pytest.fixture
-def made(addon, monkeypatch):
+def made(addon, stand_in):
     """Keyword arguments of each SnowSimulation that is made."""
     real, made = addon("base.native").load(), []
 
-    class Native:
-        def __getattr__(self, name):
-            return getattr(real, name)
+    def simulation(**arguments):
+        made.append(arguments)
+        return real.SnowSimulation(**arguments)
 
-        def SnowSimulation(self, **arguments):
-            made.append(arguments)
-            return real.SnowSimulation(**arguments)
-
-    monkeypatch.setattr(addon("base.native"), "load", Native)
+    stand_in(SnowSimulation=simulation)
     return made
 
 

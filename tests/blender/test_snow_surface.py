@@ -292,14 +292,14 @@ def test_a_receiver_may_have_sliders_of_its_own(tmp_path):
     assert np.abs(after[1] - before[1]).max() > 0.005
 
 
-def test_update_surface_changes_only_surfaces_and_simulates_nothing(ground, addon, tmp_path, monkeypatch):
+def test_update_surface_changes_only_surfaces_and_simulates_nothing(ground, tmp_path, stand_in):
     before = s.files_of(tmp_path / "cache")
     assert len(surface_files(before)) == len(SURFACE_FILES)
 
     def simulate(**_settings):
         raise AssertionError("update_surface simulates")
 
-    monkeypatch.setattr(addon("base.native").load(), "SnowSimulation", simulate)
+    stand_in(SnowSimulation=simulate)
     bpy.context.scene.snowbough.surface_relief = 0.0
     bpy.ops.snowbough.update_surface()
     after = s.files_of(tmp_path / "cache")

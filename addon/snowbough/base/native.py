@@ -37,7 +37,7 @@ def _folders():
     yield package.parent.parent / "build" / "python"
 
 
-def _module_file():
+def module_file():
     """Path of the module in the first folder that contains one, or None. Its name is ``snowbough_native`` in a
     checkout, and also contains the version in packages."""
     for folder in _folders():
@@ -82,7 +82,7 @@ def load():
     """
     if MODULE_NAME in sys.modules:
         return sys.modules[MODULE_NAME]
-    path = _module_file()
+    path = module_file()
     try:
         return _load_file(path) if path else importlib.import_module(MODULE_NAME)
     except ModuleNotFoundError as error:

@@ -36,9 +36,7 @@ class ReceiverDrawing:
         if self._triangles is not self.surface.triangles:
             self._triangles = self.surface.triangles
             self._indices = view_drawing.index_buffer(self._triangles)
-        self._batch = view_drawing.make_batch(
-            interface.INPUTS["attributes"], self._sent, self._indices
-        )
+        self._batch = view_drawing.make_batch(interface.INPUTS["attributes"], self._sent, self._indices)
 
     def draw(self, shader):
         """The shader must be bound and its view set."""
@@ -72,7 +70,9 @@ class Drawing:
         with view_drawing.state("LESS_EQUAL", True, "ALPHA"):
             self._shader.bind()
             self._shader.uniform_float("view_projection", to_clip)
-            self._shader.uniform_float("light", (*light.normalized(), ALPHA_IN_WIREFRAME if wireframe else 1.0))
+            self._shader.uniform_float(
+                "light", (*light.normalized(), ALPHA_IN_WIREFRAME if wireframe else 1.0)
+            )
             if wireframe:  # draw only depth first, otherwise snow would show through snow
                 gpu.state.color_mask_set(False, False, False, False)
                 self._draw_receivers()

@@ -69,8 +69,12 @@ def border_of(render, width, height):
     """Slices of the columns and rows inside the render border, or of all pixels if there is no border."""
     if not render.use_border:
         return slice(0, width), slice(0, height)
-    left, right = int(render.border_min_x * width), int(render.border_max_x * width)
-    low, high = int(render.border_min_y * height), int(render.border_max_y * height)
+
+    def pixel(share, size):
+        return int(np.float32(share) * np.float32(size))  # Blender rounds as float32
+
+    left, right = pixel(render.border_min_x, width), pixel(render.border_max_x, width)
+    low, high = pixel(render.border_min_y, height), pixel(render.border_max_y, height)
     return slice(left, max(right, left + 1)), slice(low, max(high, low + 1))
 
 

@@ -21,10 +21,6 @@ class Paint:
     """(H, W, 4) uint8, sRGB and alpha, row 0 = v 0. Texels with alpha below 0.5 are holes."""
 
     @property
-    def has_holes(self):
-        return self.image is not None and bool((self.image[..., 3] < 128).any())
-
-    @property
     def print(self):
         image = np.empty(0, np.uint8) if self.image is None else self.image
         return fingerprint(np.array(self.color, np.float64), image)

@@ -95,8 +95,8 @@ class ImportProperties:
     )
     tolerance: FloatProperty(
         name="Tolerance",
-        description="For scripts, with Simplify TOLERANCE: largest deviation from the original shape. Higher values give "
-        "fewer bones (radii of the limb)",
+        description="For scripts, with Simplify TOLERANCE: largest deviation from the original shape. Higher values "
+        "give fewer bones (radii of the limb)",
         default=0.5,
         min=0.0,
         options={"HIDDEN"},

@@ -2,6 +2,7 @@
 """Free Bake removes what its own manifests list, and nothing else; whose cache a folder is (without Blender)."""
 
 import os
+import socket
 from pathlib import Path
 
 import pytest
@@ -234,5 +235,5 @@ def test_a_file_on_another_computer_does_not_take_over_a_shared_cache(tmp_path, 
     elsewhere.parent.mkdir()
     blend.rename(elsewhere)
     assert owner.is_owner(root, elsewhere)
-    monkeypatch.setattr(owner.socket, "gethostname", lambda: "another")
+    monkeypatch.setattr(socket, "gethostname", lambda: "another")
     assert not owner.is_owner(root, elsewhere)

@@ -118,9 +118,9 @@ def test_a_sidecar_of_an_earlier_format_with_other_kinds_of_values_is_refused(tm
         folder.read_sidecar(tmp_path, 10)
 
 
-def test_a_huge_file_is_not_read(tmp_path, monkeypatch):
-    monkeypatch.setattr(sealed, "MAX_BYTES", 100)
+def test_a_huge_file_is_not_read(tmp_path):
     write_manifest(tmp_path)
+    os.truncate(tmp_path / files.MANIFEST, sealed.MAX_BYTES + 1)
     with pytest.raises(errors.CacheError, match="it is larger than"):
         manifest.read_manifest(tmp_path)
 
