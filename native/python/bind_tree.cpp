@@ -105,7 +105,6 @@ Metres, Z up.)")
       .def_property_readonly("face_branch", origins([](const FaceOrigin& o) { return o.branch; }))
       .def_property_readonly("face_row", origins([](const FaceOrigin& o) { return o.row; }))
       .def_property_readonly("face_side", origins([](const FaceOrigin& o) { return o.side; }))
-      .def_property_readonly("face_inset", origins([](const FaceOrigin& o) { return o.inset; }))
       .def_property_readonly("face_part", origins([](const FaceOrigin& o) { return o.part; }),
                              "0 wall, 1 inset around a child's hole, 2 tip cap, 3 root cap")
       .def_property_readonly("warnings", [](const BoundMesh& m) { return m.mesh.warnings; })

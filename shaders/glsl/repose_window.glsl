@@ -15,7 +15,7 @@ int forward_in_window(int k) { return forward_step(k).y * kReposeWindow + forwar
 const int kColumns = LOCAL_SIZE < kReposeWindow ? LOCAL_SIZE : kReposeWindow;
 const ivec2 kWindowStep = ivec2(kColumns, LOCAL_SIZE / kColumns);
 ivec2 first_in_window() { return ivec2(gl_LocalInvocationID.x % kColumns, gl_LocalInvocationID.x / kColumns); }
-/// Whether link k of a cell leads to a cell of the window; and whether the cell has such a link from behind.
+/// Whether link k of a cell leads to a cell of the window.
 bool has_forward(int i, int k) {
   const ivec2 to = place_in_window(i) + kReposeBorder + forward_step(k);
   return to.x >= 0 && to.x < kReposeWindow && to.y < kReposeWindow;

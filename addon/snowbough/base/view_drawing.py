@@ -56,13 +56,13 @@ def make_shader(vertex, fragment, attributes, varying, constants=(), samplers=()
 
 
 def index_buffer(triangles):
-    """triangles: (T, 3) int32."""
+    """triangles: (T, 3) indices."""
     return gpu.types.GPUIndexBuf(type="TRIS", seq=triangles)
 
 
-def make_batch(attributes, values, indices=None):
+def make_batch(attributes, values, indices):
     """Triangles to draw. attributes: as of make_shader; values: an (N, components) array for each; indices: an
-    index_buffer(), None for vertices in order."""
+    index_buffer()."""
     vertex_format = gpu.types.GPUVertFormat()
     for name, kind in attributes.items():
         vertex_format.attr_add(id=name, comp_type="F32", len=LENGTHS[kind], fetch_mode="FLOAT")

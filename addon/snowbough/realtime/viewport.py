@@ -34,7 +34,8 @@ def draw_frame(texture):
     global _shader
     if _shader is None:
         _shader = view_drawing.make_shader(frame_code.VERTEX, frame_code.FRAGMENT, **frame_code.INPUTS)
-    batch = view_drawing.make_batch(frame_code.INPUTS["attributes"], [frame_code.CORNERS])
+    indices = view_drawing.index_buffer([(0, 1, 2)])
+    batch = view_drawing.make_batch(frame_code.INPUTS["attributes"], [frame_code.CORNERS], indices)
     with view_drawing.state("NONE", False, "NONE"):
         _shader.bind()
         _shader.uniform_sampler("frame", texture)
