@@ -56,7 +56,7 @@ def _rims(quads, part):
     rim = np.flatnonzero((of >= 0) & (of != of[twin]))
     rim = rim[np.argsort(of[rim], kind="stable")]
     if len(rim) % 4 or (of[rim].reshape(-1, 4) != of[rim].reshape(-1, 4)[:, :1]).any():
-        raise ValueError("a branch has not four sides: only the four-sided base can lose branches")
+        raise ValueError("a branch does not have four sides: only the four-sided base can lose branches")
     rims = rim.reshape(-1, 4)
     for k in range(1, 3):  # sort the edges so that each begins where the one before ends
         follows = begin[rims[:, k:]] == end[rims[:, k - 1]][:, None]
@@ -64,7 +64,7 @@ def _rims(quads, part):
         rows = np.arange(len(rims))
         rims[rows, k], rims[rows, found] = rims[rows, found], rims[rows, k]
     if not np.array_equal(begin[np.roll(rims, -1, axis=1)], end[rims]):
-        raise ValueError("a branch has not four sides: only the four-sided base can lose branches")
+        raise ValueError("a branch does not have four sides: only the four-sided base can lose branches")
     return rims, twin[rims]
 
 

@@ -192,15 +192,15 @@ class SnowboughSceneSettings(SnowProperties, SurfaceProperties, MapSwitches, bpy
     )
     substeps: IntProperty(
         name="Substeps",
-        description="Poses per frame that the snow falls on. Higher values suit fast objects (poses a frame)",
+        description="Number of poses of moving objects per frame. Higher values suit fast objects (poses per frame)",
         default=1,
         min=1,
         max=16,
     )
     directions: IntProperty(
         name="Directions",
-        description="Least number of directions that fluttering snow falls from over a shot. Higher values give "
-        "smoother shadows in short shots and stills, and slower bakes (directions a shot)",
+        description="Minimum number of fall directions, within Flutter, over the whole shot. Higher values give "
+        "smoother shadows in short shots and stills, and slower bakes (directions per shot)",
         default=64,
         min=1,
         soft_max=256,

@@ -75,7 +75,7 @@ class SnowProperties:
     )
     mapping: EnumProperty(
         name="Mapping",
-        description="How snow is transferred from the occlusion grid to the maps. Both give the same snow",
+        description="How snow is transferred from the occlusion grid to the maps. Geometry is for comparison",
         items=MAPPINGS,
         default="COMPUTE",
     )

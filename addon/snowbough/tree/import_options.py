@@ -77,7 +77,7 @@ class ImportProperties:
         name="Simplify",
         description="For scripts, instead of Detail: points of a branch that become joints of bones",
         items=(
-            ("DETAIL", "By Detail", "As Detail says"),
+            ("DETAIL", "By Detail", "The joints that Detail chooses"),
             ("NONE", "Keep All", "All points in the file"),
             (
                 "THESIS",

@@ -47,7 +47,7 @@ class SNOWBOUGH_OT_add_sway(NotWhileBaking, bpy.types.Operator):
     )
     keys: IntProperty(
         name="Keys",
-        description="Keyframes per channel and loop. The fastest limbs swing at most once per four keys (keys)",
+        description="Number of keyframes per channel in the loop. A swing needs at least four (keys)",
         default=16,
         min=4,
         max=256,
