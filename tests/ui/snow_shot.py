@@ -39,8 +39,8 @@ def wait_for_heights(folder, count, timeout=180):
 
 
 def make_long_shot(window, folder):
-    """Sets up a shot whose bake is still running when a test has gone through the whole sidebar. A frame takes long, but
-    its maps and surfaces are small, so that it takes little time to end the bake and to resume it."""
+    """Sets up a shot whose bake is still running when a test has gone through the whole sidebar. A frame takes long,
+    but its maps and surfaces are small, so that it takes little time to end the bake and to resume it."""
     window.run(SNOW_SCENE.format(frames=1500, resolution=256, path=str(folder / "shot.blend")))
     window.run("scene.snowbough.substeps = 16\nbpy.ops.wm.save_mainfile()\nresult = True")
 

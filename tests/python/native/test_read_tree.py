@@ -387,9 +387,7 @@ def test_aspen_leaves_hang_twig_by_twig():
     """Arbaro writes leaves in the order of the twigs: numbers of twigs that do not fall are right."""
     skeleton = native.read_tree(TREES / "levels" / "quaking_aspen.obj")
     branches, leaf_branch = skeleton.branches, skeleton.foliage.leaf_branch
-    twigs = [
-        int(branches[b].name.removeprefix("stems_2_")) for b in leaf_branch if branches[b].level == 2
-    ]
+    twigs = [int(branches[b].name.removeprefix("stems_2_")) for b in leaf_branch if branches[b].level == 2]
     assert len(twigs) > 0.999 * len(leaf_branch)
     assert np.count_nonzero(np.diff(twigs) < 0) < 0.001 * len(twigs)
 
