@@ -21,6 +21,7 @@
 #include "snow/step/engine/engine.h"
 #include "snow/step/engine/engine_request.h"
 #include "snow/step/pass_hashes.h"
+#include "snow/texels/texel_tables.h"
 
 namespace snowbough::snow {
 
@@ -172,6 +173,7 @@ class SnowSimulation {
   std::map<std::string, std::shared_ptr<SceneObject>> objects_;
   /// Alpha masks of all objects so far: equal masks are stored once.
   std::vector<std::weak_ptr<const AlphaMask>> masks_;
+  TexelTables tables_;
   OutputFilterCache outputs_;
   std::shared_ptr<MapMemory> map_memory_ = std::make_shared<MapMemory>();
   bool scene_is_current_ = false;

@@ -101,8 +101,8 @@ SceneObject SnowSimulation::make_object(ObjectDescription description) {
       check_alpha(description.alpha, topology.triangles.size() / 3);
     }
     if (description.receive) {
-      object.table = build_texel_table(topology);
-      object.fragment_opacity = fragment_opacity(object.table, topology, description.alpha);
+      object.table = tables_.find_or_build(topology);
+      object.fragment_opacity = fragment_opacity(*object.table, topology, description.alpha);
     }
   } catch (const std::invalid_argument& error) {
     refuse("object '" + description.name + "': " + error.what());
@@ -154,7 +154,7 @@ void SnowSimulation::replace_object(ObjectDescription description) {
   set_state_aside();
   for (ObjectState& saved : pending_state_.objects) {
     if (saved.name == found->first) {
-      saved.height = only_owned(object.table, saved.height);
+      saved.height = only_owned(*object.table, saved.height);
     }
   }
   outputs_.forget(found->first);

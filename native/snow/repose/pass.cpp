@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/parallel_for.h"
 
@@ -15,15 +16,22 @@ constexpr size_t kManyBlocks = 16;
 
 int64_t ReposePass::memory(const std::vector<const SceneObject*>& objects) {
   int64_t blocks = 0;
+  std::map<const TexelTable*, int64_t> blocks_of;  // never iterated over
   for (const SceneObject* object : objects) {
     if (!object->description.receive) continue;
-    const TexelTable& table = object->table;
+    const TexelTable& table = *object->table;
+    const auto [own, is_new] = blocks_of.emplace(&table, 0);
+    if (!is_new) {
+      blocks += own->second;
+      continue;
+    }
     const int32_t side = (table.resolution + kReposeBlock - 1) / kReposeBlock;
     std::vector<uint8_t> has_texels(static_cast<size_t>(side) * static_cast<size_t>(side), 0);
     for_each_place(table, [&](int32_t, int32_t column, int32_t row) {
       has_texels[static_cast<size_t>(row / kReposeBlock * side + column / kReposeBlock)] = 1;
     });
-    blocks += std::count(has_texels.begin(), has_texels.end(), uint8_t{1});
+    own->second = std::count(has_texels.begin(), has_texels.end(), uint8_t{1});
+    blocks += own->second;
   }
   return blocks * static_cast<int64_t>(sizeof(ReposeTile) +
                                        sizeof(std::array<ReposeTile::Plane, kForwardLinks>));
@@ -31,8 +39,10 @@ int64_t ReposePass::memory(const std::vector<const SceneObject*>& objects) {
 
 void ReposePass::lay_out(const std::vector<const SceneObject*>& objects) {
   receivers_.clear();
+  link_tables_ = std::make_unique<ReposeLinkTables>();
   for (const SceneObject* object : objects) {
-    receivers_.push_back(object->description.receive ? std::make_unique<Repose>(*object) : nullptr);
+    receivers_.push_back(
+        object->description.receive ? std::make_unique<Repose>(*object, *link_tables_) : nullptr);
   }
 }
 

@@ -59,7 +59,7 @@ void ReposeSurface::set_pose(const SceneObject& object, const std::vector<glm::v
   });
   double area = 0.0;
   for (const double part : areas) area += part;
-  const auto texels = static_cast<double>(std::max<size_t>(1, object.table.texel.size()));
+  const auto texels = static_cast<double>(std::max<size_t>(1, object.table->texel.size()));
   int exponent = 0;
   std::frexp(std::max(area / texels, 1e-18), &exponent);
   unit_ = std::ldexp(1.0f / shared::kUnitsAMetre, exponent);
@@ -91,7 +91,7 @@ glm::vec3 ReposeSurface::shading_normal(size_t triangle, glm::vec2 weights) cons
 }
 
 ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
-  const TexelTable& table = object_->table;
+  const TexelTable& table = *object_->table;
   const auto begin = static_cast<size_t>(table.fragment_begin[static_cast<size_t>(index)]);
   const auto end = static_cast<size_t>(table.fragment_begin[static_cast<size_t>(index) + 1]);
   Texel texel;
@@ -130,7 +130,7 @@ ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
 
 void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, ReposeTile& tile) const {
   tile.begin_pose();
-  links.for_texels(block, object_->table.texel, [&](int32_t index, size_t cell) {
+  links.for_texels(block, object_->table->texel, [&](int32_t index, size_t cell) {
     const Texel own = texel(index);
     tile.x[cell] = own.point.x;
     tile.y[cell] = own.point.y;

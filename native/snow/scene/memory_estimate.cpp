@@ -1,6 +1,7 @@
 #include "snow/scene/memory_estimate.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <stdexcept>
 
@@ -39,10 +40,12 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
                                bool with_owners) {
   constexpr int64_t kPerTexel = 4 + 4 + sizeof(shared::TexelStep);
   // Of engine CPU, which takes more: 18, and a share of a run of 32 for some eight fragments.
+  // Receivers that share a texel table take 14 less there.
   constexpr int64_t kPerFragment = 18 + 4;
   MemoryEstimate estimate;
   int64_t largest_map = 0;
-  std::set<const AlphaMask*> masks;  // never iterated over
+  std::set<const AlphaMask*> masks;                // never iterated over
+  std::map<const TexelTable*, int64_t> levelling;  // never iterated over
   for (const SceneObject* object : objects) {
     const MapTopology& topology = object->description.topology;
     const auto triangles = static_cast<int64_t>(object->triangle_count());
@@ -62,16 +65,18 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
     const int64_t map = int64_t{topology.resolution} * topology.resolution;
     largest_map = std::max(largest_map, map);
     estimate.maps += map * (with_owners ? 4 + 8 : 4);
-    estimate.seams += levelling_bytes(object->table);
+    const auto [seams, is_new] = levelling.emplace(object->table.get(), 0);
+    if (is_new) seams->second = levelling_bytes(*object->table);
+    estimate.seams += seams->second;
     estimate.geometry += triangles * static_cast<int64_t>(sizeof(shared::MapTriangle));
     // At most one point per corner: its corner, its list offsets, its normal and its snow.
     const bool is_smooth = !object->description.shading.empty();
     estimate.geometry += is_smooth ? triangles * (16 + 3 * (4 + 4 + 16 + 16)) : 0;
     const int64_t group = shared::kTexelGroup;
     const int64_t texels =
-        (static_cast<int64_t>(object->table.texel.size()) + group - 1) / group * group;
+        (static_cast<int64_t>(object->table->texel.size()) + group - 1) / group * group;
     estimate.texels += texels * kPerTexel + texels / group * (16 + 4 * 4) + triangles * 2 * 4 +
-                       kPerFragment * static_cast<int64_t>(object->table.fragment_triangle.size());
+                       kPerFragment * static_cast<int64_t>(object->table->fragment_triangle.size());
   }
   // Seen, drawn and copied pixels; the depth buffer.
   estimate.tile =
