@@ -30,7 +30,7 @@ def test_a_thousand_receivers_in_one_scene():
 @pytest.mark.parametrize("engine", ["CPU", "GL"])
 def test_copies_of_a_mesh_gather_the_same_snow_as_meshes_of_their_own(engine):
     positions, triangles, uv = grid(cells=4)
-    placed = {"a": rotated(positions, "x", 50.0), "b": positions + np.float32((0.4, 0.2, 1.0))}
+    placed = {"a": rotated(positions, "x", 25.0), "b": positions + np.float32((0.4, 0.2, 1.0))}
     # A mesh whose coordinates differ in the last bit shares nothing with a copy.
     nearly = uv.copy()
     nearly[0, 0, 0] = np.nextafter(nearly[0, 0, 0], np.float32(1.0))
