@@ -32,6 +32,7 @@ MEMORY = ("tests/faults/test_memory.py", "-k", "does_not_fit")
 NATIVE_SOURCES = (
     "native/image/atomic_file.cpp",
     "native/image/open_file_posix.cpp",
+    "native/snow/state/check_sum.cpp",
     "native/snow/state/checkpoint.cpp",
     "tests/native/image/atomic_file_test.cpp",
     "tests/native/snow/state/checkpoint_test.cpp",

@@ -42,7 +42,10 @@ struct ThreadPool::Job {
 };
 
 int32_t default_threads() {
-  return static_cast<int32_t>(std::clamp(std::thread::hardware_concurrency(), 1u, 16u));
+  // Each question to the system opens a file, which takes longer than many a small loop.
+  static const auto threads =
+      static_cast<int32_t>(std::clamp(std::thread::hardware_concurrency(), 1u, 16u));
+  return threads;
 }
 
 ThreadPool::ThreadPool(int32_t threads) {

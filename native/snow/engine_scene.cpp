@@ -71,7 +71,7 @@ void EngineScene::keep_owned(const SceneObject& replacement) {
   for (ObjectState& saved : pending_.objects) {
     if (saved.name != replacement.description.name) continue;
     std::vector<float> kept(saved.height.size(), 0.0f);
-    for (const int32_t texel : replacement.table.texel) {
+    for (const int32_t texel : replacement.table->texel) {
       kept[static_cast<size_t>(texel)] = saved.height[static_cast<size_t>(texel)];
     }
     saved.height = std::move(kept);

@@ -200,7 +200,7 @@ std::vector<float> SnowSimulation::texel_area(const std::string& name) {
     refuse("object '" + name +
            "' has no positions yet: texel_area is available after its first step");
   }
-  const TexelTable& table = object.table;
+  const TexelTable& table = *object.table;
   const std::vector<float> owned =
       texel_areas(object.description.topology, table, object.positions);
   std::vector<float> areas(

@@ -24,10 +24,10 @@ inline float coordinate(Input& input, int32_t form) {
   return input.take<float>();
 }
 
-/// A small mesh: at most 12 vertices, 16 triangles and a map of 64 to 71 texels per side. Corners
-/// take their vertex's UV, or one of their own. Three of four layouts fill a quarter of the map, which
-/// is faster. Positions are finite and at most 1e9, as the module requires.
-inline Mesh take_mesh(Input& input) {
+/// A small mesh: at most 12 vertices, `most_triangles` and a map of 64 to 71 texels per side.
+/// Corners take their vertex's UV, or one of their own. Three of four layouts fill a quarter of the
+/// map, which is faster. Positions are finite and at most 1e9, as the module requires.
+inline Mesh take_mesh(Input& input, int32_t most_triangles = 16) {
   Mesh mesh;
   const int32_t forms = input.take<uint8_t>();
   const int32_t uv_form = forms % 3, place_form = forms / 3 % 3;
@@ -47,7 +47,7 @@ inline Mesh take_mesh(Input& input) {
     const float u = coordinate(input, uv_form) * scale;
     uv.emplace_back(u, coordinate(input, uv_form) * scale);
   }
-  const int32_t triangles = input.range(1, 16);
+  const int32_t triangles = input.range(1, most_triangles);
   for (int32_t t = 0; t < triangles; ++t) {
     const bool has_own_uv = input.range(0, 3) == 3;
     for (int k = 0; k < 3; ++k) {

@@ -139,8 +139,6 @@ class Calls:
             "hash_passes": (sim.hash_passes, {"on": True}),
             "memory_estimate": (sim.memory_estimate, {}),
             "close": (sim.close, {}),
-            "save": (sim.save, {"path": path}),
-            "restore": (sim.restore, {"path": path}),
             "set_simulation_state": (n.set_simulation_state, {"simulation": sim, "state": state}),
             "write_checkpoint": (n.write_checkpoint, {"path": path, "state": state, "description": "x"}),
             "read_checkpoint": (n.read_checkpoint, {"path": path, "receivers": {"ground": 64}}),

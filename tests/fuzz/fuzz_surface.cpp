@@ -8,7 +8,7 @@ using namespace snowbough;
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   fuzz::Input input(data, size);
-  const fuzz::Mesh mesh = fuzz::take_mesh(input);
+  const fuzz::Mesh mesh = fuzz::take_mesh(input, 8);
   for (const glm::vec2 uv : mesh.topology.corner_uv) {
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) return 0;
   }
@@ -21,7 +21,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   snow::SurfacePlan plan;
   plan.density.depth = static_cast<float>(input.range(1, 255)) / 128.0f;
   plan.density.scale = static_cast<float>(input.range(8, 64)) / 8.0f;
-  plan.density.most_points = 64;
+  plan.density.most_points = 16;
   plan.seed = input.take<uint16_t>();
   plan.wind = {static_cast<float>(input.take<int8_t>()) / 128.0f, 0.0f};
   const std::vector<float> last = fuzz::take_heights(input, mesh.topology.resolution);

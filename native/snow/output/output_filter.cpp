@@ -30,9 +30,9 @@ void OutputFilter::build() {
   std::call_once(built_, [this] {
     const MapTopology& topology = receiver_->description.topology;
     const std::vector<glm::vec3>& rest = receiver_->description.rest;
-    seams_ = build_seam_table(topology, receiver_->table,
+    seams_ = build_seam_table(topology, *receiver_->table,
                               {rest.begin(), rest.begin() + topology.vertex_count});
-    cpu_filter_ = std::make_unique<CpuFilter>(receiver_->table, seams_,
+    cpu_filter_ = std::make_unique<CpuFilter>(*receiver_->table, seams_,
                                               SmoothingSettings{static_cast<float>(blur_radius_)},
                                               triangle_normals(topology, rest));
   });

@@ -19,9 +19,9 @@ constexpr double kSamplesATexel = 2.0;
 
 class LinkFinder {
  public:
-  LinkFinder(const MapTopology& topology, const TexelTable& table,
-             const std::vector<glm::vec3>& positions)
-      : topology_(welded(topology, positions)),
+  /// `topology`: welded.
+  LinkFinder(const MapTopology& topology, const TexelTable& table)
+      : topology_(topology),
         table_(table),
         charts_(find_charts(topology_)),
         resolution_(table.resolution),
@@ -316,7 +316,7 @@ class LinkFinder {
     std::partial_sum(links_.near_begin.begin(), links_.near_begin.end(), links_.near_begin.begin());
   }
 
-  const MapTopology topology_;
+  const MapTopology& topology_;
   const TexelTable& table_;
   const Charts charts_;
   int32_t resolution_;
@@ -329,7 +329,38 @@ class LinkFinder {
 
 ReposeLinks find_repose_links(const MapTopology& topology, const TexelTable& table,
                               const std::vector<glm::vec3>& positions) {
-  return LinkFinder(topology, table, positions).find();
+  return LinkFinder(welded(topology, positions), table).find();
+}
+
+struct ReposeLinkTables::Known {
+  MapTopology welded;
+  std::once_flag once;
+  ReposeLinks links;
+};
+
+ReposeLinks ReposeLinkTables::find(const MapTopology& topology,
+                                   const std::shared_ptr<const TexelTable>& table,
+                                   const std::vector<glm::vec3>& positions) {
+  // Nobody shares it.
+  if (table.use_count() == 1) return find_repose_links(topology, *table, positions);
+  MapTopology own = welded(topology, positions);
+  std::shared_ptr<Known> known;
+  {
+    const std::scoped_lock lock(mutex_);
+    std::vector<std::shared_ptr<Known>>& all = known_[table.get()];
+    const auto equal = std::find_if(all.begin(), all.end(), [&](const auto& one) {
+      return one->welded.triangles == own.triangles;
+    });
+    if (equal != all.end()) {
+      known = *equal;
+    } else {
+      known = std::make_shared<Known>();
+      known->welded = std::move(own);
+      all.push_back(known);
+    }
+  }
+  std::call_once(known->once, [&] { known->links = LinkFinder(known->welded, *table).find(); });
+  return known->links;
 }
 
 }  // namespace snowbough::snow

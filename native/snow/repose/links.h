@@ -5,6 +5,9 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -122,5 +125,19 @@ struct ReposeLinks {
 /// that are only adjacent on the map are not linked. O(texels + triangles log triangles).
 ReposeLinks find_repose_links(const MapTopology& topology, const TexelTable& table,
                               const std::vector<glm::vec3>& positions);
+
+/// The links of a scene's receivers: those that share a texel table, and in whose poses the same
+/// vertices coincide, have equal links, which are found once. Callable from several threads.
+class ReposeLinkTables {
+ public:
+  /// As find_repose_links.
+  ReposeLinks find(const MapTopology& topology, const std::shared_ptr<const TexelTable>& table,
+                   const std::vector<glm::vec3>& positions);
+
+ private:
+  struct Known;
+  std::mutex mutex_;
+  std::map<const TexelTable*, std::vector<std::shared_ptr<Known>>> known_;  // never iterated over
+};
 
 }  // namespace snowbough::snow

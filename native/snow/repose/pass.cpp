@@ -22,8 +22,10 @@ int64_t ReposePass::memory(const std::vector<const SceneObject*>& objects) {
 
 void ReposePass::lay_out(const std::vector<const SceneObject*>& objects) {
   receivers_.clear();
+  link_tables_ = std::make_unique<ReposeLinkTables>();
   for (const SceneObject* object : objects) {
-    receivers_.push_back(object->description.receive ? std::make_unique<Repose>(*object) : nullptr);
+    receivers_.push_back(
+        object->description.receive ? std::make_unique<Repose>(*object, *link_tables_) : nullptr);
   }
 }
 

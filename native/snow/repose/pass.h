@@ -36,6 +36,7 @@ class ReposePass {
  private:
   void run_map(Map& map, float dt, bool on_all_cores);
 
+  std::unique_ptr<ReposeLinkTables> link_tables_;
   /// By object; null for objects that do not receive.
   std::vector<std::unique_ptr<Repose>> receivers_;
 };

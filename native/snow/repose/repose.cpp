@@ -192,7 +192,7 @@ Repose::Written Repose::write_block(int32_t block, float walls_keep,
   const ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
   Written written;
   if (!tile.has_moved() && !tile.any_wall) return written;
-  const std::vector<int32_t>& places = object_->table.texel;
+  const std::vector<int32_t>& places = object_->table->texel;
   links_.for_texels(block, rows_to_write(tile), places, [&](int32_t texel, size_t cell) {
     const bool wall = (tile.kind[cell] & kWall) != 0;
     const double moved = tile.moved[cell];

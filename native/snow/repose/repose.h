@@ -35,8 +35,9 @@ struct ReposeSettings {
 /// The number of threads does not change the result.
 class Repose {
  public:
-  /// `object` must have positions and outlive it.
-  explicit Repose(const SceneObject& object) : object_(&object) {}
+  /// `object` must have positions; both must outlive it.
+  Repose(const SceneObject& object, ReposeLinkTables& tables)
+      : object_(&object), link_tables_(&tables) {}
 
   /// Call it when the object's positions have changed.
   void forget_pose() { has_pose_ = false; }
@@ -138,6 +139,7 @@ class Repose {
   Written write_block(int32_t block, float walls_keep, std::vector<float>& height) const;
 
   const SceneObject* object_;
+  ReposeLinkTables* link_tables_;
   ReposeLinks links_;
   ReposePose pose_;
   ReposeSurface surface_;

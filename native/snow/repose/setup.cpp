@@ -43,8 +43,8 @@ struct Repose::Cell {
 
 void Repose::find_links() {
   const std::vector<glm::vec3>& rest = object_->description.rest;
-  links_ = find_repose_links(object_->description.topology, object_->table,
-                             rest.empty() ? object_->positions : rest);
+  links_ = link_tables_->find(object_->description.topology, object_->table,
+                              rest.empty() ? object_->positions : rest);
   tiles_.resize(links_.block_count());
   kept_.resize(links_.block_count());
   rims_.resize(links_.block_count());
@@ -84,7 +84,7 @@ float Repose::highest_in(int32_t block, const std::vector<float>& height) const 
 
 Repose::HeightRange Repose::height_range(int32_t block, const std::vector<float>& height) const {
   HeightRange range;
-  const std::vector<int32_t>& places = object_->table.texel;
+  const std::vector<int32_t>& places = object_->table->texel;
   const auto note = [&](float own) {
     range.high = std::max(range.high, std::abs(own));
     range.any_front = range.any_front || own > 0.0f;
@@ -137,7 +137,7 @@ bool Repose::rests(int32_t block, const std::vector<float>& height) {
 
 const BlockSlack& Repose::slack_of(int32_t block) {
   std::optional<BlockSlack>& slack = slack_[static_cast<size_t>(block)];
-  if (!slack) slack = find_slack(surface_, links_, object_->table.texel, block, limits_);
+  if (!slack) slack = find_slack(surface_, links_, object_->table->texel, block, limits_);
   return *slack;
 }
 
@@ -272,7 +272,7 @@ bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
   const bool stays_bare = bare && !changes && tile.is_bare && !tile.has_moved();
   if (changes) {
     surface_.fill_block(links_, block, tile);
-    const std::vector<int32_t>& places = object_->table.texel;
+    const std::vector<int32_t>& places = object_->table->texel;
     links_.for_texels(block, places, [&](int32_t texel, size_t cell) {
       const auto place = static_cast<size_t>(places[static_cast<size_t>(texel)]);
       tile.cover(cell, height[place], surface_.unit());

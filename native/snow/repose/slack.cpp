@@ -67,15 +67,15 @@ struct Extremes {
   }
 };
 
-/// Adds the links from a row of cells to those `step` cells away, if `linked` is 1, else 0.
-SNOWBOUGH_WIDE void add_row(const BarePlanes& bare, size_t at, int32_t step,
-                            const float* __restrict linked, const ReposeLimits& limits,
-                            Extremes& extremes) {
+/// Adds the links from a row of cells to those `step` cells away, if `linked` is 1, else 0. Calls
+/// limit(i, j, way, fall) for the limit of a link.
+template <typename Limit>
+[[gnu::always_inline]] inline void add_links(const BarePlanes& bare, size_t at, int32_t step,
+                                             const float* __restrict linked, Extremes& extremes,
+                                             const Limit& limit) {
   const float* const x = bare.x.data() + at;
   const float* const y = bare.y.data() + at;
   const float* const z = bare.z.data() + at;
-  const float* const steep = bare.steep.data() + at;
-  const float* const curvature = bare.curvature.data() + at;
   const float* const column = bare.column.data() + at;
   const float* const there = bare.there.data() + at;
   const float* const unfit = bare.unfit.data() + at;
@@ -83,19 +83,13 @@ SNOWBOUGH_WIDE void add_row(const BarePlanes& bare, size_t at, int32_t step,
   float* __restrict const highest = extremes.column.data();
   float* __restrict const turn = extremes.turn.data();
   float* __restrict const any_unfit = extremes.unfit.data();
-  const float slope_at_rest = limits.slope;
-  const float cohesion = limits.cohesion;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
     const int32_t j = i + step;
     const float way_x = x[j] - x[i];
     const float way_y = y[j] - y[i];
     const float falls = z[i] - z[j];
-    const float slope =
-        shared::held_slope(slope_at_rest, cohesion, 0.5f * (curvature[i] + curvature[j]));
     const float way = std::sqrt(way_x * way_x + way_y * way_y);
-    const float margin =
-        shared::link_limit(way, slope, falls, 0.5f * (steep[i] + steep[j]), shared::kLeadsDown) -
-        std::abs(falls);
+    const float margin = limit(i, j, way, falls) - std::abs(falls);
     const float open = std::min(std::min(there[i], there[j]), linked[i]);
     const float own = open > 0.0f ? margin : kNoLink;
     inside[i] = own < inside[i] ? own : inside[i];
@@ -103,6 +97,30 @@ SNOWBOUGH_WIDE void add_row(const BarePlanes& bare, size_t at, int32_t step,
     turn[i] = std::max(turn[i], open * std::abs(column[i] - column[j]));
     any_unfit[i] = std::max(any_unfit[i], open * std::max(unfit[i], unfit[j]));
   }
+}
+
+SNOWBOUGH_WIDE void add_row(const BarePlanes& bare, size_t at, int32_t step,
+                            const float* __restrict linked, const ReposeLimits& limits,
+                            Extremes& extremes) {
+  const float* const steep = bare.steep.data() + at;
+  const float* const curvature = bare.curvature.data() + at;
+  const float slope_at_rest = limits.slope;
+  const float cohesion = limits.cohesion;
+  add_links(bare, at, step, linked, extremes, [=](int32_t i, int32_t j, float way, float falls) {
+    const float slope =
+        shared::held_slope(slope_at_rest, cohesion, 0.5f * (curvature[i] + curvature[j]));
+    return shared::link_limit(way, slope, falls, 0.5f * (steep[i] + steep[j]), shared::kLeadsDown);
+  });
+}
+
+/// The same without cohesion, where the bare surface is nowhere steeper than kEven of the limit: no
+/// link is limited to its share of the slope straight down. It divides nothing.
+SNOWBOUGH_WIDE void add_gentle_row(const BarePlanes& bare, size_t at, int32_t step,
+                                   const float* __restrict linked, const ReposeLimits& limits,
+                                   Extremes& extremes) {
+  const float even = shared::kEven * limits.slope;
+  add_links(bare, at, step, linked, extremes,
+            [=](int32_t, int32_t, float way, float) { return even * way; });
 }
 
 /// Finds the slack of a block.
@@ -133,9 +151,14 @@ class SlackFinder {
       const float steepest = shared::held_slope(limits_.slope, limits_.cohesion, bare.curvature);
       rests = bare.there == 0.0f ||
               (bare.wall == 0.0f && bare.side == slack_.side && bare.steep <= steepest);
-      planes_.set(place_of(cell), bare, slack_.side);
+      set(place_of(cell), bare);
     });
     return rests;
+  }
+
+  void set(size_t at, const Bare& bare) {
+    planes_.set(at, bare, slack_.side);
+    steepest_ = std::max(steepest_, bare.steep);
   }
 
   static size_t place_of(size_t cell) {
@@ -160,7 +183,7 @@ class SlackFinder {
         if (column < std::max(left - 1, 0) || column > std::min(left + kReposeBlock, size - 1)) {
           return;
         }
-        planes_.set(TileWindow::at(column - left, row), Bare(surface_.texel(texel)), slack_.side);
+        set(TileWindow::at(column - left, row), Bare(surface_.texel(texel)));
       };
       load(run[0] - 1);
       load(run[1]);
@@ -178,11 +201,13 @@ class SlackFinder {
       }
     });
     Extremes extremes;
+    const bool is_gentle = limits_.cohesion == 0.0f && steepest_ <= shared::kEven * limits_.slope;
+    const auto add = is_gentle ? add_gentle_row : add_row;
     for (int32_t row = 0; row < kReposeBlock; ++row) {
       const size_t at = TileWindow::at(0, row);
       for (int32_t k = 0; k < kForwardLinks; ++k) {
-        add_row(planes_, at, TileWindow::step(k), &linked[static_cast<size_t>(k)][at], limits_,
-                extremes);
+        add(planes_, at, TileWindow::step(k), &linked[static_cast<size_t>(k)][at], limits_,
+            extremes);
       }
     }
     slack_.inside = *std::min_element(extremes.inside.begin(), extremes.inside.end());
@@ -234,6 +259,8 @@ class SlackFinder {
   const ReposeLimits& limits_;
   BlockSlack slack_;
   BarePlanes planes_;
+  /// Of the cells in `planes_`.
+  float steepest_ = 0.0f;
 };
 
 }  // namespace

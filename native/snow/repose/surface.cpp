@@ -59,7 +59,7 @@ void ReposeSurface::set_pose(const SceneObject& object, const std::vector<glm::v
   });
   double area = 0.0;
   for (const double part : areas) area += part;
-  const auto texels = static_cast<double>(std::max<size_t>(1, object.table.texel.size()));
+  const auto texels = static_cast<double>(std::max<size_t>(1, object.table->texel.size()));
   int exponent = 0;
   std::frexp(std::max(area / texels, 1e-18), &exponent);
   unit_ = std::ldexp(1.0f / shared::kUnitsAMetre, exponent);
@@ -90,10 +90,31 @@ glm::vec3 ReposeSurface::shading_normal(size_t triangle, glm::vec2 weights) cons
   return length > 0.0f && glm::dot(mean, own) > 0.0f ? mean / length : own;
 }
 
+/// texel() of a texel with a single fragment, as most have, to the bit.
+ReposeSurface::Texel ReposeSurface::only_fragment(size_t f) const {
+  const TexelTable& table = *object_->table;
+  const int32_t number = table.fragment_triangle[f];
+  const auto t = static_cast<size_t>(number);
+  const glm::vec4& triangle = triangles_[t];
+  Texel texel;
+  texel.area = table.fragment_share[f] * triangle.w;
+  texel.two_sided = !object_->two_sided.empty() && object_->two_sided[t] != 0;
+  if (texel.area <= 0.0f) return texel;
+  // Sums from 0 on, so that no zero is negative.
+  texel.up = (0.0f + texel.area * triangle.z) / texel.area;
+  texel.point += point(number, table.fragment_barycentric[f]);
+  texel.normal += shading_normal(t, table.fragment_barycentric[f]);
+  if (!curvatures_.empty()) texel.curvature += curvatures_[t];
+  const float length = glm::length(texel.normal);
+  if (length > 0.0f) texel.normal /= length;
+  return texel;
+}
+
 ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
-  const TexelTable& table = object_->table;
+  const TexelTable& table = *object_->table;
   const auto begin = static_cast<size_t>(table.fragment_begin[static_cast<size_t>(index)]);
   const auto end = static_cast<size_t>(table.fragment_begin[static_cast<size_t>(index) + 1]);
+  if (end - begin == 1) return only_fragment(begin);
   Texel texel;
   float upper = 0.0f;
   float upper_up = 0.0f;
@@ -130,7 +151,7 @@ ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
 
 void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, ReposeTile& tile) const {
   tile.begin_pose();
-  links.for_texels(block, object_->table.texel, [&](int32_t index, size_t cell) {
+  links.for_texels(block, object_->table->texel, [&](int32_t index, size_t cell) {
     const Texel own = texel(index);
     tile.x[cell] = own.point.x;
     tile.y[cell] = own.point.y;

@@ -44,6 +44,7 @@ class ReposeSurface {
   glm::vec3 point(const ReposeLinks::Point& at) const { return point(at.triangle, at.weights); }
 
  private:
+  Texel only_fragment(size_t f) const;
   glm::vec3 shading_normal(size_t triangle, glm::vec2 weights) const;
 
   const SceneObject* object_ = nullptr;

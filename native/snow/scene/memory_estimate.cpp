@@ -1,6 +1,7 @@
 #include "snow/scene/memory_estimate.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <stdexcept>
 
@@ -21,6 +22,23 @@ std::string MemoryEstimate::text() const {
          mebibytes(output) + ", seams " + mebibytes(seams) + ", repose " + mebibytes(repose) + ")";
 }
 
+namespace {
+
+/// Blocks of a map that hold texels.
+int64_t count_blocks(const TexelTable& table, int32_t side) {
+  const int32_t resolution = table.resolution;
+  const int32_t blocks_a_side = (resolution + side - 1) / side;
+  std::vector<uint8_t> has_texels(
+      static_cast<size_t>(blocks_a_side) * static_cast<size_t>(blocks_a_side), 0);
+  for (const int32_t texel : table.texel) {
+    has_texels[static_cast<size_t>(texel / resolution / side * blocks_a_side +
+                                   texel % resolution / side)] = 1;
+  }
+  return std::count(has_texels.begin(), has_texels.end(), uint8_t{1});
+}
+
+}  // namespace
+
 int64_t count_rim_texels(const TexelTable& table) {
   int64_t count = 0;
   for (size_t i = 0; i < table.texel.size(); ++i) {
@@ -33,17 +51,12 @@ int64_t count_rim_texels(const TexelTable& table) {
 
 int64_t count_blocks(const std::vector<const SceneObject*>& objects, int32_t side) {
   int64_t count = 0;
+  std::map<const TexelTable*, int64_t> known;  // never iterated over
   for (const SceneObject* object : objects) {
     if (!object->description.receive) continue;
-    const int32_t resolution = object->table.resolution;
-    const int32_t blocks_a_side = (resolution + side - 1) / side;
-    std::vector<uint8_t> has_texels(
-        static_cast<size_t>(blocks_a_side) * static_cast<size_t>(blocks_a_side), 0);
-    for (const int32_t texel : object->table.texel) {
-      has_texels[static_cast<size_t>(texel / resolution / side * blocks_a_side +
-                                     texel % resolution / side)] = 1;
-    }
-    count += std::count(has_texels.begin(), has_texels.end(), uint8_t{1});
+    const auto [own, is_new] = known.emplace(object->table.get(), 0);
+    if (is_new) own->second = count_blocks(*object->table, side);
+    count += own->second;
   }
   return count;
 }
@@ -54,7 +67,8 @@ MemoryEstimate estimate_shared_memory(const std::vector<const SceneObject*>& obj
   constexpr int64_t kPerRimTexel = 1536;
   MemoryEstimate estimate;
   int64_t largest_map = 0;
-  std::set<const AlphaMask*> masks;  // never iterated over
+  std::set<const AlphaMask*> masks;            // never iterated over
+  std::map<const TexelTable*, int64_t> known;  // never iterated over
   const bool is_smooth = std::any_of(objects.begin(), objects.end(), [](const auto* object) {
     return object->description.receive && !object->description.shading.empty();
   });
@@ -78,7 +92,9 @@ MemoryEstimate estimate_shared_memory(const std::vector<const SceneObject*>& obj
     const int64_t map = int64_t{topology.resolution} * topology.resolution;
     largest_map = std::max(largest_map, map);
     estimate.maps += map * 4;
-    estimate.seams += kPerRimTexel * count_rim_texels(object->table);
+    const auto [rim_texels, is_new] = known.emplace(object->table.get(), 0);
+    if (is_new) rim_texels->second = count_rim_texels(*object->table);
+    estimate.seams += kPerRimTexel * rim_texels->second;
     estimate.geometry += triangles * static_cast<int64_t>(sizeof(shared::MapTriangle));
     // At most one point per corner: its corner, its list offsets, its normal and its snow.
     const auto corners = static_cast<int64_t>(object->description.shading.size());

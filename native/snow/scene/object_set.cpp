@@ -94,8 +94,8 @@ std::shared_ptr<SceneObject> ObjectSet::build(ObjectDescription description) {
       check_alpha(description.alpha, topology.triangles.size() / 3);
     }
     if (description.receive) {
-      object.table = build_texel_table(topology);
-      object.fragment_opacity = fragment_opacity(object.table, topology, description.alpha);
+      object.table = tables_.find_or_build(topology);
+      object.fragment_opacity = fragment_opacity(*object.table, topology, description.alpha);
     }
   } catch (const std::invalid_argument& error) {
     refuse("object '" + description.name + "': " + error.what());

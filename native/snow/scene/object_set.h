@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "snow/scene/scene_object.h"
+#include "snow/texels/texel_tables.h"
 
 namespace snowbough::snow {
 
@@ -52,6 +53,7 @@ class ObjectSet {
   std::map<std::string, std::shared_ptr<SceneObject>> objects_;
   /// Alpha masks of all objects so far: equal masks are stored once.
   std::vector<std::weak_ptr<const AlphaMask>> masks_;
+  TexelTables tables_;
 };
 
 }  // namespace snowbough::snow

@@ -50,7 +50,8 @@ struct ObjectDescription {
 struct SceneObject {
   ObjectDescription description;
   /// Receivers only.
-  TexelTable table;
+  /// Equal meshes share it (snow/texels/texel_tables.h).
+  std::shared_ptr<const TexelTable> table;
   /// See fragment_opacity.h; empty: opaque.
   std::vector<float> fragment_opacity;
   /// Per triangle, 1 if it takes snow on both sides, by the rest pose; empty: all on the front.

@@ -31,7 +31,7 @@ inline SceneObject square(const std::string& name, float size, float z, int32_t 
   object.bounds.include(glm::dvec3(-h, -h, z));
   object.bounds.include(glm::dvec3(h, h, z));
   if (receive) {
-    object.table = build_texel_table(topology);
+    object.table = std::make_shared<const TexelTable>(build_texel_table(topology));
   }
   return object;
 }
@@ -112,7 +112,7 @@ inline SceneObject plate() {
     object.positions.push_back(object.positions[i] - glm::vec3(0.0f, 0.0f, 0.1f));
   }
   object.bounds.include(glm::dvec3(0.0, 0.0, -0.1));
-  object.table = build_texel_table(topology);
+  object.table = std::make_shared<const TexelTable>(build_texel_table(topology));
   return object;
 }
 

@@ -290,3 +290,14 @@ def test_a_checkpoint_of_other_maps_takes_no_memory(bare_checkpoint):
         f"try:\n    native.read_checkpoint({bare_checkpoint!r}, {{'ground': 64}})\nexcept ValueError:\n    pass"
     )
     assert taken < 40
+
+
+def test_the_fuzzer_of_the_module_knows_its_functions():
+    fuzzer = Path(__file__).resolve().parents[2] / "fuzz" / "fuzz_module.py"
+    done = subprocess.run(
+        [sys.executable, fuzzer, "--seed", "1", "--seconds", "0", "--calls", "20"],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "executed_units: 20" in done.stdout

@@ -27,6 +27,29 @@ def test_a_thousand_receivers_in_one_scene():
     assert volumes.min() > 0.6 * 0.04 * 0.01
 
 
+@pytest.mark.parametrize("engine", ["CPU", "GL"])
+def test_copies_of_a_mesh_gather_the_same_snow_as_meshes_of_their_own(engine):
+    positions, triangles, uv = grid(cells=4)
+    placed = {"a": rotated(positions, "x", 25.0), "b": positions + np.float32((0.4, 0.2, 1.0))}
+    # A mesh whose coordinates differ in the last bit shares nothing with a copy.
+    nearly = uv.copy()
+    nearly[0, 0, 0] = np.nextafter(nearly[0, 0, 0], np.float32(1.0))
+
+    def heights(unlike):
+        with native.SnowSimulation(repose=0.6, pixel_size=0.02, engine=engine) as sim:
+            for name in placed:
+                sim.add_object(name, triangles, nearly if name == unlike else uv, resolution=64)
+            for _ in range(3):
+                sim.step(placed, 0.05, wind(20.0), 1.0 / 24.0)
+            return {name: sim.height(name) for name in placed if name != unlike}
+
+    copies = heights(None)
+    for unlike in placed:
+        for name, own in heights(unlike).items():
+            assert own.max() > 0.01
+            np.testing.assert_array_equal(copies[name], own)
+
+
 @pytest.mark.parametrize("tilt", [0.0, 40.0])
 def test_one_frame_in_ten_parts_ends_where_one_in_a_piece_does(tilt):
     positions, triangles, uv = grid()

@@ -32,10 +32,10 @@ MemoryEstimate CpuEngine::memory(const std::vector<const SceneObject*>& objects,
     if (!object->description.receive) continue;
     const int64_t group = shared::kTexelGroup;
     const int64_t texels =
-        (static_cast<int64_t>(object->table.texel.size()) + group - 1) / group * group;
+        (static_cast<int64_t>(object->table->texel.size()) + group - 1) / group * group;
     estimate.texels += texels * kPerTexel + texels / group * (16 + 4 * 4) +
                        int64_t{2} * 4 * object->triangle_count() +
-                       kPerFragment * static_cast<int64_t>(object->table.fragment_triangle.size());
+                       kPerFragment * static_cast<int64_t>(object->table->fragment_triangle.size());
   }
   // The pixels of a tile, and the bins of its triangles.
   estimate.tile =

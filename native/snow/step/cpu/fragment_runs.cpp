@@ -142,11 +142,11 @@ void widen(FragmentRuns::Run& run, glm::vec2 weights) {
 
 /// Writes a group's fragments from offset `at` on and appends its runs.
 void write_group(const SceneObject& object, std::span<const Entry> entries, uint32_t first_triangle,
-                 size_t at, FragmentRuns& all, std::vector<FragmentRuns::Run>& runs) {
+                 size_t at, FragmentRuns::Shared& all, std::vector<FragmentRuns::Run>& runs) {
   const Entry* last = nullptr;
   for (const Entry& entry : entries) {
     const auto f = static_cast<size_t>(entry.fragment);
-    const glm::vec2 weights = object.table.fragment_barycentric[f];
+    const glm::vec2 weights = object.table->fragment_barycentric[f];
     if (last == nullptr || entry.triangle != last->triangle || entry.square != last->square ||
         at - runs.back().begin == kMostInRun) {
       const float sum = weights.x + weights.y;
@@ -157,7 +157,7 @@ void write_group(const SceneObject& object, std::span<const Entry> entries, uint
     widen(runs.back(), weights);
     last = &entry;
     all.texel[at] = entry.texel;
-    all.share[at] = object.table.fragment_share[f];
+    all.share[at] = object.table->fragment_share[f];
     all.weight_b[at] = weights.x;
     all.weight_c[at] = weights.y;
     if (!all.opacity.empty()) all.opacity[at] = object.fragment_opacity[f];
@@ -169,7 +169,7 @@ void write_group(const SceneObject& object, std::span<const Entry> entries, uint
 
 FragmentRuns make_fragment_runs(const SceneObject& object, const std::vector<int32_t>& order,
                                 uint32_t first_triangle) {
-  const TexelTable& table = object.table;
+  const TexelTable& table = *object.table;
   const size_t groups = (order.size() + shared::kTexelGroup - 1) / shared::kTexelGroup;
   std::vector<size_t> first_fragment(groups + 1, 0);
   for (size_t k = 0; k < order.size(); ++k) {
@@ -179,10 +179,10 @@ FragmentRuns make_fragment_runs(const SceneObject& object, const std::vector<int
   }
   std::partial_sum(first_fragment.begin(), first_fragment.end(), first_fragment.begin());
 
-  FragmentRuns all;
+  FragmentRuns::Shared all;
   const size_t count = first_fragment.back();
   all.texel.resize(count);
-  for (std::vector<float>* values : {&all.share, &all.weight_b, &all.weight_c, &all.part}) {
+  for (std::vector<float>* values : {&all.share, &all.weight_b, &all.weight_c}) {
     values->resize(count + kRunLanes - 1);
   }
   if (!object.fragment_opacity.empty()) all.opacity.resize(count);
@@ -197,13 +197,29 @@ FragmentRuns make_fragment_runs(const SceneObject& object, const std::vector<int
     }
   });
 
-  all.group_begin.push_back(0);
+  FragmentRuns result;
+  result.group_begin.push_back(0);
   for (const std::vector<FragmentRuns::Run>& own : runs) {
-    all.runs.insert(all.runs.end(), own.begin(), own.end());
-    all.group_begin.push_back(static_cast<uint32_t>(all.runs.size()));
+    result.runs.insert(result.runs.end(), own.begin(), own.end());
+    result.group_begin.push_back(static_cast<uint32_t>(result.runs.size()));
   }
-  all.runs.push_back({0, static_cast<uint32_t>(first_fragment.back()), 0, 0, 0, 0, 0, 0});
-  return all;
+  result.runs.push_back({0, static_cast<uint32_t>(count), 0, 0, 0, 0, 0, 0});
+  result.part.resize(all.share.size());
+  result.shared = std::make_shared<const FragmentRuns::Shared>(std::move(all));
+  result.texel = result.shared->texel;
+  result.share = result.shared->share;
+  result.weight_b = result.shared->weight_b;
+  result.weight_c = result.shared->weight_c;
+  result.opacity = result.shared->opacity;
+  return result;
+}
+
+FragmentRuns with_own_triangles(const FragmentRuns& other, uint32_t ahead) {
+  FragmentRuns result = other;
+  std::fill(result.part.begin(), result.part.end(), 0.0f);
+  // The end marker has no triangle.
+  for (auto run = result.runs.begin(); run + 1 < result.runs.end(); ++run) run->triangle += ahead;
+  return result;
 }
 
 }  // namespace snowbough::snow::cpu

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "shaders/lib/snow_shared.h"
@@ -31,8 +33,9 @@ struct Receiver {
   int32_t resolution = 0;
   /// From a scene triangle's index to its index among the layout's map triangles.
   int32_t map_offset = 0;
-  /// Per texel: row * resolution + column.
-  std::vector<uint32_t> places;
+  /// Per texel: row * resolution + column. Receivers that share a texel table share this, too.
+  std::shared_ptr<const std::vector<uint32_t>> own_places;
+  std::span<const uint32_t> places;
   FragmentRuns fragments;
   /// Of the current step; area and upward parts are from the pose in which the texel's group was
   /// last evaluated.

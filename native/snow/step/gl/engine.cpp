@@ -70,7 +70,7 @@ std::shared_ptr<const gpu::ThreadTexture> GlEngine::live_output(size_t object,
                                                                 double blur_radius) {
   std::unique_ptr<LiveFilter>& filter = passes_->live_filters[object];
   if (filter == nullptr) {
-    filter = std::make_unique<LiveFilter>(thread_, receiver.table, seams, blur_radius);
+    filter = std::make_unique<LiveFilter>(thread_, *receiver.table, seams, blur_radius);
   }
   const auto measured = passes_->timer.measure("output");
   group_of(object).height.copy_to(layer_of(object), GL_RED, GL_FLOAT, filter->map());

@@ -12,9 +12,9 @@ int64_t texel_bytes(const SceneObject& object, bool has_opacity) {
   constexpr int64_t kPerTexel = 4 + 4 + sizeof(shared::TexelStep);
   constexpr int64_t kPerGroup = shared::kMaxLocalSize * 16 + 4 * 4;
   const int64_t group = shared::kTexelGroup;
-  const auto texels = static_cast<int64_t>(object.table.texel.size());
+  const auto texels = static_cast<int64_t>(object.table->texel.size());
   const int64_t groups = (texels + group - 1) / group;
-  const auto fragments = static_cast<int64_t>(object.table.fragment_triangle.size());
+  const auto fragments = static_cast<int64_t>(object.table->fragment_triangle.size());
   // A group lists each of its triangles once.
   const int64_t listed = std::min(fragments, 2 * (object.triangle_count() + groups));
   return groups * (group * kPerTexel + kPerGroup) + 4 * listed +
@@ -30,7 +30,7 @@ int64_t repose_bytes(const std::vector<const SceneObject*>& objects) {
   constexpr int64_t kPerEnd = sizeof(shared::ReposeEnd) + 16 + 2 * 4;
   int64_t bytes = kPerBlock * count_blocks(objects, shared::kReposeBlock);
   for (const SceneObject* object : objects) {
-    if (object->description.receive) bytes += 3 * kPerEnd * count_rim_texels(object->table);
+    if (object->description.receive) bytes += 3 * kPerEnd * count_rim_texels(*object->table);
   }
   return bytes;
 }

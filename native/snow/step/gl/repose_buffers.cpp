@@ -47,7 +47,7 @@ float unit_of(const SceneObject& object, const std::vector<glm::vec3>& positions
     area += 0.5 * glm::length(glm::cross(at(1) - at(0), at(2) - at(0)));
   }
   int exponent = 0;
-  const auto texels = static_cast<double>(std::max<size_t>(1, object.table.texel.size()));
+  const auto texels = static_cast<double>(std::max<size_t>(1, object.table->texel.size()));
   std::frexp(std::max(area / texels, 1e-18), &exponent);
   return std::ldexp(1.0f / shared::kUnitsAMetre, exponent);
 }
@@ -56,13 +56,13 @@ class TableBuilder {
  public:
   explicit TableBuilder(const SceneObject& object)
       : object_(object),
-        resolution_(object.table.resolution),
+        resolution_(object.table->resolution),
         side_((resolution_ + kBlock - 1) / kBlock) {}
 
   ReceiverTables build() {
     const std::vector<glm::vec3>& rest = object_.description.rest;
     const std::vector<glm::vec3>& pose = rest.empty() ? object_.positions : rest;
-    links_ = find_repose_links(object_.description.topology, object_.table, pose);
+    links_ = find_repose_links(object_.description.topology, *object_.table, pose);
     tables_.unit = unit_of(object_, pose);
     tables_.blocks_a_side = static_cast<uint32_t>(side_);
     number_blocks();
@@ -79,7 +79,7 @@ class TableBuilder {
     return tables_.numbers[static_cast<size_t>(row * side_ + column)];
   }
   uint32_t cell_of(int32_t texel) const {
-    const int32_t place = object_.table.texel[static_cast<size_t>(texel)];
+    const int32_t place = object_.table->texel[static_cast<size_t>(texel)];
     const int32_t column = place % resolution_;
     const int32_t row = place / resolution_;
     return number_of(column / kBlock, row / kBlock) * static_cast<uint32_t>(kCells) +
@@ -88,7 +88,7 @@ class TableBuilder {
 
   void number_blocks() {
     tables_.numbers.assign(static_cast<size_t>(side_) * static_cast<size_t>(side_), kNowhere);
-    for (const int32_t place : object_.table.texel) {
+    for (const int32_t place : object_.table->texel) {
       tables_.numbers[static_cast<size_t>(place / resolution_ / kBlock * side_ +
                                           place % resolution_ / kBlock)] = 0;
     }

@@ -27,7 +27,7 @@ void require_room(int64_t bytes, const gpu::GpuInfo& info, const char* what) {
 /// Adds one receiver's texels to its group.
 void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t layer,
                   BatchWriter& writer) {
-  const TexelTable& table = object.table;
+  const TexelTable& table = *object.table;
   const auto map_texels =
       static_cast<uint32_t>(table.resolution) * static_cast<uint32_t>(table.resolution);
   const std::vector<int32_t> order = texel_order(table);
@@ -48,8 +48,8 @@ void add_group(const std::vector<const SceneObject*>& by_slot, const MapPlan::Gr
   for (int32_t slot = plan.first_slot; slot < plan.end_slot; ++slot) {
     const SceneObject& object = *by_slot[static_cast<size_t>(slot)];
     batches.texel_count +=
-        (object.table.texel.size() + kTexelGroup - 1) / kTexelGroup * kTexelGroup;
-    batches.fragment_count += object.table.fragment_share.size();
+        (object.table->texel.size() + kTexelGroup - 1) / kTexelGroup * kTexelGroup;
+    batches.fragment_count += object.table->fragment_share.size();
     batches.has_opacity |= !object.fragment_opacity.empty();
   }
   BatchWriter writer(scene, batches);
@@ -58,7 +58,7 @@ void add_group(const std::vector<const SceneObject*>& by_slot, const MapPlan::Gr
     const auto at = static_cast<size_t>(slot);
     const SceneObject& object = *by_slot[at];
     const int32_t first = scene.layout.first_triangle[number[at]];
-    writer.begin_object(slot, object.table.texel.size(), object.table.fragment_share.size());
+    writer.begin_object(slot, object.table->texel.size(), object.table->fragment_share.size());
     add_receiver(object, first, slot - plan.first_slot, writer);
     writer.end_object();
   }

@@ -47,7 +47,7 @@ void BatchWriter::begin_object(int32_t slot, size_t texel_count, size_t fragment
 
 void BatchWriter::add_group(const SceneObject& object, std::span<const int32_t> order,
                             uint32_t first_triangle, uint32_t first_place) {
-  const TexelTable& table = object.table;
+  const TexelTable& table = *object.table;
   size_t own_fragments = 0;
   for (const int32_t index : order) {
     const auto i = static_cast<size_t>(index);

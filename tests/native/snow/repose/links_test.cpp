@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -134,6 +135,33 @@ TEST(ReposeLinks, LeaveSnowWhereThreeSheetsMeet) {
         at(0) + rim.point.weights.x * (at(1) - at(0)) + rim.point.weights.y * (at(2) - at(0));
     EXPECT_FALSE(point.x == 1.0f && point.z == 0.0f);
   }
+}
+
+TEST(ReposeLinkTables, CopiesThatShareATableHaveEqualLinks) {
+  const Strip strip = two_charts(false);
+  const auto table = std::make_shared<const TexelTable>(strip.table);
+  const std::shared_ptr<const TexelTable> other = table;
+  std::vector<glm::vec3> moved = strip.positions;
+  for (glm::vec3& point : moved) point += glm::vec3(0.3f, 0.7f, 5.1f);
+  ReposeLinkTables tables;
+  for (const auto& positions : {strip.positions, moved}) {
+    const ReposeLinks links = tables.find(strip.topology, table, positions);
+    EXPECT_EQ(links.forward, strip.links.forward);
+    EXPECT_EQ(links.across.size(), strip.links.across.size());
+    EXPECT_EQ(links.rims.size(), strip.links.rims.size());
+  }
+}
+
+TEST(ReposeLinkTables, CopiesThatAreTornOpenHaveLinksOfTheirOwn) {
+  const Strip whole = two_charts(true);
+  const Strip torn = two_charts(true, 0.1f);
+  ASSERT_NE(whole.links.rims.size(), torn.links.rims.size());
+  const auto table = std::make_shared<const TexelTable>(whole.table);
+  const std::shared_ptr<const TexelTable> other = table;
+  ReposeLinkTables tables;
+  EXPECT_EQ(tables.find(whole.topology, table, whole.positions).rims.size(),
+            whole.links.rims.size());
+  EXPECT_EQ(tables.find(torn.topology, table, torn.positions).rims.size(), torn.links.rims.size());
 }
 
 }  // namespace

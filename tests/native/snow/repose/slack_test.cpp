@@ -31,7 +31,7 @@ SceneObject squares(const std::vector<glm::vec3>& ends) {
   add({0, 1, 2, 3}, 0.0f);
   if (!ends.empty()) add({1, 4, 5, 2}, 0.5f);
   object.description.rest = object.positions;
-  object.table = build_texel_table(topology);
+  object.table = std::make_shared<const TexelTable>(build_texel_table(topology));
   return object;
 }
 
@@ -39,8 +39,8 @@ BlockSlack slack_of(const SceneObject& object, int32_t block) {
   ReposeSurface surface;
   surface.set_pose(object, object.positions, false);
   const ReposeLinks links =
-      find_repose_links(object.description.topology, object.table, object.positions);
-  return find_slack(surface, links, object.table.texel, block, kOneToOne);
+      find_repose_links(object.description.topology, *object.table, object.positions);
+  return find_slack(surface, links, object.table->texel, block, kOneToOne);
 }
 
 TEST(BlockSlack, IsATexelOnLevelGroundAndHalfATexelAtARim) {
@@ -84,15 +84,16 @@ TEST(BlockSlack, IsThatOfTheUpperSideOfASheetTurnedOver) {
 
 TEST(Repose, SetsUpNoBlockWhereSnowRests) {
   const SceneObject object = squares({});
-  Repose repose(object);
+  ReposeLinkTables tables;
+  Repose repose(object, tables);
   std::vector<float> height(64 * 64, 0.0f);
-  for (const int32_t place : object.table.texel) height[static_cast<size_t>(place)] = 0.01f;
+  for (const int32_t place : object.table->texel) height[static_cast<size_t>(place)] = 0.01f;
   EXPECT_EQ(repose.choose_blocks(height, kOneToOne), 0u);
   height[16 * 64 + 16] = 0.1f;
   EXPECT_EQ(repose.choose_blocks(height, kOneToOne), 1u);
   // Snow on the side that faces down falls.
   height.assign(64 * 64, 0.0f);
-  for (const int32_t place : object.table.texel) height[static_cast<size_t>(place)] = -0.01f;
+  for (const int32_t place : object.table->texel) height[static_cast<size_t>(place)] = -0.01f;
   EXPECT_EQ(repose.choose_blocks(height, kOneToOne), 1u);
 }
 

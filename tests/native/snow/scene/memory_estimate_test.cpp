@@ -28,8 +28,8 @@ TEST(MemoryEstimate, CountsAtLeastWhatLevellingKeeps) {
   for (const bool apart : {false, true}) {
     if (apart) lay_out_apart(mesh, 256);
     object.description.topology = mesh.topology;
-    object.table = build_texel_table(mesh.topology);
-    const SeamTable seams = build_seam_table(mesh.topology, object.table, mesh.positions);
+    object.table = std::make_shared<const TexelTable>(build_texel_table(mesh.topology));
+    const SeamTable seams = build_seam_table(mesh.topology, *object.table, mesh.positions);
     SeamLeveller leveller(seams.levelling);
     std::vector<float> map(256 * 256, 0.0f);
     for (size_t i = 0; i < map.size(); ++i) map[i] = 0.01f * static_cast<float>(i * 7 % 13);
@@ -45,7 +45,7 @@ TEST(MemoryEstimate, CountsAtLeastWhatLevellingKeeps) {
 TEST(MemoryEstimate, RefusesWhatDoesNotFitWithTheFigure) {
   SceneObject object;
   object.description.topology = plate_over_the_map(256);
-  object.table = build_texel_table(object.description.topology);
+  object.table = std::make_shared<const TexelTable>(build_texel_table(object.description.topology));
   const MemoryEstimate estimate = estimate_shared_memory({&object});
   EXPECT_EQ(estimate.maps, 256 * 256 * 4);
   EXPECT_NO_THROW(require_memory(estimate, int64_t{1} << 32));

@@ -49,7 +49,7 @@ SceneObject ball(const std::string& name, float radius, float z) {
   topology.vertex_count = static_cast<int32_t>(object.positions.size());
   object.bounds.include(glm::dvec3(-radius, -radius, z - radius));
   object.bounds.include(glm::dvec3(radius, radius, z + radius));
-  object.table = build_texel_table(topology);
+  object.table = std::make_shared<const TexelTable>(build_texel_table(topology));
   return object;
 }
 
@@ -70,7 +70,7 @@ SceneObject card() {
   alpha.mask = {0, 0};
   alpha.masks = {std::make_shared<AlphaMask>(make_alpha_mask(32, 32, shared::kAlphaRepeat, image))};
   object.fragment_opacity =
-      fragment_opacity(object.table, object.description.topology, object.description.alpha);
+      fragment_opacity(*object.table, object.description.topology, object.description.alpha);
   return object;
 }
 
@@ -89,7 +89,7 @@ SceneObject leaf() {
     point.z += 0.4f * point.y * point.x;
     object.bounds.include(glm::dvec3(point));
   }
-  object.table = build_texel_table(object.description.topology);
+  object.table = std::make_shared<const TexelTable>(build_texel_table(object.description.topology));
   object.description.shading = corners;
   object.two_sided = {1, 1};
   return object;

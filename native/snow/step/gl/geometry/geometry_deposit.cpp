@@ -81,10 +81,10 @@ GeometryDeposit::GeometryDeposit(const std::vector<const SceneObject*>& objects,
       const SceneObject& object = *objects[numbers[at]];
       const auto first =
           static_cast<size_t>(layout.first_triangle[numbers[at]] + layout.map_offsets[at]);
-      add_receiver(object.table, owner, slot - group.first_slot, maps.owners, maps.charts,
+      add_receiver(*object.table, owner, slot - group.first_slot, maps.owners, maps.charts,
                    std::span(homes).subspan(first, static_cast<size_t>(object.triangle_count())));
       // Texels are in whole groups per object, see BatchWriter.
-      const auto texels = static_cast<uint32_t>(object.table.texel.size());
+      const auto texels = static_cast<uint32_t>(object.table->texel.size());
       owner += (texels + shared::kTexelGroup - 1) / shared::kTexelGroup * shared::kTexelGroup;
     }
   }

@@ -66,7 +66,7 @@ SceneObject bumps(int32_t cells, float height, uint32_t seed, int32_t resolution
     topology.corner_uv.emplace_back(k == 1 || k == 2 ? 0.97f : 0.76f, k > 1 ? 0.4f : 0.03f);
   }
   topology.vertex_count = static_cast<int32_t>(object.positions.size());
-  object.table = build_texel_table(topology);
+  object.table = std::make_shared<const TexelTable>(build_texel_table(topology));
   for (const glm::vec3& point : object.positions) object.bounds.include(glm::dvec3(point));
   return object;
 }
@@ -129,7 +129,7 @@ TexelFragments fragments_of(const TexelTable& table, int32_t i) {
 /// What a texel gains in a tile, by the letter; its step so far in `step`.
 void add_by_the_letter(kernel::Letter& letter, const SceneObject& object, TexelFragments own,
                        bool goes_on, shared::TexelStep& step) {
-  const TexelTable& table = object.table;
+  const TexelTable& table = *object.table;
   kernel::Letter::SurfaceSums sums{};
   bool front = false;
   bool back = false;
@@ -181,7 +181,7 @@ shared::TexelStep step_of(const cpu::Receiver& receiver, size_t i) {
 size_t compare(const SceneObject& object, const FallSettings& fall, int32_t tile_size) {
   Prepared step = prepare(object, fall, tile_size);
   const cpu::Receiver& receiver = step.scene.receivers[0];
-  const std::vector<int32_t> order = texel_order(object.table);
+  const std::vector<int32_t> order = texel_order(*object.table);
   std::vector<shared::TexelStep> expected(order.size());
   for (const Tile& tile : step.tiles) {
     const bool is_first = &tile == &step.tiles.front();
@@ -189,7 +189,7 @@ size_t compare(const SceneObject& object, const FallSettings& fall, int32_t tile
     cpu::gather_deposit(step.scene, tile, is_first);
     kernel::Letter letter = letter_of(step.scene, tile);
     for (size_t i = 0; i < order.size(); ++i) {
-      add_by_the_letter(letter, object, fragments_of(object.table, order[i]), !is_first,
+      add_by_the_letter(letter, object, fragments_of(*object.table, order[i]), !is_first,
                         expected[i]);
     }
   }
@@ -239,7 +239,7 @@ TEST(CpuDeposit, IsTheSameBitsOnSmoothAndTwoSidedSurfacesWithHoles) {
   object.two_sided.assign(triangles, 1);
   std::mt19937 random(3);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
-  for (size_t f = 0; f < object.table.fragment_triangle.size(); ++f) {
+  for (size_t f = 0; f < object.table->fragment_triangle.size(); ++f) {
     object.fragment_opacity.push_back(f % 7 == 0 ? 0.0f : unit(random));
   }
   // From below and from the side: fronts, backs and texels with both.

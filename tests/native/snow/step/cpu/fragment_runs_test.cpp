@@ -30,20 +30,20 @@ SceneObject quads(int32_t cells, int32_t resolution) {
       }
     }
   }
-  object.table = build_texel_table(topology);
+  object.table = std::make_shared<const TexelTable>(build_texel_table(topology));
   return object;
 }
 
 /// Which texel of the map a fragment of a group is of.
 int32_t texel_of(const SceneObject& object, const std::vector<int32_t>& order,
                  const FragmentRuns& all, size_t group, uint32_t fragment) {
-  return object.table.texel[order[group * shared::kTexelGroup + all.texel[fragment]]];
+  return object.table->texel[order[group * shared::kTexelGroup + all.texel[fragment]]];
 }
 
 TEST(FragmentRuns, AreATrianglesFragmentsInSquaresOfSixteenTexelsGroupByGroup) {
   static_assert(shared::kTexelGroup == 1024 && kRunSquare == 16);
   const SceneObject object = quads(1, 64);
-  const FragmentRuns all = make_fragment_runs(object, texel_order(object.table), 0);
+  const FragmentRuns all = make_fragment_runs(object, texel_order(*object.table), 0);
   // The diagonal goes through two squares of the first group and two of the last.
   EXPECT_THAT(all.group_begin, ElementsAre(0, 6, 10, 14, 20));
   std::vector<uint32_t> triangles;
@@ -55,7 +55,7 @@ TEST(FragmentRuns, AreATrianglesFragmentsInSquaresOfSixteenTexelsGroupByGroup) {
 
 TEST(FragmentRuns, StayWithinOneSquareOfTexels) {
   const SceneObject object = quads(3, 100);
-  const std::vector<int32_t> order = texel_order(object.table);
+  const std::vector<int32_t> order = texel_order(*object.table);
   const FragmentRuns all = make_fragment_runs(object, order, 0);
   for (size_t group = 0; group + 1 < all.group_begin.size(); ++group) {
     for (uint32_t r = all.group_begin[group]; r < all.group_begin[group + 1]; ++r) {
@@ -75,7 +75,7 @@ TEST(FragmentRuns, StayWithinOneSquareOfTexels) {
 
 TEST(FragmentRuns, HoldEveryFragmentOfTheTableOnce) {
   const SceneObject object = quads(3, 100);
-  const TexelTable& table = object.table;
+  const TexelTable& table = *object.table;
   const std::vector<int32_t> order = texel_order(table);
   const FragmentRuns all = make_fragment_runs(object, order, 7);
   struct Values {
@@ -105,7 +105,7 @@ TEST(FragmentRuns, HoldEveryFragmentOfTheTableOnce) {
 
 TEST(FragmentRuns, KnowBetweenWhichWeightsTheirCentroidsLie) {
   const SceneObject object = quads(3, 100);
-  const FragmentRuns all = make_fragment_runs(object, texel_order(object.table), 0);
+  const FragmentRuns all = make_fragment_runs(object, texel_order(*object.table), 0);
   for (size_t r = 0; r + 1 < all.runs.size(); ++r) {
     const FragmentRuns::Run& run = all.runs[r];
     const auto begin = static_cast<std::ptrdiff_t>(run.begin);
@@ -131,10 +131,10 @@ TEST(FragmentRuns, KnowBetweenWhichWeightsTheirCentroidsLie) {
 
 TEST(FragmentRuns, CarryTheirFragmentsOpacityWhereThereIsAny) {
   SceneObject object = quads(2, 64);
-  const std::vector<int32_t> order = texel_order(object.table);
+  const std::vector<int32_t> order = texel_order(*object.table);
   EXPECT_THAT(make_fragment_runs(object, order, 0).opacity, IsEmpty());
   // Half of the second triangle is there.
-  for (const int32_t triangle : object.table.fragment_triangle) {
+  for (const int32_t triangle : object.table->fragment_triangle) {
     object.fragment_opacity.push_back(triangle == 1 ? 0.5f : 1.0f);
   }
   const FragmentRuns all = make_fragment_runs(object, order, 0);

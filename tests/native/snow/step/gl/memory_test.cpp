@@ -36,7 +36,7 @@ SceneObject smooth_cylinder() {
   object.description.name = "cylinder";
   object.description.topology = mesh.topology;
   object.description.shading = mesh.topology.triangles;
-  object.table = build_texel_table(mesh.topology);
+  object.table = std::make_shared<const TexelTable>(build_texel_table(mesh.topology));
   object.positions = mesh.positions;
   for (const glm::vec3& point : mesh.positions) object.bounds.include(glm::dvec3(point));
   return object;

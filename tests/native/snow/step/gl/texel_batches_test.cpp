@@ -17,9 +17,10 @@ TEST(TexelBatches, FillUpTheirLastGroupWithTexelsOfNobody) {
     SceneObject object = square("a", 1.0f, 0.0f);
     // Half of the map: 64 x 32 texels, and the rim.
     for (glm::vec2& uv : object.description.topology.corner_uv) uv.y *= 0.51f;
-    object.table = build_texel_table(object.description.topology);
-    const size_t own = object.table.texel.size();
-    const size_t fragments = object.table.fragment_share.size();
+    object.table =
+        std::make_shared<const TexelTable>(build_texel_table(object.description.topology));
+    const size_t own = object.table->texel.size();
+    const size_t fragments = object.table->fragment_share.size();
     ASSERT_NE(own % shared::kTexelGroup, 0u);
     const Bench bench(objects_of(std::move(object)), falling({0, 0, -1}, 0.1));
     const TexelBatch& batch = bench.scene.batches.at(0);
