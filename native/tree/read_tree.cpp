@@ -143,20 +143,50 @@ void describe_materials(const ObjScene& scene, const std::string& path, bool out
   }
 }
 
-/// The file's parts and their labels.
-struct NamedParts {
+/// The file's parts, their labels and their roles.
+struct SortedParts {
   Parts parts;
   PartLabels labels;
+  ClassifiedParts classified;
+
+  bool has_role(PartRole role) const {
+    return std::find(classified.role.begin(), classified.role.end(), role) != classified.role.end();
+  }
+  bool has_wood() const {
+    return has_role(PartRole::kTube) || has_role(PartRole::kCrossSection) ||
+           has_role(PartRole::kWelded);
+  }
 };
 
-NamedParts find_parts(const ObjScene& scene, const std::string& foliage_names,
-                      const base::Progress& progress) {
-  Parts parts = split_parts(scene, base::part_of(progress, 0.0f, 0.5f));
-  PartLabels labels = label_parts(scene, parts, foliage_names);
-  const int32_t split_count = parts.count();
-  parts = join_loose_faces(scene, std::move(parts), labels, base::part_of(progress, 0.5f, 1.0f));
-  if (parts.count() < split_count) labels = label_parts(scene, parts, foliage_names);
-  return {std::move(parts), std::move(labels)};
+SortedParts sort_parts(const ObjScene& scene, const std::string& foliage_names, bool foliage_words,
+                       const base::Execution& execution) {
+  const auto label = [&](const Parts& parts) {
+    return label_parts(scene, parts, foliage_names, foliage_words);
+  };
+  SortedParts sorted;
+  sorted.parts = split_parts(scene, base::part_of(execution.progress, 0.0f, 0.15f));
+  sorted.labels = label(sorted.parts);
+  const int32_t split_count = sorted.parts.count();
+  sorted.parts = join_loose_faces(scene, std::move(sorted.parts), sorted.labels,
+                                  base::part_of(execution.progress, 0.15f, 0.3f));
+  if (sorted.parts.count() < split_count) sorted.labels = label(sorted.parts);
+  sorted.classified =
+      classify_parts(scene, sorted.parts, sorted.labels, execution.part(0.3f, 1.0f));
+  return sorted;
+}
+
+/// Sorts by names and shapes; by shapes alone if names leave no wood.
+SortedParts sort_parts(const ObjScene& scene, const std::string& foliage_names,
+                       std::vector<std::string>& warnings, const base::Execution& execution) {
+  SortedParts by_names = sort_parts(scene, foliage_names, true, execution.part(0.0f, 0.7f));
+  if (by_names.has_wood() || !by_names.has_role(PartRole::kFoliage) || !foliage_names.empty()) {
+    return by_names;
+  }
+  SortedParts by_shape = sort_parts(scene, foliage_names, false, execution.part(0.7f, 1.0f));
+  if (!by_shape.has_wood()) return by_names;
+  warnings.emplace_back(
+      "by their names all parts are foliage; wood and leaves were distinguished by shape");
+  return by_shape;
 }
 
 /// @throws std::invalid_argument if there are none, or hardly any without names that confirm them.
@@ -227,15 +257,15 @@ TracedBranches read_parts(const std::string& path, const ReadTreeOptions& option
   read_options.progress = base::part_of(options.progress, 0.0f, 0.5f);
 
   const ObjScene scene = read_scene(path, read_options, skeleton);
-  const auto [parts, labels] =
-      find_parts(scene, options.foliage_names, base::part_of(options.progress, 0.5f, 0.6f));
-  ClassifiedParts classified = classify_parts(scene, parts, labels, whole.part(0.6f, 0.8f));
+  SortedParts sorted =
+      sort_parts(scene, options.foliage_names, report.warnings, whole.part(0.5f, 0.8f));
+  const auto& [parts, labels, classified] = sorted;
   report.form = form_name(classified.form);
   report.foliage_parts = classified.foliage_count;
   report_scene(scene, report);
   const LeftOut left_out = report_left_out(scene, parts, labels, classified, report);
 
-  TracedBranches traced = trace_branches(scene, parts, labels, classified);
+  TracedBranches traced = trace_branches(scene, parts, labels, sorted.classified);
   traced.form = classified.form;
   report_squares(traced, report);
   traced.named = !options.levels.empty() || !options.foliage_names.empty() ||

@@ -103,24 +103,29 @@ void take_parent(Branch& branch, const NearestSegment& found) {
   branch.attach_point = found.point;
 }
 
-/// Branches that start at one place are siblings: if a branch was attached at another's root, it
-/// gets that one's parent.
+/// Branches that start at one place, or within one limb, are siblings: if a branch was attached at
+/// another's root, or starts inside that one's parent, it gets that parent.
 /// @param branches those thicker than the child already have their parents.
 void prefer_common_parent(const std::vector<Branch>& branches, const Branch& child,
                           NearestSegment& found) {
   while (found.branch >= 0) {
     const Branch& sibling = branches[found.branch];
-    if (sibling.parent < 0 || found.point != sibling.points.front()) return;
-    const float away = glm::distance(child.points.front(), sibling.attach_point);
-    const CentrelinePlace place = nearest_place(branches[sibling.parent], sibling.attach_point);
-    const float radius = radius_at(branches[sibling.parent], place);
-    // No farther from the common parent than from the sibling, apart from the path through the limb
-    // itself.
-    if (away > found.distance + radius) return;
+    if (sibling.parent < 0) return;
+    const Branch& parent = branches[sibling.parent];
+    CentrelinePlace place = nearest_place(parent, child.points.front());
+    float away = glm::distance(child.points.front(), place.point);
+    if (away > radius_at(parent, place)) {
+      if (found.point != sibling.points.front()) return;
+      place = nearest_place(parent, sibling.attach_point);
+      away = glm::distance(child.points.front(), place.point);
+      // No farther from the common parent than from the sibling, apart from the path through the
+      // limb itself.
+      if (away > found.distance + radius_at(parent, place)) return;
+    }
     found.branch = sibling.parent;
-    found.point = sibling.attach_point;
+    found.point = place.point;
     found.distance = away;
-    found.radius = radius;
+    found.radius = radius_at(parent, place);
   }
 }
 

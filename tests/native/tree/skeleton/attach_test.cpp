@@ -34,6 +34,17 @@ TEST(Attach, BranchesThatStartAtOnePlaceAreSiblings) {
   EXPECT_EQ(branches[2].parent, 0);
 }
 
+TEST(Attach, ATwigThatStartsInsideTheLimbBelongsToItNotToASiblingThere) {
+  std::vector<Branch> branches{tapering("trunk", {{0, 0, 0}, {0, 0, 10}}, 0.5f),
+                               tapering("first", {{0.1f, 0, 5}, {2, 0, 6}}, 0.11f),
+                               tapering("second", {{0.2f, 0, 5.06f}, {2, 1, 6}}, 0.1f)};
+  std::vector<char> reversible(3, 0);
+  attach_branches(branches, reversible, 10.0f);
+  EXPECT_EQ(branches[2].name, "second");
+  EXPECT_EQ(branches[2].parent, 0);
+  EXPECT_LT(glm::distance(branches[2].attach_point, glm::vec3(0, 0, 5.06f)), 1e-6f);
+}
+
 TEST(Attach, AReversibleLimbIsTurnedRoundWhereItsTipTouches) {
   std::vector<Branch> branches{tapering("trunk", {{0, 0, 0}, {0, 0, 10}}, 0.5f),
                                tapering("limb", {{3, 0, 6}, {0.2f, 0, 5}}, 0.1f)};
