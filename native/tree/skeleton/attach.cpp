@@ -15,6 +15,9 @@ namespace {
 
 constexpr float kReachInRadii = 3.0f;
 constexpr float kReachInSizes = 0.01f;
+/// Reach to a lower level, relative to that to the own level, of a branch that attaches to neither
+/// at first: names are better evidence than a slightly smaller distance.
+constexpr float kReachToLevel = 2.0f;
 /// Minimum radius in relative searches, as a fraction of the tree's size.
 constexpr float kRadiusFloor = 1e-3f;
 
@@ -43,9 +46,10 @@ std::vector<int32_t> thickness_order(const std::vector<Branch>& branches) {
   return order;
 }
 
-bool reaches(float radius, const NearestSegment& found, float size) {
+/// @param share  of the usual reach.
+bool reaches(float radius, const NearestSegment& found, float size, float share = 1.0f) {
   if (found.branch < 0) return false;
-  return found.distance <= kReachInRadii * (found.radius + radius) + kReachInSizes * size;
+  return found.distance <= share * (kReachInRadii * (found.radius + radius) + kReachInSizes * size);
 }
 
 bool touches(float radius, const NearestSegment& found) {
@@ -129,7 +133,7 @@ void prefer_common_parent(const std::vector<Branch>& branches, const Branch& chi
   }
 }
 
-/// Attaches roots to a touching branch that is no candidate by thickness or level and does not
+/// Attaches roots to a branch that was no candidate by reach, thickness or level, and does not
 /// descend from them.
 void attach_left_over(std::vector<Branch>& branches, const std::vector<int32_t>& order,
                       int32_t first, bool by_level, const SegmentTree& segments, float size) {
@@ -146,15 +150,24 @@ void attach_left_over(std::vector<Branch>& branches, const std::vector<int32_t>&
       own[family[i]] = 1;
       for (const int32_t child : children[family[i]]) family.push_back(child);
     }
-    const int32_t below = by_level ? order[b] + 1 : std::numeric_limits<int32_t>::max();
-    const NearestSegment found = segments.nearest(
-        branch.points.front(), below, by_level ? Measure::kDistance : Measure::kRadii, &own);
-    for (const int32_t member : family) own[member] = 0;
-    if (reaches(branch.radii.front(), found, size) &&
-        !stands_beside(branch, branches[found.branch], found)) {
-      take_parent(branch, found);
-      children[found.branch].push_back(static_cast<int32_t>(b));
+    const auto nearest = [&](int32_t below) {
+      return segments.nearest(branch.points.front(), below,
+                              by_level ? Measure::kDistance : Measure::kRadii, &own);
+    };
+    const auto takes = [&](const NearestSegment& found, float share) {
+      return reaches(branch.radii.front(), found, size, share) &&
+             !stands_beside(branch, branches[found.branch], found);
+    };
+    NearestSegment found;
+    if (by_level) found = nearest(order[b]);
+    if (!takes(found, kReachToLevel)) {
+      found = nearest(by_level ? order[b] + 1 : std::numeric_limits<int32_t>::max());
+      if (!takes(found, 1.0f)) found.branch = -1;
     }
+    for (const int32_t member : family) own[member] = 0;
+    if (found.branch < 0) continue;
+    take_parent(branch, found);
+    children[found.branch].push_back(static_cast<int32_t>(b));
   }
 }
 

@@ -16,7 +16,8 @@ namespace snowbough::tree {
 ///   maximum radius; on a tie the longer one), or that one's parent if the branch starts inside it.
 ///   Levels are then the depth below the root.
 /// A branch out of reach of all of these takes one that does not descend from it (with names: of
-/// the same level); one out of reach of all branches stays a root. No cycles arise.
+/// lower levels within twice the reach, else of the same level); one out of reach of all branches
+/// stays a root. No cycles arise.
 ///
 /// "In reach" means within three radii of the two limbs and a hundredth of the tree's size. The
 /// base of a second stem beside the first one's base is not an attachment.
