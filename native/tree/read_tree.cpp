@@ -178,11 +178,11 @@ SortedParts sort_parts(const ObjScene& scene, const std::string& foliage_names, 
 /// Sorts by names and shapes; by shapes alone if names leave no wood.
 SortedParts sort_parts(const ObjScene& scene, const std::string& foliage_names,
                        std::vector<std::string>& warnings, const base::Execution& execution) {
-  SortedParts by_names = sort_parts(scene, foliage_names, true, execution.part(0.0f, 0.7f));
+  SortedParts by_names = sort_parts(scene, foliage_names, true, execution);
   if (by_names.has_wood() || !by_names.has_role(PartRole::kFoliage) || !foliage_names.empty()) {
     return by_names;
   }
-  SortedParts by_shape = sort_parts(scene, foliage_names, false, execution.part(0.7f, 1.0f));
+  SortedParts by_shape = sort_parts(scene, foliage_names, false, execution.part(1.0f, 1.0f));
   if (!by_shape.has_wood()) return by_names;
   warnings.emplace_back(
       "by their names all parts are foliage; wood and leaves were distinguished by shape");
