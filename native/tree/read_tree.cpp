@@ -234,29 +234,33 @@ glm::dvec3 place_far_away(const ObjScene& scene) {
   return is_far ? middle : glm::dvec3(0.0);
 }
 
-/// Reads the file, relative to the tree's centre if that is far away.
-ObjScene read_scene(const std::string& path, ObjReadOptions options, Skeleton& skeleton) {
-  ObjScene scene = read_obj_file(path, options);
+/// Gives a tree that is far from the file's origin its own. @return whether it is.
+bool take_origin(const ObjScene& scene, Skeleton& skeleton) {
   skeleton.origin = place_far_away(scene);
-  if (skeleton.origin == glm::dvec3(0.0)) return scene;
-  options.origin = skeleton.origin;
+  if (skeleton.origin == glm::dvec3(0.0)) return false;
   skeleton.report.warnings.emplace_back(
       "the tree is far from the file's origin: it was built at the origin and then moved there");
-  return read_obj_file(path, options);
+  return true;
 }
 
-/// Reads the file and fills the skeleton's foliage and report.
-/// @return the wood, not yet connected.
-TracedBranches read_parts(const std::string& path, const ReadTreeOptions& options,
-                          Skeleton& skeleton) {
-  const base::Execution whole{options.threads, options.progress};
-  ImportReport& report = skeleton.report;
+/// Reads the file, relative to the tree's centre if that is far away.
+ObjScene read_scene(const std::string& path, const ReadTreeOptions& options, Skeleton& skeleton) {
   ObjReadOptions read_options;
   read_options.buffer_size = options.buffer_size;
   read_options.threads = options.threads;
   read_options.progress = base::part_of(options.progress, 0.0f, 0.5f);
+  ObjScene scene = read_obj_file(path, read_options);
+  if (!take_origin(scene, skeleton)) return scene;
+  read_options.origin = skeleton.origin;
+  return read_obj_file(path, read_options);
+}
 
-  const ObjScene scene = read_scene(path, read_options, skeleton);
+/// Fills the skeleton's foliage and report.
+/// @return the wood, not yet connected.
+TracedBranches read_parts(const ObjScene& scene, const std::string& path,
+                          const ReadTreeOptions& options, Skeleton& skeleton) {
+  const base::Execution whole{options.threads, options.progress};
+  ImportReport& report = skeleton.report;
   SortedParts sorted =
       sort_parts(scene, options.foliage_names, report.warnings, whole.part(0.5f, 0.8f));
   const auto& [parts, labels, classified] = sorted;
@@ -280,7 +284,6 @@ TracedBranches read_parts(const std::string& path, const ReadTreeOptions& option
     report.skipped_parts.emplace_back(
         "foliage (" + std::to_string(classified.foliage_count) + " parts)", "left out by option");
   }
-  describe_materials(scene, path, options.outside_files, skeleton);
   return traced;
 }
 
@@ -322,17 +325,19 @@ void report_extra_roots(Skeleton& skeleton) {
   }
 }
 
-}  // namespace
-
-Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
+void check_options(const ReadTreeOptions& options) {
   check_tolerance(options.tolerance);
   if (!(options.unit > 0.0) || !std::isfinite(options.unit) || !(options.height >= 0.0) ||
       !std::isfinite(options.height)) {
     throw std::invalid_argument("unit must be above zero metres, height zero or above");
   }
+}
+
+/// Fills the skeleton from the polygons of a file or a mesh.
+void build_skeleton(const ObjScene& scene, const std::string& path, const ReadTreeOptions& options,
+                    Skeleton& skeleton) {
   const base::Execution whole{options.threads, options.progress};
-  Skeleton skeleton;
-  TracedBranches traced = read_parts(path, options, skeleton);
+  TracedBranches traced = read_parts(scene, path, options, skeleton);
 
   connect(traced, !options.levels.empty(), skeleton.report.warnings,
           base::part_of(options.progress, 0.8f, 0.85f));
@@ -354,6 +359,30 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
   }
   simplify_skeleton(skeleton, options.simplify, options.tolerance);
   base::report_progress(options.progress, 1.0f);
+}
+
+}  // namespace
+
+Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
+  check_options(options);
+  Skeleton skeleton;
+  const ObjScene scene = read_scene(path, options, skeleton);
+  build_skeleton(scene, path, options, skeleton);
+  describe_materials(scene, path, options.outside_files, skeleton);
+  return skeleton;
+}
+
+Skeleton read_tree(ObjScene scene, const std::vector<glm::dvec3>& positions,
+                   const std::string& name, const ReadTreeOptions& options) {
+  check_options(options);
+  Skeleton skeleton;
+  scene.positions.assign(positions.begin(), positions.end());
+  if (take_origin(scene, skeleton)) {
+    for (size_t v = 0; v < positions.size(); ++v) {
+      scene.positions[v] = positions[v] - skeleton.origin;
+    }
+  }
+  build_skeleton(scene, name, options, skeleton);
   return skeleton;
 }
 

@@ -136,6 +136,24 @@ def read_native(path, options, progress=None, units_per_metre=1.0):
         raise ValueError(f"{path} is a folder: choose a file")
     if not path.is_file():
         raise ValueError(f"{path} was not found")
+
+    def read(module, **settings):
+        return module.read_tree(str(path), outside_files=options.outside_files, **settings)
+
+    return _build(path.name, read, options, progress, units_per_metre)
+
+
+def read_polygons(polygons, options, units_per_metre=1.0):
+    """As read_native, for selected_meshes.Polygons."""
+
+    def read(module, **settings):
+        return module.read_tree_mesh(*polygons, **settings)
+
+    return _build(polygons.name, read, options, None, units_per_metre)
+
+
+def _build(name, read, options, progress, units_per_metre):
+    """The NativeTree of the skeleton that read(module, **settings) returns."""
     module = native.load()
     started = time.perf_counter()
 
@@ -143,19 +161,18 @@ def read_native(path, options, progress=None, units_per_metre=1.0):
         """Converts the progress of a stage to that of the whole."""
         return lambda share: progress is None or progress(begin + (end - begin) * share)
 
-    skeleton = module.read_tree(
-        str(path),
+    skeleton = read(
+        module,
         up_axis=options.up_axis,
         levels=options.levels,
         simplify=options.simplify,
         tolerance=options.tolerance,
         **size_settings(options, units_per_metre),
-        outside_files=options.outside_files,
         foliage=(options.foliage_names or "AUTO") if options.foliage else "NONE",
         progress=part(0.0, 0.4),
     )
     if not skeleton.branches:
-        raise ValueError(f"{path} has no branches: there is no tree to import")
+        raise ValueError(f"{name} has no branches: there is no tree to import")
     # The leaves' charts need only the skeleton: a second thread packs them while the mesh is built.
     stopped = threading.Event()
     with ThreadPoolExecutor(1, "snowbough-leaves") as worker:
@@ -182,7 +199,7 @@ def read_native(path, options, progress=None, units_per_metre=1.0):
         raise KeyboardInterrupt("cancelled")
 
     report = dict(skeleton.report)
-    report["file"] = path.name
+    report["file"] = name
     report["height"] = float(skeleton.height)
     report["branches"] = len(skeleton.branches)
     report["bones_found"] = len(whole.bone_parents)
