@@ -16,6 +16,9 @@ from .import_options import BY_DETAIL, LOD_COUNT, METRES_OF_UNIT
 # A dead trunk or a stump may be intended, but a pole rarely is.
 BARE_TRUNK = "nothing in the file has branches or leaves: it was imported as a bare trunk, but may be a pole"
 
+# The tallest living tree has 116 m.
+TALLEST = 150.0
+
 
 @dataclass(frozen=True)
 class Fineness:
@@ -212,6 +215,11 @@ def _build(name, read, options, progress, units_per_metre):
     report["surface"] = {key: whole.report[key] for key in ("components", "closed", "crossing_junctions")}
     if all(branch.parent < 0 for branch in skeleton.branches) and leaf_layout is None:
         warnings.append(BARE_TRUNK)
+    metres = report["height"] / units_per_metre
+    if metres > TALLEST:
+        warnings.append(
+            f"the tree is {metres:,.0f} m high: set Units or Height, if it is in another unit than metres"
+        )
     report["warnings"] = list(report["warnings"]) + warnings
     report["native_seconds"] = round(time.perf_counter() - started, 4)
     return NativeTree(skeleton, meshes, base, leaf_bones, leaf_layout, report)
