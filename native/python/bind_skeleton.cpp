@@ -1,7 +1,11 @@
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <memory>
+#include <numeric>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,11 +59,10 @@ void set_foliage(const py::object& foliage, ReadTreeOptions& options) {
   if (options.foliage && text != "AUTO") options.foliage_names = text;
 }
 
-Skeleton read_tree(const py::object& path, const std::string& up_axis, const std::string& levels,
-                   const std::string& simplify, float tolerance, const py::object& foliage,
-                   double unit, double height, const py::object& progress, bool outside_files) {
+ReadTreeOptions read_options(const std::string& up_axis, const std::string& levels,
+                             const std::string& simplify, float tolerance,
+                             const py::object& foliage, double unit, double height) {
   ReadTreeOptions options;
-  options.outside_files = outside_files;
   options.up_axis = up_axis_from(up_axis);
   options.levels = levels;
   options.simplify = simplify_from(simplify);
@@ -67,11 +70,95 @@ Skeleton read_tree(const py::object& path, const std::string& up_axis, const std
   options.unit = unit;
   options.height = height;
   set_foliage(foliage, options);
+  return options;
+}
+
+Skeleton read_tree(const py::object& path, const std::string& up_axis, const std::string& levels,
+                   const std::string& simplify, float tolerance, const py::object& foliage,
+                   double unit, double height, const py::object& progress, bool outside_files) {
+  ReadTreeOptions options =
+      read_options(up_axis, levels, simplify, tolerance, foliage, unit, height);
+  options.outside_files = outside_files;
   // os.fsdecode takes str, bytes and pathlib.Path.
   const auto file = py::module_::import("os").attr("fsdecode")(path).cast<std::string>();
   return run_cancellable(progress, [&](const base::Progress& asked) {
     options.progress = asked;
     return tree::read_tree(file, options);
+  });
+}
+
+std::vector<int32_t> indices_from(const InputArray<int32_t>& array, int32_t least, size_t below,
+                                  const std::string& what) {
+  if (array.ndim() != 1) throw std::invalid_argument(what + " must have shape (N,)");
+  std::vector<int32_t> indices(array.data(), array.data() + array.size());
+  for (const int32_t index : indices) {
+    if (index >= least && index < static_cast<int64_t>(below)) continue;
+    throw std::invalid_argument(what + " holds " + std::to_string(index) + ", out of range");
+  }
+  return indices;
+}
+
+tree::ObjScene scene_from_arrays(size_t vertices, const InputArray<int32_t>& face_begin,
+                                 const InputArray<int32_t>& corner_vertex,
+                                 const std::optional<InputArray<float>>& corner_uv,
+                                 const InputArray<int32_t>& face_names,
+                                 std::vector<std::string> names,
+                                 std::vector<std::string> materials) {
+  tree::ObjScene scene;
+  scene.corner_vertex = indices_from(corner_vertex, 0, vertices, "corner_vertex");
+  scene.face_begin = indices_from(face_begin, 0, scene.corner_vertex.size() + 1, "face_begin");
+  const bool faces_have_corners =
+      scene.face_begin.size() > 1 && scene.face_begin.front() == 0 &&
+      scene.face_begin.back() == static_cast<int32_t>(scene.corner_vertex.size()) &&
+      std::adjacent_find(scene.face_begin.begin(), scene.face_begin.end(),
+                         [](int32_t a, int32_t b) { return b < a + 3; }) == scene.face_begin.end();
+  if (!faces_have_corners) {
+    throw std::invalid_argument(
+        "face_begin must rise by at least 3 from 0 to the number of corners");
+  }
+  const auto chosen = rows_from_numpy<std::array<int32_t, 2>, int32_t, 2>(face_names, "face_names");
+  if (chosen.size() + 1 != scene.face_begin.size()) {
+    throw std::invalid_argument("face_names must have a row for each face");
+  }
+  for (size_t f = 0; f < chosen.size(); ++f) {
+    const auto [object, material] = chosen[f];
+    if (object < -1 || object >= static_cast<int64_t>(names.size()) || material < -1 ||
+        material >= static_cast<int64_t>(materials.size())) {
+      throw std::invalid_argument("face_names: row " + std::to_string(f) + " is out of range");
+    }
+    if (f > 0 && chosen[f] == chosen[f - 1]) continue;
+    scene.runs.push_back({static_cast<int32_t>(f), object, -1, material});
+  }
+  if (corner_uv) {
+    scene.uvs = rows_from_numpy<glm::vec2, float, 2>(*corner_uv, "corner_uv");
+    if (scene.uvs.size() != scene.corner_vertex.size()) {
+      throw std::invalid_argument("corner_uv must have a row for each corner");
+    }
+    scene.corner_uv.resize(scene.uvs.size());
+    std::iota(scene.corner_uv.begin(), scene.corner_uv.end(), 0);
+  }
+  scene.names = std::move(names);
+  scene.materials = std::move(materials);
+  return scene;
+}
+
+Skeleton read_tree_mesh(const std::string& name, const InputArray<double>& vertices,
+                        const InputArray<int32_t>& face_begin,
+                        const InputArray<int32_t>& corner_vertex,
+                        const std::optional<InputArray<float>>& corner_uv,
+                        const InputArray<int32_t>& face_names, std::vector<std::string> names,
+                        std::vector<std::string> materials, const std::string& up_axis,
+                        const std::string& levels, const std::string& simplify, float tolerance,
+                        const py::object& foliage, double unit, double height,
+                        const py::object& progress) {
+  ReadTreeOptions options =
+      read_options(up_axis, levels, simplify, tolerance, foliage, unit, height);
+  const auto positions = rows_from_numpy<glm::dvec3, double, 3>(vertices, "vertices");
+  tree::ObjScene scene = scene_from_arrays(positions.size(), face_begin, corner_vertex, corner_uv,
+                                           face_names, std::move(names), std::move(materials));
+  return run_cancellable(progress, [&](const base::Progress& asked) {
+    options.progress = asked;
+    return tree::read_tree(std::move(scene), positions, name, options);
   });
 }
 
@@ -291,6 +378,19 @@ parent folder.
 
 progress(share) is called regularly; returning False (not None) cancels with KeyboardInterrupt.
 Raises ValueError with file and line for malformed input.)");
+
+  module.def("read_tree_mesh", &read_tree_mesh, py::arg("name"), py::arg("vertices"),
+             py::arg("face_begin"), py::arg("corner_vertex"), py::arg("corner_uv"),
+             py::arg("face_names"), py::arg("names"), py::arg("materials"),
+             py::arg("up_axis") = "AUTO", py::arg("levels") = "", py::arg("simplify") = "NONE",
+             py::arg("tolerance") = 0.5f, py::arg("foliage") = "AUTO", py::arg("unit") = 1.0,
+             py::arg("height") = 0.0, py::arg("progress") = py::none(),
+             R"(As read_tree, for polygons that are already in memory; `name` stands for the file in
+messages.
+
+vertices (V, 3); face_begin (F + 1,): polygon f has the corners from face_begin[f] to
+face_begin[f + 1]; corner_vertex (C,); corner_uv (C, 2) or None; face_names (F, 2): indices into
+`names`, of objects, and into `materials`, -1 = none. Materials keep only their names.)");
 }
 
 }  // namespace snowbough::python

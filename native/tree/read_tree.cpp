@@ -143,20 +143,50 @@ void describe_materials(const ObjScene& scene, const std::string& path, bool out
   }
 }
 
-/// The file's parts and their labels.
-struct NamedParts {
+/// The file's parts, their labels and their roles.
+struct SortedParts {
   Parts parts;
   PartLabels labels;
+  ClassifiedParts classified;
+
+  bool has_role(PartRole role) const {
+    return std::find(classified.role.begin(), classified.role.end(), role) != classified.role.end();
+  }
+  bool has_wood() const {
+    return has_role(PartRole::kTube) || has_role(PartRole::kCrossSection) ||
+           has_role(PartRole::kWelded);
+  }
 };
 
-NamedParts find_parts(const ObjScene& scene, const std::string& foliage_names,
-                      const base::Progress& progress) {
-  Parts parts = split_parts(scene, base::part_of(progress, 0.0f, 0.5f));
-  PartLabels labels = label_parts(scene, parts, foliage_names);
-  const int32_t split_count = parts.count();
-  parts = join_loose_faces(scene, std::move(parts), labels, base::part_of(progress, 0.5f, 1.0f));
-  if (parts.count() < split_count) labels = label_parts(scene, parts, foliage_names);
-  return {std::move(parts), std::move(labels)};
+SortedParts sort_parts(const ObjScene& scene, const std::string& foliage_names, bool foliage_words,
+                       const base::Execution& execution) {
+  const auto label = [&](const Parts& parts) {
+    return label_parts(scene, parts, foliage_names, foliage_words);
+  };
+  SortedParts sorted;
+  sorted.parts = split_parts(scene, base::part_of(execution.progress, 0.0f, 0.15f));
+  sorted.labels = label(sorted.parts);
+  const int32_t split_count = sorted.parts.count();
+  sorted.parts = join_loose_faces(scene, std::move(sorted.parts), sorted.labels,
+                                  base::part_of(execution.progress, 0.15f, 0.3f));
+  if (sorted.parts.count() < split_count) sorted.labels = label(sorted.parts);
+  sorted.classified =
+      classify_parts(scene, sorted.parts, sorted.labels, execution.part(0.3f, 1.0f));
+  return sorted;
+}
+
+/// Sorts by names and shapes; by shapes alone if names leave no wood.
+SortedParts sort_parts(const ObjScene& scene, const std::string& foliage_names,
+                       std::vector<std::string>& warnings, const base::Execution& execution) {
+  SortedParts by_names = sort_parts(scene, foliage_names, true, execution);
+  if (by_names.has_wood() || !by_names.has_role(PartRole::kFoliage) || !foliage_names.empty()) {
+    return by_names;
+  }
+  SortedParts by_shape = sort_parts(scene, foliage_names, false, execution.part(1.0f, 1.0f));
+  if (!by_shape.has_wood()) return by_names;
+  warnings.emplace_back(
+      "by their names all parts are foliage; wood and leaves were distinguished by shape");
+  return by_shape;
 }
 
 /// @throws std::invalid_argument if there are none, or hardly any without names that confirm them.
@@ -204,38 +234,42 @@ glm::dvec3 place_far_away(const ObjScene& scene) {
   return is_far ? middle : glm::dvec3(0.0);
 }
 
-/// Reads the file, relative to the tree's centre if that is far away.
-ObjScene read_scene(const std::string& path, ObjReadOptions options, Skeleton& skeleton) {
-  ObjScene scene = read_obj_file(path, options);
+/// Gives a tree that is far from the file's origin its own. @return whether it is.
+bool take_origin(const ObjScene& scene, Skeleton& skeleton) {
   skeleton.origin = place_far_away(scene);
-  if (skeleton.origin == glm::dvec3(0.0)) return scene;
-  options.origin = skeleton.origin;
+  if (skeleton.origin == glm::dvec3(0.0)) return false;
   skeleton.report.warnings.emplace_back(
       "the tree is far from the file's origin: it was built at the origin and then moved there");
-  return read_obj_file(path, options);
+  return true;
 }
 
-/// Reads the file and fills the skeleton's foliage and report.
-/// @return the wood, not yet connected.
-TracedBranches read_parts(const std::string& path, const ReadTreeOptions& options,
-                          Skeleton& skeleton) {
-  const base::Execution whole{options.threads, options.progress};
-  ImportReport& report = skeleton.report;
+/// Reads the file, relative to the tree's centre if that is far away.
+ObjScene read_scene(const std::string& path, const ReadTreeOptions& options, Skeleton& skeleton) {
   ObjReadOptions read_options;
   read_options.buffer_size = options.buffer_size;
   read_options.threads = options.threads;
   read_options.progress = base::part_of(options.progress, 0.0f, 0.5f);
+  ObjScene scene = read_obj_file(path, read_options);
+  if (!take_origin(scene, skeleton)) return scene;
+  read_options.origin = skeleton.origin;
+  return read_obj_file(path, read_options);
+}
 
-  const ObjScene scene = read_scene(path, read_options, skeleton);
-  const auto [parts, labels] =
-      find_parts(scene, options.foliage_names, base::part_of(options.progress, 0.5f, 0.6f));
-  ClassifiedParts classified = classify_parts(scene, parts, labels, whole.part(0.6f, 0.8f));
+/// Fills the skeleton's foliage and report.
+/// @return the wood, not yet connected.
+TracedBranches read_parts(const ObjScene& scene, const std::string& path,
+                          const ReadTreeOptions& options, Skeleton& skeleton) {
+  const base::Execution whole{options.threads, options.progress};
+  ImportReport& report = skeleton.report;
+  SortedParts sorted =
+      sort_parts(scene, options.foliage_names, report.warnings, whole.part(0.5f, 0.8f));
+  const auto& [parts, labels, classified] = sorted;
   report.form = form_name(classified.form);
   report.foliage_parts = classified.foliage_count;
   report_scene(scene, report);
   const LeftOut left_out = report_left_out(scene, parts, labels, classified, report);
 
-  TracedBranches traced = trace_branches(scene, parts, labels, classified);
+  TracedBranches traced = trace_branches(scene, parts, labels, sorted.classified);
   traced.form = classified.form;
   report_squares(traced, report);
   traced.named = !options.levels.empty() || !options.foliage_names.empty() ||
@@ -250,7 +284,6 @@ TracedBranches read_parts(const std::string& path, const ReadTreeOptions& option
     report.skipped_parts.emplace_back(
         "foliage (" + std::to_string(classified.foliage_count) + " parts)", "left out by option");
   }
-  describe_materials(scene, path, options.outside_files, skeleton);
   return traced;
 }
 
@@ -292,17 +325,19 @@ void report_extra_roots(Skeleton& skeleton) {
   }
 }
 
-}  // namespace
-
-Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
+void check_options(const ReadTreeOptions& options) {
   check_tolerance(options.tolerance);
   if (!(options.unit > 0.0) || !std::isfinite(options.unit) || !(options.height >= 0.0) ||
       !std::isfinite(options.height)) {
     throw std::invalid_argument("unit must be above zero metres, height zero or above");
   }
+}
+
+/// Fills the skeleton from the polygons of a file or a mesh.
+void build_skeleton(const ObjScene& scene, const std::string& path, const ReadTreeOptions& options,
+                    Skeleton& skeleton) {
   const base::Execution whole{options.threads, options.progress};
-  Skeleton skeleton;
-  TracedBranches traced = read_parts(path, options, skeleton);
+  TracedBranches traced = read_parts(scene, path, options, skeleton);
 
   connect(traced, !options.levels.empty(), skeleton.report.warnings,
           base::part_of(options.progress, 0.8f, 0.85f));
@@ -324,6 +359,30 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
   }
   simplify_skeleton(skeleton, options.simplify, options.tolerance);
   base::report_progress(options.progress, 1.0f);
+}
+
+}  // namespace
+
+Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
+  check_options(options);
+  Skeleton skeleton;
+  const ObjScene scene = read_scene(path, options, skeleton);
+  build_skeleton(scene, path, options, skeleton);
+  describe_materials(scene, path, options.outside_files, skeleton);
+  return skeleton;
+}
+
+Skeleton read_tree(ObjScene scene, const std::vector<glm::dvec3>& positions,
+                   const std::string& name, const ReadTreeOptions& options) {
+  check_options(options);
+  Skeleton skeleton;
+  scene.positions.assign(positions.begin(), positions.end());
+  if (take_origin(scene, skeleton)) {
+    for (size_t v = 0; v < positions.size(); ++v) {
+      scene.positions[v] = positions[v] - skeleton.origin;
+    }
+  }
+  build_skeleton(scene, name, options, skeleton);
   return skeleton;
 }
 

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <glm/vec3.hpp>
 #include <string>
+#include <vector>
 
 #include "base/progress.h"
+#include "tree/obj/obj_scene.h"
 #include "tree/skeleton/simplify.h"
 #include "tree/skeleton/skeleton.h"
 
@@ -47,5 +50,13 @@ struct ReadTreeOptions {
 /// for one that has no branches or is no tree, such as a bench.
 /// @throws Cancelled when progress says stop.
 Skeleton read_tree(const std::string& path, const ReadTreeOptions& options = {});
+
+/// The same for polygons that are already in memory. Materials keep only their names.
+/// @param scene  as from an OBJ file, with valid indices; `positions` are replaced.
+/// @param positions  of the vertices, in the scene's space.
+/// @param name  of the source in messages.
+/// @throws as above.
+Skeleton read_tree(ObjScene scene, const std::vector<glm::dvec3>& positions,
+                   const std::string& name, const ReadTreeOptions& options = {});
 
 }  // namespace snowbough::tree

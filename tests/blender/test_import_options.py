@@ -273,3 +273,10 @@ def test_an_asset_has_a_picture_of_its_tree_that_is_saved(tmp_path):
 
 def test_without_the_option_it_is_no_asset():
     assert _import().asset_data is None
+
+
+@pytest.mark.parametrize("height, hints", [(6010.0, ["the tree is 6,010 m high"]), (100.0, [])])
+def test_a_tree_of_thousands_of_metres_gets_a_hint_at_its_units(addon, height, hints):
+    options = addon("tree.import_options").ImportOptions(height=height)
+    warnings = addon("tree.native_tree").read_native(MAPLE, options).report["warnings"]
+    assert [text.split(":")[0] for text in warnings if "high" in text] == hints

@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 
 from ..base import compat, native
-from ..base.names import BARK_UV, FAILURES, ORIGINAL_UV, SNOW_RESOLUTION_PROPERTY, counted
+from ..base.names import BARK_UV, FAILURES, LEAF_UV, ORIGINAL_UV, SNOW_RESOLUTION_PROPERTY, counted
 from . import armature, kept_bark, kept_skeleton, materials, objects, textures, thumbnail, wind_attributes
 from .import_options import BY_DETAIL, LOD_COUNT
 from .native_tree import read_native
@@ -42,17 +42,17 @@ def _used(sources, chosen, make):
     return [*made, make(None) if -1 in used else None]
 
 
-def _create_bark(name, tree, options, bone_names, check):
+def _create_bark(name, tree, options, bone_names, check, own):
     """The bark objects, the finest first.
 
-    check: textures.Check
+    check: textures.Check; own: materials.OwnMaterials
     """
     meshes = tree.meshes
     uv_map = ORIGINAL_UV if meshes[0].original_uv is not None else BARK_UV
     slots = _used(
         check.readable(tree.skeleton.wood_materials),
         [made.face_material for made in meshes],
-        lambda source: materials.bark_material(f"{name}_bark", source, uv_map),
+        lambda source: own.copy(source, uv_map) or materials.bark_material(f"{name}_bark", source, uv_map),
     )
     barks = []
     for made in reversed(meshes):
@@ -75,12 +75,12 @@ def _create_bark(name, tree, options, bone_names, check):
     return barks
 
 
-def _create_leaves(name, tree, options, bone_names, check):
+def _create_leaves(name, tree, options, bone_names, check, own):
     foliage = tree.skeleton.foliage
     slots = _used(
         check.readable(foliage.materials),
         [foliage.face_material],
-        lambda source: materials.leaf_material(source, f"{name}_leaf"),
+        lambda source: own.copy(source, LEAF_UV) or materials.leaf_material(source, f"{name}_leaf"),
     )
     leaves = objects.create_leaves(
         f"{name}_leaves", foliage, tree.leaf_layout["uv"], tree.leaf_bones, bone_names, slots
@@ -100,7 +100,7 @@ def _select(context, rig, barks, leaves):
     context.view_layer.objects.active = barks[0]
 
 
-def create_tree(context, title, tree, options):
+def create_tree(context, title, tree, options, own):
     """Makes collection, armature, bark and leaves; returns the collection. After an error nothing remains."""
     with objects.Ledger():
         if context.object is not None and context.object.mode != "OBJECT":
@@ -115,10 +115,10 @@ def create_tree(context, title, tree, options):
         kept_skeleton.keep(rig.data, tree, options)
         kept_bark.keep(rig.data, tree.base, tree.meshes[-1])
         check = textures.Check(tree.report["warnings"])
-        barks = _create_bark(name, tree, options, bones.names, check)
+        barks = _create_bark(name, tree, options, bones.names, check, own)
         leaves = []
         if tree.leaf_bones is not None:
-            leaves.append(_create_leaves(name, tree, options, bones.names, check))
+            leaves.append(_create_leaves(name, tree, options, bones.names, check, own))
         for obj in (*barks, *leaves):
             collection.objects.link(obj)
             objects.bind(obj, rig)
@@ -144,13 +144,14 @@ def _reach(tree):
     return float(x.min()), float(x.max())
 
 
-def create_trees(context, trees, options):
-    """Makes the trees of `trees`, [(path, NativeTree), ...], in a row along X, the first at its place in the file;
-    returns their collections. After an error none remains."""
+def create_trees(context, trees, options, own=None):
+    """Makes the trees of `trees`, [(Path or name, NativeTree), ...], in a row along X, the first at its place in the
+    file; returns their collections. After an error none remains. own: the materials that exist already."""
     collections, made, end = [], [], None
     with objects.Ledger():
         for path, tree in trees:
-            collections.append(create_tree(context, Path(path).stem, tree, options))
+            title = path.stem if isinstance(path, Path) else path
+            collections.append(create_tree(context, title, tree, options, own or materials.OwnMaterials()))
             made += context.view_layer.objects.selected
             low, high = _reach(tree)
             shift = 0.0 if end is None else end + ROW_GAP * (high - low) - low

@@ -190,3 +190,40 @@ def leaf_material(source=None, name="leaf"):
         # Fully transparent leaves make no sense: some exporters swap d and Tr.
         _add_textures(parts, source, LEAF_UV, float(source.opacity) or 1.0, own_alpha=True)
     return material
+
+
+class OwnMaterials:
+    """The materials that a tree's meshes already have in Blender, by name."""
+
+    def __init__(self, known=()):
+        self._known = dict(known)
+
+    def copy(self, source, uv_map):
+        """A copy of the source's material with its textures on `uv_map`; None if there is none of its name."""
+        material = self._known.get(source.name) if source is not None else None
+        if material is None:
+            return None
+        material = material.copy()
+        if material.node_tree is not None:
+            _put_on_uv_map(material.node_tree, uv_map)
+        return material
+
+
+def _put_on_uv_map(tree, uv_map):
+    """Makes all image textures use `uv_map`: it need not be the first of the mesh, which nodes take by default."""
+    place = None
+    for node in list(tree.nodes):
+        if node.type == "UVMAP":
+            node.uv_map = uv_map
+        inputs = (
+            [node.inputs["Vector"]]
+            if node.type == "TEX_IMAGE" and not node.inputs["Vector"].is_linked
+            else []
+        )
+        if node.type == "TEX_COORD":
+            inputs += [link.to_socket for link in node.outputs["UV"].links]
+        for socket in inputs:
+            if place is None:
+                place = tree.nodes.new("ShaderNodeUVMap")
+                place.uv_map = uv_map
+            tree.links.new(place.outputs["UV"], socket)

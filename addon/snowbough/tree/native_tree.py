@@ -16,6 +16,9 @@ from .import_options import BY_DETAIL, JOINTS, LOD_COUNT, METRES_OF_UNIT
 # A dead trunk or a stump may be intended, but a pole rarely is.
 BARE_TRUNK = "nothing in the file has branches or leaves: it was imported as a bare trunk, but may be a pole"
 
+# The tallest living tree has 116 m.
+TALLEST = 150.0
+
 
 @dataclass(frozen=True)
 class Fineness:
@@ -136,6 +139,24 @@ def read_native(path, options, progress=None, units_per_metre=1.0):
         raise ValueError(f"{path} is a folder: choose a file")
     if not path.is_file():
         raise ValueError(f"{path} was not found")
+
+    def read(module, **settings):
+        return module.read_tree(str(path), outside_files=options.outside_files, **settings)
+
+    return _build(path.name, read, options, progress, units_per_metre)
+
+
+def read_polygons(polygons, options, units_per_metre=1.0):
+    """As read_native, for selected_meshes.Polygons."""
+
+    def read(module, **settings):
+        return module.read_tree_mesh(*polygons, **settings)
+
+    return _build(polygons.name, read, options, None, units_per_metre)
+
+
+def _build(name, read, options, progress, units_per_metre):
+    """The NativeTree of the skeleton that read(module, **settings) returns."""
     module = native.load()
     started = time.perf_counter()
 
@@ -146,19 +167,18 @@ def read_native(path, options, progress=None, units_per_metre=1.0):
     simplify, tolerance = options.simplify, options.tolerance
     if simplify == "DETAIL":
         simplify, tolerance = JOINTS[options.detail if options.lod == BY_DETAIL else "DEFAULT"]
-    skeleton = module.read_tree(
-        str(path),
+    skeleton = read(
+        module,
         up_axis=options.up_axis,
         levels=options.levels,
         simplify=simplify,
         tolerance=tolerance,
         **size_settings(options, units_per_metre),
-        outside_files=options.outside_files,
         foliage=(options.foliage_names or "AUTO") if options.foliage else "NONE",
         progress=part(0.0, 0.4),
     )
     if not skeleton.branches:
-        raise ValueError(f"{path} has no branches: there is no tree to import")
+        raise ValueError(f"{name} has no branches: there is no tree to import")
     # The leaves' charts need only the skeleton: a second thread packs them while the mesh is built.
     stopped = threading.Event()
     with ThreadPoolExecutor(1, "snowbough-leaves") as worker:
@@ -185,7 +205,7 @@ def read_native(path, options, progress=None, units_per_metre=1.0):
         raise KeyboardInterrupt("cancelled")
 
     report = dict(skeleton.report)
-    report["file"] = path.name
+    report["file"] = name
     report["height"] = float(skeleton.height)
     report["branches"] = len(skeleton.branches)
     report["bones_found"] = len(whole.bone_parents)
@@ -198,6 +218,11 @@ def read_native(path, options, progress=None, units_per_metre=1.0):
     report["surface"] = {key: whole.report[key] for key in ("components", "closed", "crossing_junctions")}
     if all(branch.parent < 0 for branch in skeleton.branches) and leaf_layout is None:
         warnings.append(BARE_TRUNK)
+    metres = report["height"] / units_per_metre
+    if metres > TALLEST:
+        warnings.append(
+            f"the tree is {metres:,.0f} m high: set Units or Height, if it is in another unit than metres"
+        )
     report["warnings"] = list(report["warnings"]) + warnings
     report["native_seconds"] = round(time.perf_counter() - started, 4)
     return NativeTree(skeleton, meshes, base, leaf_bones, leaf_layout, report)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operator ``import_scene.xfrog_tree``: imports OBJ trees as rigged, weighted, unwrapped meshes (tree.import_tree).
+"""Operators ``import_scene.xfrog_tree``: imports OBJ trees as rigged, weighted, unwrapped meshes (tree.import_tree);
+and ``snowbough.build_tree_from_selected``: builds them from mesh objects (tree.selected_meshes).
 
 In a window, a second operator does the work in a background thread, so the window stays responsive and Esc stops it.
 """
@@ -15,9 +16,10 @@ from bpy_extras.io_utils import ImportHelper
 from ..base import compat, native
 from ..base.names import FAILURES
 from ..base.options import options_of
-from ..tree import import_tree
+from ..tree import import_tree, selected_meshes
 from ..tree.import_options import ImportOptions, ImportProperties
 from ..tree.import_tree import REPORT_PROPERTY
+from .editing_lock import NotWhileBaking
 from .import_panels import draw_sections
 
 
@@ -216,11 +218,46 @@ class SNOWBOUGH_OT_import_tree_job(ImportProperties, _Files, bpy.types.Operator)
         context.workspace.status_text_set(None)
 
 
+class SNOWBOUGH_OT_build_tree_from_selected(NotWhileBaking, ImportProperties, bpy.types.Operator):
+    """Build a continuous, rigged tree from the selected mesh objects, as an importer of another format made them, with
+    their materials and UV maps. The selected objects are hidden"""
+
+    bl_idname = "snowbough.build_tree_from_selected"
+    bl_label = "Build Tree from Selected"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def ready(cls, context):
+        if not any(obj.type == "MESH" for obj in context.selected_objects):
+            cls.poll_message_set("Select the mesh objects of a tree")
+            return False
+        return True
+
+    def draw(self, _context):
+        draw_sections(self.layout, self, leave_out={"outside_files"})
+
+    def execute(self, context):
+        try:
+            _collection, report = selected_meshes.build(context, options_of(ImportOptions, self))
+        except FAILURES as error:
+            self.report({"ERROR"}, import_tree.message(error))
+            return {"CANCELLED"}
+        texts = report["taken"]
+        more = f" and {len(texts) - 5} more objects" if len(texts) > 5 else ""
+        self.report({"INFO"}, f"Taken: {'; '.join(texts[:5])}{more}")
+        _report_import(self, [report], [])
+        return {"FINISHED"}
+
+
 def _draw_menu(self, _context):
     self.layout.operator(IMPORT_SCENE_OT_xfrog_tree.bl_idname, text="Xfrog Tree (.obj)")
 
 
-CLASSES = (IMPORT_SCENE_OT_xfrog_tree, SNOWBOUGH_OT_import_tree_job)
+CLASSES = (
+    IMPORT_SCENE_OT_xfrog_tree,
+    SNOWBOUGH_OT_import_tree_job,
+    SNOWBOUGH_OT_build_tree_from_selected,
+)
 _file_handlers = []
 
 

@@ -27,12 +27,12 @@ def draw_options(layout, options, names):
         row.prop(options, name)
 
 
-def draw_sections(layout, options):
+def draw_sections(layout, options, leave_out=()):
     """Draws all sections, in Adjust Last Operation and in the dialog for dropped files."""
     for identifier, text, names in SECTIONS:
         body = compat.section(layout, f"snowbough_import_{identifier}", text)
         if body is not None:
-            draw_options(body, options, names)
+            draw_options(body, options, [name for name in names if name not in leave_out])
 
 
 class _Panel:

@@ -208,6 +208,7 @@ class SNOWBOUGH_PT_tree(_SidebarPanel, bpy.types.Panel):
         column = self.layout.column()
         column.enabled = session.bake is None
         column.operator("import_scene.xfrog_tree", text="Import Xfrog Tree", icon="IMPORT")
+        column.operator("snowbough.build_tree_from_selected", icon="MESH_DATA")
         column.operator("snowbough.add_sway", icon="FORCE_WIND")
 
 

@@ -50,7 +50,7 @@ constexpr size_t kMostBlocks = 1024;
 /// Progress at which every part's shape is known; forking surfaces take the rest.
 constexpr float kShapesFound = 0.5f;
 
-enum class Shape : uint8_t { kUnknown, kTube, kPlane, kTriangle, kOther };
+enum class Shape : uint8_t { kUnknown, kTube, kPlane, kTriangle, kOther, kWithoutArea };
 
 struct Shapes {
   std::vector<Shape> shape;
@@ -75,7 +75,7 @@ Shapes find_shapes(const ObjScene& scene, const Parts& parts, const PartLabels& 
       if (read_cross_section(scene, parts, p)) {
         shapes.shape[p] = Shape::kPlane;
       } else if (parts.part_faces(p).size() == 1) {
-        shapes.shape[p] = Shape::kTriangle;
+        shapes.shape[p] = part_area(scene, parts, p) > 0.0 ? Shape::kTriangle : Shape::kWithoutArea;
       } else if (std::optional<Limb> limb = trace_tube(scene, parts.part_faces(p),
                                                        parts.part_vertices(p), shapes.why[p])) {
         shapes.shape[p] = Shape::kTube;
@@ -85,7 +85,7 @@ Shapes find_shapes(const ObjScene& scene, const Parts& parts, const PartLabels& 
         shapes.shape[p] = Shape::kTube;
         traced[begin / block].emplace_back(p, std::move(*uneven));
       } else {
-        shapes.shape[p] = Shape::kOther;
+        shapes.shape[p] = part_area(scene, parts, p) > 0.0 ? Shape::kOther : Shape::kWithoutArea;
       }
     }
   };
@@ -345,7 +345,9 @@ ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const 
         (after != tubes.begin() &&
          is_cap_of(scene, parts, p, result.limbs[result.limb[after[-1]]]));
     const auto refused = shapes.refused.find(p);
-    if (cap) {
+    if (shapes.shape[p] == Shape::kWithoutArea) {
+      skip("without area", false);
+    } else if (cap) {
       skip("a cap that closes a tube's end");
     } else if (refused != shapes.refused.end()) {
       skip(refused->second);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <glm/vec3.hpp>
+#include <set>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -35,6 +36,15 @@ Position position_of(const ObjScene& scene, int32_t vertex) {
   return {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};
 }
 
+/// Whether a face is a line or a point, whose edges coincide.
+bool is_line(const ObjScene& scene, int32_t f) {
+  std::set<Position> corners;
+  for (int32_t c = scene.face_begin[f]; c < scene.face_begin[f + 1]; ++c) {
+    corners.insert(position_of(scene, scene.corner_vertex[c]));
+  }
+  return corners.size() < 3;
+}
+
 std::vector<Edge> sorted_edges(const ObjScene& scene, const Parts& parts,
                                const PartLabels& labels) {
   std::vector<Edge> edges;
@@ -42,6 +52,7 @@ std::vector<Edge> sorted_edges(const ObjScene& scene, const Parts& parts,
     const std::span<const int32_t> faces = parts.part_faces(p);
     if (labels.meaning[p] == NameMeaning::kFoliage || faces.size() > kMostFaces) continue;
     for (const int32_t f : faces) {
+      if (is_line(scene, f)) continue;
       const int32_t begin = scene.face_begin[f];
       const int32_t end = scene.face_begin[f + 1];
       for (int32_t c = begin; c < end; ++c) {

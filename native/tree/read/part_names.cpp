@@ -134,8 +134,8 @@ NameMeaning meaning_of_name(std::string_view name) {
   return meaning;
 }
 
-PartLabels label_parts(const ObjScene& scene, const Parts& parts,
-                       const std::string& foliage_names) {
+PartLabels label_parts(const ObjScene& scene, const Parts& parts, const std::string& foliage_names,
+                       bool foliage_words) {
   PartLabels labels;
   std::vector<NameMeaning> names;
   std::vector<NameMeaning> materials;
@@ -165,7 +165,9 @@ PartLabels label_parts(const ObjScene& scene, const Parts& parts,
       label = found->second;
     }
     labels.label.push_back(label);
-    labels.meaning.push_back(meaning_of_run(names, materials, run));
+    const NameMeaning meaning = meaning_of_run(names, materials, run);
+    labels.meaning.push_back(meaning == kFoliage && !foliage_words ? NameMeaning::kSilent
+                                                                   : meaning);
   }
   if (!foliage_names.empty()) overrule_foliage(scene, parts, foliage_names, labels);
   return labels;

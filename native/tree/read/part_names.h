@@ -32,8 +32,10 @@ struct PartLabels {
 /// @param foliage_names name prefixes separated by commas: exactly the parts whose group, object or
 ///   material starts with one of them (ignoring case) are foliage. Empty: decided by
 ///   meaning_of_name.
+/// @param foliage_words false: words for foliage do not count, as in files whose every name has
+/// one.
 /// @throws std::invalid_argument for an empty name or one that matches nothing in the file.
 PartLabels label_parts(const ObjScene& scene, const Parts& parts,
-                       const std::string& foliage_names = {});
+                       const std::string& foliage_names = {}, bool foliage_words = true);
 
 }  // namespace snowbough::tree

@@ -24,25 +24,37 @@ constexpr size_t kMostUneven = 4;
 /// A limb shorter than this fraction of its radius is a disc, not a tube.
 constexpr float kShortestLimb = 0.25f;
 
+/// Whether two vertices of one row of `k` are neighbours in its cyclic order.
+bool are_neighbours(int32_t a, int32_t b, int32_t k) {
+  const int32_t apart = std::abs(a - b);
+  return apart == 1 || apart == k - 1;
+}
+
 /// Whether rows of `k` consecutive vertices, with or without a single tip vertex, are this tube's
-/// rings: each two rows are joined by a full belt of faces (2k triangles' worth; k at the tip).
+/// rings: each two rows are joined by a full belt of faces (2k triangles' worth; k at the tip)
+/// along edges between neighbours, and an end is open or closed by k - 2 triangles' worth.
 bool rows_are_rings(const LocalMesh& mesh, int32_t k) {
   const auto count = static_cast<int32_t>(mesh.positions.size());
   if (count % k > 1 || count < k + 1) return false;
-  std::vector<int32_t> belt(static_cast<size_t>(count / k) + 1, 0);
+  const int32_t rows = count / k;
+  std::vector<int32_t> belt(static_cast<size_t>(rows) + 1, 0);
+  std::vector<int32_t> cap(static_cast<size_t>(rows) + 1, 0);
   for (int32_t f = 0; f < mesh.face_count(); ++f) {
     const std::span<const int32_t> face = mesh.face(f);
     const auto [low, high] = std::minmax_element(face.begin(), face.end());
     const int32_t row = *low / k;
     const int32_t step = *high / k - row;
     if (step > 1) return false;
-    // A face within one row closes an end.
-    if (step == 0 && row != 0 && (row + 1) * k < count) return false;
-    if (step == 1) belt[row] += static_cast<int32_t>(face.size()) - 2;
+    (step == 0 ? cap : belt)[row] += static_cast<int32_t>(face.size()) - 2;
+    for (size_t c = 0; step == 1 && c < face.size(); ++c) {
+      const int32_t next = face[(c + 1) % face.size()];
+      if (face[c] / k == next / k && !are_neighbours(face[c], next, k)) return false;
+    }
   }
-  const int32_t rows = count / k;
-  for (int32_t row = 0; row + 1 < rows; ++row) {
-    if (belt[row] != 2 * k) return false;
+  for (int32_t row = 0; row < rows; ++row) {
+    const bool end = row == 0 || (row + 1) * k == count;
+    if (cap[row] != 0 && (!end || cap[row] != k - 2)) return false;
+    if (row + 1 < rows && belt[row] != 2 * k) return false;
   }
   return count % k == 0 || belt[rows - 1] == k;
 }

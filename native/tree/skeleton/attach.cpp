@@ -15,6 +15,9 @@ namespace {
 
 constexpr float kReachInRadii = 3.0f;
 constexpr float kReachInSizes = 0.01f;
+/// Reach to a lower level, relative to that to the own level, of a branch that attaches to neither
+/// at first: names are better evidence than a slightly smaller distance.
+constexpr float kReachToLevel = 2.0f;
 /// Minimum radius in relative searches, as a fraction of the tree's size.
 constexpr float kRadiusFloor = 1e-3f;
 
@@ -43,9 +46,10 @@ std::vector<int32_t> thickness_order(const std::vector<Branch>& branches) {
   return order;
 }
 
-bool reaches(float radius, const NearestSegment& found, float size) {
+/// @param share  of the usual reach.
+bool reaches(float radius, const NearestSegment& found, float size, float share = 1.0f) {
   if (found.branch < 0) return false;
-  return found.distance <= kReachInRadii * (found.radius + radius) + kReachInSizes * size;
+  return found.distance <= share * (kReachInRadii * (found.radius + radius) + kReachInSizes * size);
 }
 
 bool touches(float radius, const NearestSegment& found) {
@@ -103,28 +107,33 @@ void take_parent(Branch& branch, const NearestSegment& found) {
   branch.attach_point = found.point;
 }
 
-/// Branches that start at one place are siblings: if a branch was attached at another's root, it
-/// gets that one's parent.
+/// Branches that start at one place, or within one limb, are siblings: if a branch was attached at
+/// another's root, or starts inside that one's parent, it gets that parent.
 /// @param branches those thicker than the child already have their parents.
 void prefer_common_parent(const std::vector<Branch>& branches, const Branch& child,
                           NearestSegment& found) {
   while (found.branch >= 0) {
     const Branch& sibling = branches[found.branch];
-    if (sibling.parent < 0 || found.point != sibling.points.front()) return;
-    const float away = glm::distance(child.points.front(), sibling.attach_point);
-    const CentrelinePlace place = nearest_place(branches[sibling.parent], sibling.attach_point);
-    const float radius = radius_at(branches[sibling.parent], place);
-    // No farther from the common parent than from the sibling, apart from the path through the limb
-    // itself.
-    if (away > found.distance + radius) return;
+    if (sibling.parent < 0) return;
+    const Branch& parent = branches[sibling.parent];
+    CentrelinePlace place = nearest_place(parent, child.points.front());
+    float away = glm::distance(child.points.front(), place.point);
+    if (away > radius_at(parent, place)) {
+      if (found.point != sibling.points.front()) return;
+      place = nearest_place(parent, sibling.attach_point);
+      away = glm::distance(child.points.front(), place.point);
+      // No farther from the common parent than from the sibling, apart from the path through the
+      // limb itself.
+      if (away > found.distance + radius_at(parent, place)) return;
+    }
     found.branch = sibling.parent;
-    found.point = sibling.attach_point;
+    found.point = place.point;
     found.distance = away;
-    found.radius = radius;
+    found.radius = radius_at(parent, place);
   }
 }
 
-/// Attaches roots to a touching branch that is no candidate by thickness or level and does not
+/// Attaches roots to a branch that was no candidate by reach, thickness or level, and does not
 /// descend from them.
 void attach_left_over(std::vector<Branch>& branches, const std::vector<int32_t>& order,
                       int32_t first, bool by_level, const SegmentTree& segments, float size) {
@@ -141,15 +150,24 @@ void attach_left_over(std::vector<Branch>& branches, const std::vector<int32_t>&
       own[family[i]] = 1;
       for (const int32_t child : children[family[i]]) family.push_back(child);
     }
-    const int32_t below = by_level ? order[b] + 1 : std::numeric_limits<int32_t>::max();
-    const NearestSegment found = segments.nearest(
-        branch.points.front(), below, by_level ? Measure::kDistance : Measure::kRadii, &own);
-    for (const int32_t member : family) own[member] = 0;
-    if (reaches(branch.radii.front(), found, size) &&
-        !stands_beside(branch, branches[found.branch], found)) {
-      take_parent(branch, found);
-      children[found.branch].push_back(static_cast<int32_t>(b));
+    const auto nearest = [&](int32_t below) {
+      return segments.nearest(branch.points.front(), below,
+                              by_level ? Measure::kDistance : Measure::kRadii, &own);
+    };
+    const auto takes = [&](const NearestSegment& found, float share) {
+      return reaches(branch.radii.front(), found, size, share) &&
+             !stands_beside(branch, branches[found.branch], found);
+    };
+    NearestSegment found;
+    if (by_level) found = nearest(order[b]);
+    if (!takes(found, kReachToLevel)) {
+      found = nearest(by_level ? order[b] + 1 : std::numeric_limits<int32_t>::max());
+      if (!takes(found, 1.0f)) found.branch = -1;
     }
+    for (const int32_t member : family) own[member] = 0;
+    if (found.branch < 0) continue;
+    take_parent(branch, found);
+    children[found.branch].push_back(static_cast<int32_t>(b));
   }
 }
 

@@ -13,9 +13,11 @@ namespace snowbough::tree {
 /// A branch's parent is the branch whose centreline *segment* (not point) is nearest to its root:
 /// - with level names (every `level` >= 0): in metres, among the branches of lower levels;
 /// - without (every `level` == -1): in radii of the limb there, among thicker branches (larger
-///   maximum radius; on a tie the longer one). Levels are then the depth below the root.
+///   maximum radius; on a tie the longer one), or that one's parent if the branch starts inside it.
+///   Levels are then the depth below the root.
 /// A branch out of reach of all of these takes one that does not descend from it (with names: of
-/// the same level); one out of reach of all branches stays a root. No cycles arise.
+/// lower levels within twice the reach, else of the same level); one out of reach of all branches
+/// stays a root. No cycles arise.
 ///
 /// "In reach" means within three radii of the two limbs and a hundredth of the tree's size. The
 /// base of a second stem beside the first one's base is not an attachment.

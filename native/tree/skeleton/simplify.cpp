@@ -14,6 +14,10 @@
 namespace snowbough::tree {
 namespace {
 
+/// Change of thickness from which a ring is kept, in local radii and relative to the tolerance.
+constexpr float kBulge = 0.05f;
+constexpr size_t kFewestBulges = 4;
+
 /// The branch with its children's attach points as points.
 struct Refined {
   Branch branch;
@@ -158,6 +162,28 @@ void keep_needed_points(const Branch& branch, float tolerance, float smallest_ra
   }
 }
 
+/// Marks the rings that bulge or narrow, if there are several as on a palm: the turns of the
+/// thickness between which it changes by more than a small part of the tolerance. Bones could
+/// bridge them, but the outline shows them.
+void keep_bulges(const Branch& branch, float tolerance, std::vector<bool>& keep) {
+  const std::vector<float>& radii = branch.radii;
+  std::vector<size_t> turns{0};
+  // The thickest or thinnest point since the last turn.
+  size_t farthest = 0;
+  for (size_t i = 1; i < radii.size(); ++i) {
+    const float from_turn = radii[farthest] - radii[turns.back()];
+    const float change = radii[i] - radii[farthest];
+    if (from_turn * change > 0.0f) {
+      farthest = i;
+    } else if (std::abs(change) > kBulge * tolerance * radii[farthest]) {
+      if (farthest != turns.back()) turns.push_back(farthest);
+      farthest = i;
+    }
+  }
+  if (turns.size() <= kFewestBulges) return;
+  for (const size_t turn : turns) keep[turn] = true;
+}
+
 }  // namespace
 
 void check_tolerance(float tolerance) {
@@ -195,9 +221,11 @@ void simplify_skeleton(Skeleton& skeleton, Simplify mode, float tolerance) {
         *std::max_element(refined.child_point.begin(), refined.child_point.end());
     if (mode == Simplify::kTolerance || last_child == 0) keep.back() = true;
     if (mode == Simplify::kTolerance) {
+      keep_bulges(fine, tolerance, keep);
+      const std::vector<bool> fixed = keep;
       size_t from = 0;
       for (size_t i = 1; i < fine.points.size(); ++i) {
-        if (!refined.has_child[i] && i + 1 < fine.points.size()) continue;
+        if (!fixed[i]) continue;
         keep_needed_points(fine, tolerance, smallest_radius, from, i, keep);
         from = i;
       }

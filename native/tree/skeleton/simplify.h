@@ -13,7 +13,8 @@ enum class Simplify {
   kThesis,
   /// As kThesis, plus the points needed to keep the limb, including the end beyond the last child,
   /// within `tolerance` x local radius of the original: the distance between the centrelines
-  /// combined with the difference of the radii, so that flares on straight limbs are kept.
+  /// combined with the difference of the radii, so that flares on straight limbs are kept. Repeated
+  /// bulges, such as a palm's rings, are kept from a twentieth of the tolerance on.
   kTolerance,
 };
 

@@ -6,13 +6,17 @@
 #include <vector>
 
 #include "tree/rings/local_mesh.h"
+#include "tree/welded/ends.h"
 #include "tree/welded/welded.h"
 
 namespace snowbough::tree {
 namespace {
 
 constexpr size_t kSmallestLoop = 3;
+/// Maximum corners of the open end if the other one is closed: a larger one is a leaf's outline.
 constexpr size_t kLargestLoop = 16;
+/// Open ends whose radii differ by less than this fraction look alike.
+constexpr float kSameThickness = 0.02f;
 /// Minimum length of a tube, in largest radii.
 constexpr float kShortest = 3.0f;
 
@@ -29,9 +33,9 @@ std::vector<std::pair<int32_t, int32_t>> polygon_edges(const LocalMesh& mesh) {
   return edges;
 }
 
-/// Whether the surface is a disc: one boundary, no handles, no edge with three faces.
-bool is_disc(const LocalMesh& mesh, std::vector<std::pair<int32_t, int32_t>> edges,
-             size_t loop_size) {
+/// Whether the surface is a sphere with these holes: no handles, no edge with three faces.
+bool is_sphere_with_holes(const LocalMesh& mesh, std::vector<std::pair<int32_t, int32_t>> edges,
+                          const Layers& holes) {
   size_t single = 0;
   for (size_t i = 0; i < edges.size();) {
     size_t j = i + 1;
@@ -43,7 +47,9 @@ bool is_disc(const LocalMesh& mesh, std::vector<std::pair<int32_t, int32_t>> edg
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   const auto euler = static_cast<ptrdiff_t>(mesh.positions.size()) -
                      static_cast<ptrdiff_t>(edges.size()) + mesh.face_count();
-  return euler == 1 && single == loop_size;
+  size_t around = 0;
+  for (const std::vector<int32_t>& hole : holes) around += hole.size();
+  return euler == 2 - static_cast<ptrdiff_t>(holes.size()) && single == around;
 }
 
 /// The vertices of a layer in cyclic order, if they form one closed ring.
@@ -104,11 +110,13 @@ std::optional<Limb> trace_uneven_tube(const ObjScene& scene, std::span<const int
                                       std::span<const int32_t> vertices) {
   const LocalMesh mesh = extract_component(scene, faces, vertices);
   const Topology topology = build_topology(mesh);
-  if (topology.boundary_loops.size() != 1) return std::nullopt;
-  const std::vector<int32_t>& loop = topology.boundary_loops.front();
+  const size_t open_ends = topology.boundary_loops.size();
+  if (open_ends < 1 || open_ends > 2) return std::nullopt;
+  const std::vector<int32_t> loop = widest_loop(mesh, topology);
   const std::vector<std::pair<int32_t, int32_t>> edges = polygon_edges(mesh);
-  if (loop.size() < kSmallestLoop || loop.size() > kLargestLoop ||
-      2 * loop.size() >= mesh.positions.size() || !is_disc(mesh, edges, loop.size())) {
+  if (loop.size() < kSmallestLoop || (open_ends == 1 && loop.size() > kLargestLoop) ||
+      2 * loop.size() >= mesh.positions.size() ||
+      !is_sphere_with_holes(mesh, edges, topology.boundary_loops)) {
     return std::nullopt;
   }
   std::optional<Limb> limb = limb_through(mesh, edges, walk_layers(mesh, topology, loop));
@@ -117,6 +125,8 @@ std::optional<Limb> trace_uneven_tube(const ObjScene& scene, std::span<const int
     if (welded && welded->limbs.size() == 1) limb = std::move(welded->limbs.front());
   }
   if (!limb || !is_long(*limb)) return std::nullopt;
+  limb->reversible =
+      open_ends == 2 && limb->radii.back() >= (1.0f - kSameThickness) * limb->radii.front();
   return limb;
 }
 

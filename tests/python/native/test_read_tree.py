@@ -429,3 +429,61 @@ def test_foliage_takes_a_bool_a_word_or_names(tmp_path):
         native.read_tree(path, foliage="petals")
     with pytest.raises(ValueError, match="foliage must be"):
         native.read_tree(path, foliage=3)
+
+
+def tubes_without_shared_vertices():
+    """Two five-sided tubes, the second on the first; each triangle has its own vertices, and each tip a line."""
+    triangles = []
+    for begin, step, radius in (((0, 0, 0), (0, 0, 1), 0.3), ((0, 0, 2), (0.6, 0, 0.2), 0.1)):
+        rings = []
+        for i in range(5):
+            centre = np.array(begin) + i * np.array(step)
+            across = (0, 1, 0), ((0, 0, 1) if step[0] else (1, 0, 0))
+            size = radius * (1 - i / 4)
+            angles = 2 * np.pi * np.arange(5) / 5
+            rings.append(
+                [
+                    centre + size * (np.cos(t) * np.array(across[0]) + np.sin(t) * np.array(across[1]))
+                    for t in angles
+                ]
+            )
+        for low, high in zip(rings, rings[1:]):
+            for c in range(5):
+                triangles += [
+                    (low[c], low[(c + 1) % 5], high[c]),
+                    (low[(c + 1) % 5], high[(c + 1) % 5], high[c]),
+                ]
+    return np.array(triangles).reshape(-1, 3)
+
+
+def read_mesh(vertices, names=("oak",), face_names=None, **settings):
+    faces = len(vertices) // 3
+    face_names = np.tile([0, -1], (faces, 1)) if face_names is None else face_names
+    corners = np.arange(len(vertices))
+    return native.read_tree_mesh(
+        "oak", vertices, np.arange(faces + 1) * 3, corners, None, face_names, list(names), [], **settings
+    )
+
+
+def test_a_mesh_whose_faces_share_no_vertices_has_its_limbs():
+    skeleton = read_mesh(tubes_without_shared_vertices())
+    assert [branch.parent for branch in skeleton.branches] == [-1, 0]
+    assert np.allclose(skeleton.branches[0].points, [(0, 0, z) for z in range(5)], atol=1e-6)
+    assert skeleton.report["skipped_parts"] == [{"name": "oak (10 parts)", "reason": "without area"}]
+
+
+def test_a_mesh_far_away_has_its_own_origin():
+    skeleton = read_mesh(tubes_without_shared_vertices() + (1e6, 0, 0))
+    assert len(skeleton.branches) == 2
+    root = skeleton.origin + skeleton.branches[0].points[0]
+    assert np.allclose(root, (1e6, 0, 0), atol=1e-3)
+
+
+def test_a_mesh_with_indices_out_of_range_is_refused():
+    vertices = tubes_without_shared_vertices()
+    with pytest.raises(ValueError, match="face_names: row 0 is out of range"):
+        read_mesh(vertices, face_names=np.tile([1, -1], (len(vertices) // 3, 1)))
+    with pytest.raises(ValueError, match="corner_vertex holds 3, out of range"):
+        native.read_tree_mesh("oak", vertices[:3], [0, 3], [0, 1, 3], None, [[0, -1]], ["oak"], [])
+    with pytest.raises(ValueError, match="face_begin must rise"):
+        native.read_tree_mesh("oak", vertices[:3], [0, 2], [0, 1, 2], None, [[0, -1]], ["oak"], [])

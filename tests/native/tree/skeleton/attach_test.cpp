@@ -34,6 +34,17 @@ TEST(Attach, BranchesThatStartAtOnePlaceAreSiblings) {
   EXPECT_EQ(branches[2].parent, 0);
 }
 
+TEST(Attach, ATwigThatStartsInsideTheLimbBelongsToItNotToASiblingThere) {
+  std::vector<Branch> branches{tapering("trunk", {{0, 0, 0}, {0, 0, 10}}, 0.5f),
+                               tapering("first", {{0.1f, 0, 5}, {2, 0, 6}}, 0.11f),
+                               tapering("second", {{0.2f, 0, 5.06f}, {2, 1, 6}}, 0.1f)};
+  std::vector<char> reversible(3, 0);
+  attach_branches(branches, reversible, 10.0f);
+  EXPECT_EQ(branches[2].name, "second");
+  EXPECT_EQ(branches[2].parent, 0);
+  EXPECT_LT(glm::distance(branches[2].attach_point, glm::vec3(0, 0, 5.06f)), 1e-6f);
+}
+
 TEST(Attach, AReversibleLimbIsTurnedRoundWhereItsTipTouches) {
   std::vector<Branch> branches{tapering("trunk", {{0, 0, 0}, {0, 0, 10}}, 0.5f),
                                tapering("limb", {{3, 0, 6}, {0.2f, 0, 5}}, 0.1f)};
@@ -61,6 +72,21 @@ TEST(Attach, HoweverLimbsLieNoCycleArises) {
       EXPECT_LT(branches[b].parent, static_cast<int32_t>(b));
     }
   }
+}
+
+TEST(Attach, WithLevelsATwigPrefersItsLimbToASlightlyNearerTwig) {
+  std::vector<Branch> branches{tapering("trunk", {{0, 0, 0}, {0, 0, 10}}, 0.5f),
+                               tapering("limb", {{0, 0, 5}, {4, 0, 5}}, 0.02f),
+                               tapering("twig1", {{3.9f, 0, 5}, {3.9f, 0.2f, 5.2f}}, 0.01f),
+                               tapering("twig2", {{4, 0.2f, 5.05f}, {5, 1, 5.5f}}, 0.01f)};
+  for (size_t b = 0; b < branches.size(); ++b) {
+    branches[b].level = std::min(static_cast<int32_t>(b), 2);
+  }
+  std::vector<char> reversible(4, 0);
+  attach_branches(branches, reversible, 10.0f);
+  EXPECT_EQ(branches[2].parent, 1);
+  EXPECT_EQ(branches[3].name, "twig2");
+  EXPECT_EQ(branches[3].parent, 1);
 }
 
 TEST(Attach, AThickStubOnAThinLimbStillFindsIt) {

@@ -140,6 +140,27 @@ TEST(Simplify, ToleranceKeepsAFlareOfAStraightLimb) {
   EXPECT_EQ(skeleton.branches[0].points.size(), 2u);
 }
 
+TEST(Simplify, ToleranceKeepsThePalmsRingsAndNotUnevenBark) {
+  // A straight trunk whose rings are alternately thicker by a part of their radius.
+  for (const auto& [bulge, kept] : {std::pair(0.05f, 20u), {0.02f, 2u}}) {
+    Skeleton skeleton = flared();
+    Branch& trunk = skeleton.branches[0];
+    trunk = branch("trunk", 0, -1, {0, 0, 0}, {}, {});
+    for (int i = 0; i < 20; ++i) {
+      trunk.points.emplace_back(0, 0, 0.1f * static_cast<float>(i));
+      trunk.radii.push_back(i % 2 == 0 ? 0.2f : 0.2f * (1.0f + bulge));
+      trunk.areas.push_back(std::numbers::pi_v<float> * trunk.radii[i] * trunk.radii[i]);
+    }
+    skeleton.branches[1].attach_point = trunk.points.back();
+    const std::vector<glm::vec3> before = trunk.points;
+    simplify_skeleton(skeleton, Simplify::kTolerance, 0.5f);
+    EXPECT_EQ(skeleton.branches[0].points.size(), kept) << bulge;
+    if (kept == before.size()) {
+      EXPECT_EQ(skeleton.branches[0].points, before);
+    }
+  }
+}
+
 TEST(Simplify, ToleranceKeepsWoodThatOnlyTheAreasTell) {
   // The same radii throughout, but a ring of sixteen times the wood: the cone's circle there has
   // radius 0.4, the ring's own 1.6.

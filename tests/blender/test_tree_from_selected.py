@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Build Tree from Selected: meshes that Blender's importers made give the skeleton of the OBJ file."""
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+from conftest import ROOT
+
+MAPLE = ROOT / "tests" / "data" / "small_maple.obj"
+
+
+def _through_fbx(folder):
+    path = str(folder / "tree.fbx")
+    bpy.ops.export_scene.fbx(filepath=path)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    bpy.ops.import_scene.fbx(filepath=path)
+
+
+def _through_gltf(folder):
+    # The importer of Blender 3.4 uses a name that NumPy 1.24 dropped.
+    if not hasattr(np, "bool"):
+        np.bool = bool
+    path = str(folder / "tree.glb")
+    bpy.ops.export_scene.gltf(filepath=path)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    bpy.ops.import_scene.gltf(filepath=path)
+
+
+def _unchanged(_folder):
+    pass
+
+
+WAYS = [_unchanged, _through_fbx, _through_gltf]
+
+
+def _build(**settings):
+    """The collection of the tree that is built from all meshes of the scene."""
+    for obj in bpy.context.view_layer.objects:
+        obj.select_set(obj.type == "MESH")
+    before = set(bpy.data.collections)
+    assert bpy.ops.snowbough.build_tree_from_selected(**settings) == {"FINISHED"}
+    (collection,) = set(bpy.data.collections) - before
+    return collection
+
+
+def _skeleton(addon, collection):
+    (rig,) = (obj for obj in collection.objects if obj.type == "ARMATURE")
+    assert tuple(rig.location) == (0, 0, 0)
+    return addon("tree.kept_skeleton").kept(rig.data)[0]
+
+
+def _with_thickness(branch):
+    """(points, radii) without those at the ends between which the limb has no thickness, and without repeated ones."""
+    thick = np.nonzero(np.asarray(branch.radii) > 1e-5)[0]
+    if not len(thick):
+        return None
+    kept = slice(max(thick[0] - 1, 0), thick[-1] + 2)
+    points, radii = np.asarray(branch.points)[kept], np.asarray(branch.radii)[kept]
+    new = np.r_[True, np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-6]
+    return points[new], radii[new]
+
+
+def _check_same(found, wanted, height):
+    """Compares what has thickness: faces without area do not hang together in glTF and are left out."""
+    limbs, others = ({i: _with_thickness(b) for i, b in enumerate(s.branches)} for s in (wanted, found))
+    limbs, others = ({i: limb for i, limb in some.items() if limb} for some in (limbs, others))
+    assert len(limbs) == len(others)
+    same = {}
+    for number, (points, radii) in limbs.items():
+        same[number] = min(
+            others,
+            key=lambda other: (
+                np.linalg.norm(others[other][0][0] - points[0])
+                + np.linalg.norm(others[other][0][-1] - points[-1])
+            ),
+        )
+        other_points, other_radii = others[same[number]]
+        assert other_points.shape == points.shape
+        assert np.abs(other_points - points).max() < 1e-5 * height
+        assert np.abs(other_radii - radii).max() < 1e-5 * height
+    for number in limbs:
+        parent = wanted.branches[number].parent
+        assert found.branches[same[number]].parent == (-1 if parent < 0 else same[parent])
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("source", [MAPLE, "tubes/AL06a.obj"])
+def test_the_skeleton_is_that_of_the_obj(way, source, addon, shared_tree, tmp_path):
+    path = shared_tree(source) if isinstance(source, str) else source
+    bpy.ops.import_scene.xfrog_tree(filepath=str(path), simplify="NONE")
+    wanted = _skeleton(addon, bpy.data.collections[path.stem])
+    height = max(branch.points[:, 2].max() for branch in wanted.branches)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    bpy.ops.wm.obj_import(filepath=str(path))
+    way(tmp_path)
+    _check_same(_skeleton(addon, _build(simplify="NONE")), wanted, height)
+
+
+def _cross(name, place, size):
+    """A mesh object of two limbs without shared vertices: a post and a bar on it, along the object's Z and X."""
+    vertices, faces = [], []
+    for begin, step, radius in (
+        (np.zeros(3), (0, 0, 0.5), 0.2),
+        (np.array((0, 0, 1.25)), (0.4, 0, 0.1), 0.1),
+    ):
+        first = len(vertices)
+        for ring in range(5):
+            for corner in range(6):
+                angle = corner * np.pi / 3
+                across = (np.cos(angle), np.sin(angle))
+                side = (across[0], across[1], 0) if step[2] > 0.2 else (0, across[0], across[1])
+                vertices.append(begin + ring * np.array(step) + radius * (1 - 0.15 * ring) * np.array(side))
+        for ring in range(4):
+            for corner in range(6):
+                a, b = first + 6 * ring + corner, first + 6 * ring + (corner + 1) % 6
+                faces.append((a, b, b + 6, a + 6))
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata([tuple(v) for v in vertices], [], faces)
+    mesh.update()
+    obj = bpy.data.objects.new(name, mesh)
+    obj.location, obj.scale = place, (size,) * 3
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+def test_the_tree_stands_where_the_objects_are_and_hides_them():
+    obj = _cross("Oak.002", (5, 1, 2), 2.0)
+    bpy.context.view_layer.objects.active = obj
+    collection = _build()
+    assert collection.name == "Oak.002.001" or collection.name == "Oak.002"
+    (bark,) = (o for o in collection.objects if o.name.endswith("_bark"))
+    low = np.array([v.co for v in bark.data.vertices]).min(axis=0)
+    assert abs(low[2] - 2.0) < 0.05
+    assert abs(np.mean([v.co.y for v in bark.data.vertices]) - 1.0) < 0.05
+    assert obj.hide_get() and obj.hide_render
+    report = json.loads(collection["snowbough_report"])
+    assert report["file"] == "Oak.002"
+    assert report["taken"] == ["Oak.002 (48 faces)"]
+    assert report["branches"] == 2
+
+
+def test_materials_are_copied_and_read_the_own_uv_map():
+    obj = _cross("Elm", (0, 0, 0), 1.0)
+    material = bpy.data.materials.new("Elm bark")
+    material.use_nodes = True
+    image = material.node_tree.nodes.new("ShaderNodeTexImage")
+    image.image = bpy.data.images.new("bark", 4, 4)
+    obj.data.materials.append(material)
+    layer = obj.data.uv_layers.new(name="map1")
+    for item, loop in zip(layer.data, obj.data.loops):
+        x, y, z = obj.data.vertices[loop.vertex_index].co
+        item.uv = (x, z)
+    collection = _build()
+    (bark,) = (o for o in collection.objects if o.name.endswith("_bark"))
+    (own,) = bark.data.materials
+    assert own != material and own.name.startswith("Elm bark")
+    assert [layer.name for layer in bark.data.uv_layers] == ["bark", "snow", "original"]
+    (node,) = (n for n in own.node_tree.nodes if n.type == "TEX_IMAGE")
+    assert node.image == image.image
+    assert node.inputs["Vector"].links[0].from_node.uv_map == "original"
+    assert not image.inputs["Vector"].is_linked
+    report = json.loads(collection["snowbough_report"])
+    assert report["taken"] == ["Elm (48 faces, with UV map), material Elm bark"]
+
+
+def test_objects_that_are_no_tree_are_refused_and_stay_as_they_are():
+    bpy.ops.mesh.primitive_plane_add()
+    plane = bpy.context.object
+    with pytest.raises(RuntimeError, match="Plane: has no branches"):
+        bpy.ops.snowbough.build_tree_from_selected()
+    assert not plane.hide_get() and not bpy.data.collections
+
+
+def test_without_a_mesh_the_operator_says_what_to_select():
+    with pytest.raises(RuntimeError, match="Select the mesh objects of a tree"):
+        bpy.ops.snowbough.build_tree_from_selected()
