@@ -107,7 +107,9 @@ void Scene::draw_shadows(const RenderSettings& settings) {
   for (const auto& [name, of] : trees_) {
     draw(passes_.patches, of->buffers, of->sun_view);
     if (of->leaves) {
-      leaf_passes_.draw(*of->leaves, of->buffers.bones, of->sun_view, style);
+      leaf_passes_.classify(*of->leaves, &LeafBuffers::Part::sun, of->buffers.bones, of->sun_view);
+      leaf_passes_.draw(*of->leaves, &LeafBuffers::Part::sun, of->buffers.bones, of->sun_view,
+                        style);
     }
   }
   for (const auto& [name, mesh] : meshes_) {
@@ -136,7 +138,8 @@ void Scene::draw_all(const DrawStyle& style, bool cull_back_faces, bool measured
   pass("leaves", [&] {
     for (const auto& [name, of] : trees_) {
       if (of->leaves) {
-        leaf_passes_.draw(*of->leaves, of->buffers.bones, of->camera_view, style);
+        leaf_passes_.draw(*of->leaves, &LeafBuffers::Part::camera, of->buffers.bones,
+                          of->camera_view, style);
       }
     }
   });

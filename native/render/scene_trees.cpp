@@ -111,6 +111,10 @@ void Scene::prepare_trees(const RenderSettings& settings) {
   each("edges", [&](Tree& of) { passes_.edge_levels(of.buffers, of.camera_view); });
   each("classify", [&](Tree& of) {
     passes_.patches.classify(of.buffers, of.buffers.camera, of.camera_view, settings.max_level);
+    if (of.leaves) {
+      leaf_passes_.classify(*of.leaves, &LeafBuffers::Part::camera, of.buffers.bones,
+                            of.camera_view);
+    }
   });
 }
 
