@@ -14,7 +14,11 @@ layout(std430) writeonly buffer EdgeLevels { float edge_levels[]; };
 uniform int count;
 #include "glsl/limb_reach.glsl"
 
+/// The fraction of its level that an edge gets.
 float round_share_of(TreeEdge edge, float away) {
+  if (view.tessellation.w == 0.0) {
+    return 1.0;
+  }
   float reach = 0.0;
   for (int k = 0; k < 2; ++k) {
     const PosedVertex at = posed[edge.ends[k]];

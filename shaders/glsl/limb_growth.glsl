@@ -3,7 +3,7 @@
 
 /// Metres by which the surface moves outwards so that the limb is, in the mean, as wide as if it were round.
 float square_growth(float circumference, float away) {
-  if (view.thesis.w > 0.5) {
+  if (view.thesis.w > 0.5 || view.tessellation.w == 0.0) {
     return 0.0;
   }
   const float width = circumference / 3.1415927;

@@ -154,7 +154,8 @@ shared::TreeView camera_view(const Camera& camera, const RenderSettings& setting
   view.sun_color = vec4(settings.sun_color, 1.0f);
   view.sky_color = vec4(settings.sky_color, linear ? 1.0f : 0.0f);
   view.ground_color = vec4(settings.ground_color, 1.0f);
-  const bool drops_backs = settings.cull_back_faces && settings.metric == Metric::kScreen;
+  const bool drops_backs =
+      settings.cull_back_faces && settings.metric == Metric::kScreen && settings.min_pixels > 0.0f;
   view.snow = vec4(settings.snow_factor, 0.0f, 0.0f, drops_backs ? 1.0f : 0.0f);
   return view;
 }

@@ -131,7 +131,6 @@ TEST(SceneSnow, aTreesSnowFollowsTheRuleOfAllSnow) {
     RenderSettings plain;
     plain.max_level = 1.0f;
     plain.min_pixels = 0.0f;
-    plain.cull_back_faces = false;
     TreeSnow snow = blanket(0.06f);
     snow.depths = {0.08f, 0.1f};
     scene.set_snow("tree", snow);

@@ -47,7 +47,8 @@ TEST(PatchLists, patchesAreListedByClassInTheirOrder) {
     const gpu::Buffer posed(of.vertices), patches(of.patches), edges(levels);
     const gpu::Buffer vertices(std::vector<shared::TreeVertex>(of.vertices.size()));
     const gpu::Buffer none(sizeof(shared::TreeEdge));
-    const gpu::Buffer growths(static_cast<int64_t>(of.patches.size() * sizeof(shared::PatchGrowth)));
+    const gpu::Buffer growths(
+        static_cast<int64_t>(of.patches.size() * sizeof(shared::PatchGrowth)));
 
     gpu::Program classify({"tree_classify.comp.glsl"});
     PatchListPasses passes;
