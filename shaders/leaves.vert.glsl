@@ -2,10 +2,9 @@
 //
 // SHADOW: shadow map, depth only.
 #include "glsl/tree_view.glsl"
-#include "lib/leaf_vertex.h"
+#include "glsl/leaf_growth.glsl"
 
-layout(std430) readonly buffer LeafVertices { LeafVertex leaf_vertices[]; };
-layout(std430) readonly buffer BoneRows { vec4 bone_rows[]; };
+layout(std430) readonly buffer PlainPatches { uint plain_patches[]; };
 uniform int first_vertex;
 out vec2 image_uv;
 #ifndef SHADOW
@@ -14,13 +13,17 @@ out vec3 card_normal;
 #endif
 
 void main() {
-  const LeafVertex at = leaf_vertices[first_vertex + gl_VertexID];
-  const int bone = 3 * floatBitsToInt(at.position.w);
-  const vec4 p = vec4(at.position.xyz, 1.0);
-  const vec3 position =
-      vec3(dot(bone_rows[bone], p), dot(bone_rows[bone + 1], p), dot(bone_rows[bone + 2], p));
-  image_uv = vec2(at.normal.w, at.uv_end.x);
+  const uint triangle = plain_patches[gl_VertexID / 3];
+  const LeafVertex at = leaf_vertices[first_vertex + 3 * int(triangle) + gl_VertexID % 3];
+  vec3 position = posed_leaf(at, at.position.xyz);
+  const vec3 middle = posed_leaf(at, at.middle.xyz);
+  const float growth = leaf_growth(at, middle);
+  if (growth != 1.0) {
+    position = middle + growth * (position - middle);
+  }
+  image_uv = vec2(at.normal.w, at.middle.w);
 #ifndef SHADOW
+  const int bone = 3 * floatBitsToInt(at.position.w);
   const vec3 n = at.normal.xyz;
   world = position;
   card_normal =

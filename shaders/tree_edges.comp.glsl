@@ -3,13 +3,29 @@
 // SNOW: the thesis's metric also has a level for snow.
 #include "glsl/tree_view.glsl"
 #include "lib/tessellation.h"
+#include "lib/thin_limbs.h"
 
 layout(local_size_x = 64) in;
 #include "glsl/item_index.glsl"
 layout(std430) readonly buffer PosedVertices { PosedVertex posed[]; };
+layout(std430) readonly buffer TreeVertices { TreeVertex vertices[]; };
 layout(std430) readonly buffer TreeEdges { TreeEdge edges[]; };
 layout(std430) writeonly buffer EdgeLevels { float edge_levels[]; };
 uniform int count;
+#include "glsl/limb_reach.glsl"
+
+/// The fraction of its level that an edge gets.
+float round_share_of(TreeEdge edge, float away) {
+  if (view.tessellation.w == 0.0) {
+    return 1.0;
+  }
+  float reach = 0.0;
+  for (int k = 0; k < 2; ++k) {
+    const PosedVertex at = posed[edge.ends[k]];
+    reach = max(reach, distance(at.position.xyz, limb_middle(at, vertices[edge.ends[k]])));
+  }
+  return round_share(pixels_of(2.0 * reach, away), view.tessellation.z);
+}
 
 #ifdef SNOW
 /// The thesis's level for snow on the faces of an edge from a to b. It uses a rectangle beside the edge with the mean
@@ -53,6 +69,6 @@ void main() {
     if (edge.first_rest.w > 0.5) {
       level = max(level, outline_level(away, chord, view.eye.w, target, highest));
     }
-    edge_levels[index] = level;
+    edge_levels[index] = 1.0 + (level - 1.0) * round_share_of(edge, away);
   }
 }

@@ -2,15 +2,17 @@
 #include "glsl/tree_view.glsl"
 #include "glsl/tree_outputs.glsl"
 
+layout(std430) readonly buffer TreeVertices { TreeVertex vertices[]; };
 layout(std430) readonly buffer PosedVertices { PosedVertex posed[]; };
 layout(std430) readonly buffer TreePatches { TreePatch patches[]; };
 layout(std430) readonly buffer PlainPatches { uint plain_patches[]; };
+layout(std430) readonly buffer PatchGrowths { PatchGrowth growths[]; };
+#include "glsl/limb_reach.glsl"
 #ifdef SNOW
 #ifndef CAPTURE
 #ifndef SHADOW
 #ifndef WIRE
 #include "glsl/tree_snow.glsl"
-layout(std430) readonly buffer TreeVertices { TreeVertex vertices[]; };
 #endif
 #endif
 #endif
@@ -23,16 +25,26 @@ vec2 corner_uv(vec4 uv_01, vec4 uv_23, int corner) {
   return (corner & 1) == 0 ? uv.xy : uv.zw;
 }
 
+/// Position of a vertex on a patch that grows because others are dropped.
+vec3 grown(PosedVertex at, TreeVertex vertex, PatchGrowth growth) {
+  if (growth.middle.w == 1.0 && growth.along.x == 1.0) {
+    return at.position.xyz;
+  }
+  const vec3 middle = limb_middle(at, vertex);
+  return mix(growth.middle.xyz, middle, growth.along.x) + growth.middle.w * (at.position.xyz - middle);
+}
+
 void main() {
   const uint index = plain_patches[gl_VertexID / 6];
   const TreePatch of = patches[index];
   const int corner = kCorners[gl_VertexID % 6];
   const PosedVertex at = posed[of.vertices[corner]];
+  const vec3 position = grown(at, vertices[of.vertices[corner]], growths[index]);
 #ifdef CAPTURE
-  captured = at.position.xyz;
+  captured = position;
 #else
 #ifndef SHADOW
-  world = at.position.xyz;
+  world = position;
   smooth_normal = at.normal.xyz;
   bark = vec4(corner_uv(of.bark_uv_01, of.bark_uv_23, corner), at.normal.w, at.position.w);
 #ifdef IMAGE
@@ -48,5 +60,5 @@ void main() {
 #endif
 #endif
 #endif
-  gl_Position = view.clip_from_world * vec4(at.position.xyz, 1.0);
+  gl_Position = view.clip_from_world * vec4(position, 1.0);
 }

@@ -3,6 +3,7 @@
 // SNOW: also adds snow, from the mean of the map's heights at the vertex's coordinates.
 #include "glsl/bark.glsl"
 #include "glsl/tree_view.glsl"
+#include "glsl/limb_growth.glsl"
 
 layout(local_size_x = 64) in;
 #include "glsl/item_index.glsl"
@@ -51,6 +52,7 @@ void main() {
   const float samples = vertex.normal.w * view.eye.w / (away * view.tessellation.z);
   const float bark = vertex.position.w;
   float height = bark > 0.0 ? bark * bark_height(vertex.bark_uv.xy, samples) : 0.0;
+  height += square_growth(vertex.normal.w, away);
   result.position = vec4(bare + normal * height, bark);
 #ifdef SNOW
   const SnowPoint point = limb_point(limb_noise(vertex.position.xyz), vertex.normal.w);

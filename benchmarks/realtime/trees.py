@@ -5,8 +5,9 @@
 Prints a markdown table for the current driver: GPU time, wall time and processor time of a frame (the last two include
 reading the picture back; processor time is the sum over threads, and is comparable on a busy machine), patches by class
 and triangles, by distance, for both metrics; the same tree without tessellation; and the same tree as a plain mesh
-subdivided in advance. The thesis's frame rates stand beside them: they are from a GTX 460 with another tree, and give a
-scale only. On a software renderer the table shows how the work grows, not the speed of a card.
+subdivided in advance. `THESIS, A.1` has the constants of the thesis's appendix A.1 (20 m, 5 levels). The thesis's frame
+rates stand beside its metric: they are from a GTX 460 with another tree, and give a scale only. On a software renderer
+the table shows how the work grows, not the speed of a card.
 """
 
 import argparse
@@ -42,6 +43,11 @@ def ways(arguments):
     common = {"shadow_resolution": 0 if arguments.no_shadows else 1024}
     yield "SCREEN", False, native.RenderSettings(**common)
     yield "THESIS", False, native.RenderSettings(metric="THESIS", max_area=0.02, **common)
+    yield (
+        "THESIS, A.1",
+        False,
+        native.RenderSettings(metric="THESIS", max_distance=20, max_level=5, max_area=0.02, **common),
+    )
     yield "nothing tessellated", False, native.RenderSettings(max_level=1, min_pixels=0, **common)
     yield f"mesh of lod {STATIC_LEVELS}", True, native.RenderSettings(**common)
 

@@ -91,6 +91,10 @@ void FrameDrawing::prepare_trees(const RenderSettings& settings) {
   each("edges", [&](SceneTree& of) { passes_.edge_levels(of.buffers, of.camera_view); });
   each("classify", [&](SceneTree& of) {
     passes_.patches.classify(of.buffers, of.buffers.camera, of.camera_view, settings.max_level);
+    if (of.leaves) {
+      leaf_passes_.classify(*of.leaves, &LeafBuffers::Part::camera, of.buffers.bones,
+                            of.camera_view);
+    }
   });
 }
 
@@ -107,7 +111,9 @@ void FrameDrawing::draw_shadows(const RenderSettings& settings) {
   for (const auto& [name, of] : objects_.trees()) {
     draw(passes_.patches, of->buffers, of->sun_view);
     if (of->leaves) {
-      leaf_passes_.draw(*of->leaves, of->buffers.bones, of->sun_view, style);
+      leaf_passes_.classify(*of->leaves, &LeafBuffers::Part::sun, of->buffers.bones, of->sun_view);
+      leaf_passes_.draw(*of->leaves, &LeafBuffers::Part::sun, of->buffers.bones, of->sun_view,
+                        style);
     }
   }
   for (const auto& [name, mesh] : objects_.meshes()) {
@@ -136,7 +142,8 @@ void FrameDrawing::draw_all(const DrawStyle& style, bool cull_back_faces, bool m
   pass("leaves", [&] {
     for (const auto& [name, of] : objects_.trees()) {
       if (of->leaves) {
-        leaf_passes_.draw(*of->leaves, of->buffers.bones, of->camera_view, style);
+        leaf_passes_.draw(*of->leaves, &LeafBuffers::Part::camera, of->buffers.bones,
+                          of->camera_view, style);
       }
     }
   });

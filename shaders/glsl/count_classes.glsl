@@ -11,14 +11,14 @@ uniform int count;
 shared uint plain_count;
 shared uint tessellated_count;
 
-/// True if a sphere is outside the picture or covers fewer than the minimum number of pixels.
-bool is_unseen(vec3 centre, float radius) {
+/// True if a sphere is outside the picture.
+bool is_outside(vec3 centre, float radius) {
   for (int k = 0; k < 6; ++k) {
     if (dot(view.planes[k], vec4(centre, 1.0)) < -radius) {
       return true;
     }
   }
-  return 2.0 * radius * view.eye.w < view.tessellation.w * distance(view.eye.xyz, centre);
+  return false;
 }
 
 uint class_of(int index);

@@ -4,6 +4,7 @@
 // SNOW: adds the map's snow on top of the bark.
 #include "glsl/bark.glsl"
 #include "glsl/tree_view.glsl"
+#include "glsl/limb_growth.glsl"
 #include "lib/limb_section.h"
 #ifdef SNOW
 #include "glsl/tree_snow.glsl"
@@ -56,6 +57,7 @@ SurfacePoint on_bark(RestPoint rest) {
   if (rest.bark > 0.0) {
     height = rest.bark * bark_height(rest.bark_uv, samples);
   }
+  height += square_growth(rest.circumference, away);
   precise vec3 position = bare + normal * height;
   vec4 noise = vec4(0.0);
 #ifdef SNOW

@@ -12,10 +12,12 @@ struct LeafVertex {
   vec4 position;
   /// Unit; w: u of the image.
   vec4 normal;
-  /// v of the image; the rest is unused.
-  vec4 uv_end;
+  /// Middle of the leaf; w: v of the image.
+  vec4 middle;
+  /// Distance of the leaf's farthest corner from its middle (m), and the leaf's number, see lib/thin_limbs.h.
+  vec4 leaf;
 };
-SNOWBOUGH_SHARED_SIZE(LeafVertex, 48)
+SNOWBOUGH_SHARED_SIZE(LeafVertex, 64)
 
 #ifndef SNOWBOUGH_GLSL
 }  // namespace snowbough::shared

@@ -8,8 +8,6 @@ namespace snowbough::shared {
 
 /// Edge of a tile of a map, in texels: for each the deepest snow is known.
 const int kSnowTile = 16;
-/// Invocations that look for the deepest of all tiles.
-const int kDeepestGroup = 64;
 
 #ifndef SNOWBOUGH_GLSL
 }  // namespace snowbough::shared

@@ -123,10 +123,21 @@ struct TreeView {
   vec4 bark_dark;
   vec4 bark_light;
   /// Factor m of the thesis's 4.2.2, and of the tree: metres of snow on open level ground, now and at the shot's end;
-  /// w: unused.
+  /// w: 1 if plain patches that show their back are dropped.
   vec4 snow;
+  /// What the picture is seen from: w is 1 for a point and 0 for a direction towards it.
+  vec4 viewer;
 };
-SNOWBOUGH_SHARED_SIZE(TreeView, 384)
+SNOWBOUGH_SHARED_SIZE(TreeView, 400)
+
+/// How a thin plain patch is drawn, see lib/thin_limbs.h.
+struct PatchGrowth {
+  /// w: factor of the limb's width.
+  vec4 middle;
+  /// Factor of its length.
+  vec4 along;
+};
+SNOWBOUGH_SHARED_SIZE(PatchGrowth, 32)
 
 /// glDrawArraysIndirect's arguments.
 struct TreeDrawCommand {

@@ -111,7 +111,9 @@ except the size.)");
              "Maximum number of parts of an edge, 1 to 64; 1: no tessellation.")
       .field("target_pixels", &RenderSettings::target_pixels, "SCREEN: pixels per part of an edge.")
       .field("min_pixels", &RenderSettings::min_pixels,
-             "Patches that cover fewer pixels are dropped; 0: none.")
+             "SCREEN: width in pixels to which thinner limbs grow, while others of them are "
+             "dropped. 0: all "
+             "patches are drawn.")
       .field("max_distance", &RenderSettings::max_distance,
              "THESIS: distance in metres at which the level reaches 1.")
       .field("max_area", &RenderSettings::max_area,

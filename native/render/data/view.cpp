@@ -65,6 +65,7 @@ void look_from_eye(const Camera& camera, const Bounds& bounds, shared::TreeView&
   const float pixels =
       static_cast<float>(camera.height) / (2.0f * std::tan(0.5f * camera.field_of_view));
   view.eye = vec4(camera.eye, pixels);
+  view.viewer = vec4(camera.eye, 1.0f);
 }
 
 /// Distance of an orthographic camera's eye in radii of the scene. The passes use distances only,
@@ -77,9 +78,12 @@ void look_through_matrices(const Camera& camera, const Bounds& bounds, shared::T
   const mat4 world_from_camera = glm::inverse(*camera.view);
   float pixels = 0.5f * static_cast<float>(camera.height) * std::abs(projection[1][1]);
   vec3 eye = vec3(world_from_camera[3]);
+  view.viewer = vec4(eye, 1.0f);
   if (projection[2][3] == 0.0f) {
     const float away = kOrthographicEye * bounds.radius;
-    eye = bounds.centre + away * glm::normalize(vec3(world_from_camera[2]));
+    const vec3 back = glm::normalize(vec3(world_from_camera[2]));
+    view.viewer = vec4(back, 0.0f);
+    eye = bounds.centre + away * back;
     pixels *= away;
   }
   view.eye = vec4(eye, pixels);
@@ -150,13 +154,16 @@ shared::TreeView camera_view(const Camera& camera, const RenderSettings& setting
   view.sun_color = vec4(settings.sun_color, 1.0f);
   view.sky_color = vec4(settings.sky_color, linear ? 1.0f : 0.0f);
   view.ground_color = vec4(settings.ground_color, 1.0f);
-  view.snow = vec4(settings.snow_factor, 0.0f, 0.0f, 0.0f);
+  const bool drops_backs =
+      settings.cull_back_faces && settings.metric == Metric::kScreen && settings.min_pixels > 0.0f;
+  view.snow = vec4(settings.snow_factor, 0.0f, 0.0f, drops_backs ? 1.0f : 0.0f);
   return view;
 }
 
 shared::TreeView sun_view(const shared::TreeView& camera) {
   shared::TreeView view = camera;
   view.clip_from_world = camera.shadow_from_world;
+  view.viewer = vec4(vec3(camera.sun_direction), 0.0f);
   put_planes(view.clip_from_world, view);
   return view;
 }

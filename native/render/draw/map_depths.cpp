@@ -18,13 +18,4 @@ void MapDepths::find_tiles(const gpu::Texture& map, const gpu::Buffer& tiles) {
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
-void MapDepths::find_deepest(const gpu::Buffer& tiles, const gpu::Buffer& deepest) {
-  deepest_.use();
-  deepest_.bind("TileDepths", tiles);
-  deepest_.bind("DeepestSnow", deepest);
-  deepest_.set("count", static_cast<int32_t>(tiles.bytes() / static_cast<int64_t>(sizeof(float))));
-  deepest_.dispatch(1);
-  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-}
-
 }  // namespace snowbough::render

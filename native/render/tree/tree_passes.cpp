@@ -37,7 +37,8 @@ TreeBuffers::TreeBuffers(const TreePatches& tree)
       bones(matrix_rows(
           std::vector<glm::mat4>(static_cast<size_t>(tree.bone_count), glm::mat4(1.0f)))),
       posed(bytes_of(tree.vertices.size(), sizeof(shared::PosedVertex))),
-      edge_levels(bytes_of(tree.edges.size(), sizeof(float))) {}
+      edge_levels(bytes_of(tree.edges.size(), sizeof(float))),
+      growths(bytes_of(tree.patches.size(), sizeof(shared::PatchGrowth))) {}
 
 std::vector<std::string> TreeBuffers::defines(DrawKind kind) const {
   std::vector<std::string> defines = snow_define(*this);
@@ -46,20 +47,26 @@ std::vector<std::string> TreeBuffers::defines(DrawKind kind) const {
 }
 
 void TreeBuffers::bind_classify(gpu::Program& program) const {
+  program.bind("TreeVertices", vertices);
   program.bind("PosedVertices", posed);
+  program.bind("TreeSections", sections);
+  program.bind("TreeEdges", edges);
   program.bind("TreePatches", patches);
   program.bind("EdgeLevels", edge_levels);
-  program.bind("DeepestSnow", deepest_snow);
+  program.bind("TileDepths", tile_depths);
+  program.bind("PatchGrowths", growths);
+  program.set("map_size",
+              snow != nullptr ? glm::ivec2(snow->width(), snow->height()) : glm::ivec2(0));
 }
 
 void TreeBuffers::bind_plain(gpu::Program& program, DrawKind kind) const {
+  program.bind("TreeVertices", vertices);
   program.bind("PosedVertices", posed);
   program.bind("TreePatches", patches);
+  program.bind("PatchGrowths", growths);
   if (kind != DrawKind::kShaded) return;
   bind_images(program, *this);
-  if (snow == nullptr) return;
-  program.bind("TreeVertices", vertices);
-  program.bind_texture("height_map", *snow);
+  if (snow != nullptr) program.bind_texture("height_map", *snow);
 }
 
 void TreeBuffers::bind_tessellated(gpu::Program& program, DrawKind kind) const {
@@ -82,16 +89,15 @@ void TreeBuffers::set_snow(std::shared_ptr<const gpu::Texture> heights, const Sn
   if (tile_depths.bytes() != tiles) tile_depths = gpu::Buffer(tiles);
 }
 
-void TreePasses::find_deepest(TreeBuffers& tree) {
-  if (!tree.snow_is_new) return;
+void TreePasses::find_depths(TreeBuffers& tree) {
+  if (tree.snow_is_new && tree.snow != nullptr) {
+    map_depths_.find_tiles(*tree.snow, tree.tile_depths);
+  }
   tree.snow_is_new = false;
-  if (tree.snow == nullptr) return tree.deepest_snow.clear();
-  map_depths_.find_tiles(*tree.snow, tree.tile_depths);
-  map_depths_.find_deepest(tree.tile_depths, tree.deepest_snow);
 }
 
 void TreePasses::pose(TreeBuffers& tree, const gpu::Buffer& view) {
-  find_deepest(tree);
+  find_depths(tree);
   gpu::Program& program = pose_.with(snow_define(tree));
   program.use();
   program.bind("ViewBlock", view);
@@ -111,6 +117,7 @@ void TreePasses::edge_levels(TreeBuffers& tree, const gpu::Buffer& view) {
   gpu::Program& program = edges_.with(snow_define(tree));
   program.use();
   program.bind("ViewBlock", view);
+  program.bind("TreeVertices", tree.vertices);
   program.bind("PosedVertices", tree.posed);
   program.bind("TreeEdges", tree.edges);
   program.bind("EdgeLevels", tree.edge_levels);

@@ -47,9 +47,10 @@ struct TreeBuffers : PatchSource {
   /// Height map of the snow, R32F; null without snow.
   std::shared_ptr<const gpu::Texture> snow;
   SnowDepths snow_depths;
-  gpu::Buffer tile_depths;
-  /// Greatest of the tile depths, in metres.
-  gpu::Buffer deepest_snow{sizeof(float)};
+  /// Deepest snow of each tile of the map, see MapDepths.
+  gpu::Buffer tile_depths{sizeof(float)};
+  /// Of the patches in the lists, the same for every view from one eye.
+  gpu::Buffer growths;
   /// True if the map has changed since these depths were computed.
   bool snow_is_new = false;
 };
@@ -68,7 +69,7 @@ class TreePasses {
   PatchPasses patches{"tree", 6};
 
  private:
-  void find_deepest(TreeBuffers& tree);
+  void find_depths(TreeBuffers& tree);
 
   MapDepths map_depths_;
   gpu::ProgramVariants pose_{{"tree_pose.comp.glsl"}};

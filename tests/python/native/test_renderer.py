@@ -141,17 +141,6 @@ def test_only_what_is_outside_the_picture_or_too_small_is_dropped(renderer):
     assert dropped[(beyond > 0.5).any(axis=1)].all()
 
 
-def test_patches_below_the_size_are_dropped(renderer):
-    at = corners(renderer)
-    renderer.render(native.Camera(**FAR), native.RenderSettings(min_pixels=12, shadow_resolution=0))
-    dropped = renderer.levels("tree")["class"] == 0
-    centre = at.mean(axis=1)
-    radius = np.linalg.norm(at - centre[:, None], axis=2).max(axis=1)
-    pixels = 2 * radius * pixels_at_one_metre() / np.linalg.norm(centre - FAR["eye"], axis=1)
-    assert not dropped[pixels >= 12].any()
-    assert dropped[pixels < 6].all()
-
-
 def closed(triangles):
     """Whether each edge, by the bits of its ends, is met once in either direction."""
     _, ids = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)

@@ -10,7 +10,7 @@
 namespace snowbough::render {
 namespace {
 
-TEST(MapDepths, tilesAndAllKnowTheirDeepestOnEitherSide) {
+TEST(MapDepths, tilesKnowTheirDeepestOnEitherSide) {
   gpu::GpuThread::shared("")->run([] {
     // Three tiles a row, the last of which is cut off, and two rows of them.
     constexpr int32_t kWidth = 2 * shared::kSnowTile + 3, kHeight = 2 * shared::kSnowTile;
@@ -20,27 +20,10 @@ TEST(MapDepths, tilesAndAllKnowTheirDeepestOnEitherSide) {
     gpu::Texture map(GL_R32F, kWidth, kHeight, 0, GL_LINEAR);
     map.write(0, GL_RED, GL_FLOAT, heights.data());
 
-    const gpu::Buffer tiles(MapDepths::tile_bytes(map)), deepest(sizeof(float));
+    const gpu::Buffer tiles(MapDepths::tile_bytes(map));
     MapDepths depths;
     depths.find_tiles(map, tiles);
     EXPECT_EQ(tiles.read_all<float>(), (std::vector<float>{0, 0, 0.25f, 0, 0.5f, 0}));
-    depths.find_deepest(tiles, deepest);
-    EXPECT_EQ(deepest.read_all<float>()[0], 0.5f);
-  });
-}
-
-TEST(MapDepths, aMapOfManyTilesIsSearchedAsAWhole) {
-  gpu::GpuThread::shared("")->run([] {
-    constexpr int32_t kSize = 32 * shared::kSnowTile;
-    std::vector<float> heights(kSize * kSize, 0.01f);
-    heights.back() = 0.125f;
-    gpu::Texture map(GL_R32F, kSize, kSize, 0, GL_LINEAR);
-    map.write(0, GL_RED, GL_FLOAT, heights.data());
-    const gpu::Buffer tiles(MapDepths::tile_bytes(map)), deepest(sizeof(float));
-    MapDepths depths;
-    depths.find_tiles(map, tiles);
-    depths.find_deepest(tiles, deepest);
-    EXPECT_EQ(deepest.read_all<float>()[0], 0.125f);
   });
 }
 

@@ -45,7 +45,10 @@ TEST(PatchLists, patchesAreListedByClassInTheirOrder) {
         camera_view(camera, RenderSettings{}, {vec3(0.0f), 1.0f, 1.0f}, false);
     const gpu::Buffer view(std::vector<shared::TreeView>{seen_from});
     const gpu::Buffer posed(of.vertices), patches(of.patches), edges(levels);
-    const gpu::Buffer no_snow(sizeof(float));
+    const gpu::Buffer vertices(std::vector<shared::TreeVertex>(of.vertices.size()));
+    const gpu::Buffer none(sizeof(shared::TreeEdge));
+    const gpu::Buffer growths(
+        static_cast<int64_t>(of.patches.size() * sizeof(shared::PatchGrowth)));
 
     gpu::Program classify({"tree_classify.comp.glsl"});
     PatchListPasses passes;
@@ -55,7 +58,12 @@ TEST(PatchLists, patchesAreListedByClassInTheirOrder) {
     classify.bind("PosedVertices", posed);
     classify.bind("TreePatches", patches);
     classify.bind("EdgeLevels", edges);
-    classify.bind("DeepestSnow", no_snow);
+    classify.bind("TreeVertices", vertices);
+    classify.bind("TreeSections", none);
+    classify.bind("TreeEdges", none);
+    classify.bind("TileDepths", none);
+    classify.set("map_size", glm::ivec2(0));
+    classify.bind("PatchGrowths", growths);
     passes.run(classify, list, 6, 5.0f);
 
     const PatchCounts counts = count_patches(list, 6);

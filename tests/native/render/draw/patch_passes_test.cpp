@@ -17,6 +17,8 @@ namespace {
 using glm::vec3;
 using glm::vec4;
 
+constexpr int64_t kMostSquares = 16;
+
 /// Upright squares of 0.2 m that face the camera, drawn by the shaders of trees without bark.
 struct Squares : PatchSource {
   Squares(const std::vector<vec3>& middles, const std::vector<float>& levels)
@@ -37,27 +39,37 @@ struct Squares : PatchSource {
       patch.place = {-1, 0, 0, 0};
       all_patches.push_back(patch);
     }
+    vertices = gpu::Buffer(std::vector<shared::TreeVertex>(all_posed.size()));
     posed = gpu::Buffer(all_posed);
     patches = gpu::Buffer(all_patches);
   }
 
   std::vector<std::string> defines(DrawKind /*kind*/) const override { return {}; }
   void bind_classify(gpu::Program& program) const override {
+    program.bind("TreeVertices", vertices);
     program.bind("PosedVertices", posed);
+    program.bind("TreeSections", none);
+    program.bind("TreeEdges", none);
     program.bind("TreePatches", patches);
     program.bind("EdgeLevels", edge_levels);
-    program.bind("DeepestSnow", no_snow);
+    program.bind("TileDepths", none);
+    program.set("map_size", glm::ivec2(0));
+    program.bind("PatchGrowths", growths);
   }
   void bind_plain(gpu::Program& program, DrawKind /*kind*/) const override {
+    program.bind("TreeVertices", vertices);
     program.bind("PosedVertices", posed);
     program.bind("TreePatches", patches);
+    program.bind("PatchGrowths", growths);
   }
   void bind_tessellated(gpu::Program& /*program*/, DrawKind /*kind*/) const override {}
 
+  gpu::Buffer vertices;
   gpu::Buffer posed;
   gpu::Buffer patches;
   gpu::Buffer edge_levels;
-  gpu::Buffer no_snow{sizeof(float)};
+  gpu::Buffer none{sizeof(shared::TreeEdge)};
+  gpu::Buffer growths{kMostSquares * sizeof(shared::PatchGrowth)};
 };
 
 gpu::Buffer view_of_origin() {

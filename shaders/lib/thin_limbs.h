@@ -1,0 +1,51 @@
+#pragma once
+
+// Limbs that are too thin and leaves that are too small for the picture: some are dropped, and the others grow, so that
+// the tree keeps the area that it covers. R. Cook, J. Halstead, M. Planck, D. Ryu, Stochastic Simplification of Aggregate Detail, 2007.
+#include "shared_functions.h"
+
+#ifndef SNOWBOUGH_GLSL
+namespace snowbough::shared {
+#endif
+
+/// Least length of a drawn section in least widths.
+KERNEL_CONSTANT float kLeastLength = 4.0f;
+/// Least length of a drawn leaf in least widths of limbs.
+KERNEL_CONSTANT float kLeastLeaf = 1.5f;
+/// Fraction of the drawn ones that are fading out.
+KERNEL_CONSTANT float kFading = 0.25f;
+
+/// Fraction of the patches of `pixels` that are drawn, so that those have `least` pixels.
+SNOWBOUGH_SHARED_FUNCTION float drawn_share(float pixels, float least) {
+  return pixels < least ? pixels / least : 1.0f;
+}
+
+/// By how much a square must grow so that its mean width, seen from all sides, is that of the circle around it.
+KERNEL_CONSTANT float kSquareGrowth = 0.1107207f;
+
+/// Fraction of its tessellation levels that a limb gets: none if its width is less than half of `target`. Both in
+/// pixels.
+SNOWBOUGH_SHARED_FUNCTION float round_share(float width, float target) {
+  return clamp(2.0f * width / target - 1.0f, 0.0f, 1.0f);
+}
+
+/// Number from 0 to 1 of a patch: those with small numbers stay longest. Successive patches have numbers far apart.
+SNOWBOUGH_SHARED_FUNCTION float patch_number(int index) {
+  const float golden = 0.61803399f * float(index & 0xFFFF);
+  return golden - floor(golden);
+}
+
+/// Factor of the covered area of a patch or leaf with this number; 0: dropped. `share`: the fraction that is drawn, over
+/// 0. The mean over all numbers is 1. They fade out before they are dropped.
+SNOWBOUGH_SHARED_FUNCTION float area_factor(float share, float number) {
+  const float all = share / (1.0f - kFading);
+  const float fading = kFading * all;
+  const float past = max(all - 1.0f, 0.0f);
+  const float left = all - share;
+  const float mean = min(share, 1.0f) + (left * left - past * past) / (2.0f * fading);
+  return clamp((all - number) / fading, 0.0f, 1.0f) / mean;
+}
+
+#ifndef SNOWBOUGH_GLSL
+}  // namespace snowbough::shared
+#endif
