@@ -25,8 +25,8 @@ inline float coordinate(Input& input, int32_t form) {
 }
 
 /// A small mesh: at most 12 vertices, 16 triangles and a map of 64 to 71 texels per side. Corners
-/// take their vertex's UV, or one of their own. Three of four layouts fill a quarter of the map, which
-/// is faster. Positions are finite and at most 1e9, as the module requires.
+/// take their vertex's UV, or one of their own. Three of four layouts fill a quarter of the map,
+/// which is faster. Positions are finite and at most 1e9, as the module requires.
 inline Mesh take_mesh(Input& input) {
   Mesh mesh;
   const int32_t forms = input.take<uint8_t>();
