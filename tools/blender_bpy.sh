@@ -42,7 +42,8 @@ if ! [ -x "$python" ] || ! "$python" -c "import bpy, pytest" 2>/dev/null; then
 fi
 echo "bpy: Blender $("$python" -c "import bpy; print(bpy.app.version_string)" | tail -n 1)"
 if [ -n "$version" ]; then
-  zip=$(tools/package.sh release linux | grep 'linux_x64\.zip$')
+  [ "${SNOWBOUGH_SETUP:-1}" = 0 ] || tools/package.sh release linux
+  zip=$(ls build/packages/repository/*linux_x64.zip)
 else
   zip=$(tools/package.sh)
 fi

@@ -102,11 +102,15 @@ case "$version" in
   *) skip "Debian $suite has moved on to Blender $version" ;;
 esac
 
-zip="/snowbough/$(tools/package.sh release linux | grep 'linux_x64\.zip$')"
+[ "${SNOWBOUGH_SETUP:-1}" = 0 ] || tools/package.sh release linux
+zip="/snowbough/$(ls build/packages/repository/*linux_x64.zip)"
+# The checkout's command line loads the module from build/python: there are the package's modules.
+modules="build/blender-$suite-modules"
+rm -rf "$modules"
+python3 -m zipfile -e build/packages/*linux*.whl "$modules"
 mkdir -p "$root/snowbough" "$root/shared" build/python
 mount --bind . "$root/snowbough"
-# The checkout's command line loads the module from build/python: there are the package's modules.
-mount --bind build/linux/modules "$root/snowbough/build/python"
+mount --bind "$modules" "$root/snowbough/build/python"
 if [ -d ../shared ]; then
   mount --bind ../shared "$root/shared"
 fi
