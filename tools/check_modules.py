@@ -34,7 +34,14 @@ def linux_module(path):
             for symbol in elf.get_section_by_name(".dynsym").iter_symbols()
             if symbol["st_shndx"] != "SHN_UNDEF" and symbol["st_info"]["bind"] != "STB_LOCAL"
         }
-    return needed - LINUX, {name for name in shown if not name.startswith("PyInit_snowbough_native_")}
+        # The linker accepts undefined symbols, which the system's libraries and Python have. None of them is C++.
+        missing = {
+            f"missing {symbol.name}"
+            for symbol in elf.get_section_by_name(".dynsym").iter_symbols()
+            if symbol["st_shndx"] == "SHN_UNDEF" and symbol.name.startswith("_Z")
+        }
+    names = {name for name in shown if not name.startswith("PyInit_snowbough_native_")}
+    return needed - LINUX, names | missing
 
 
 def windows_module(path):
