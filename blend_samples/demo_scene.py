@@ -258,6 +258,21 @@ def drive_cart(body, wheels):
             wheel.keyframe_insert("rotation_euler", index=1, frame=frame)
 
 
+def make_cart(boards, iron):
+    """The cart with its wheels, unwrapped and on its way; returns [cart, wheel, wheel, wheel, wheel]."""
+    cart = make_cart_body(boards)
+    unwrap(cart)
+    wheels = []
+    for axle in (-0.6, 0.6):
+        for side in (-0.63, 0.63):
+            wheel = make_wheel(f"wheel {len(wheels) + 1}", iron)
+            unwrap(wheel)
+            wheel.parent, wheel.location = cart, (axle, side, WHEEL_RADIUS)
+            wheels.append(wheel)
+    drive_cart(cart, wheels)
+    return [cart, *wheels]
+
+
 # --------------------------------------------------------------------------------------------------
 # Light, camera, render settings
 
@@ -421,16 +436,7 @@ def build_stage():
     unwrap(bench)
     bench.location = (-2.35, -1.75, float(knoll(-2.35, -1.75)))
     bench.rotation_euler = (0.0, 0.0, math.radians(14.0))
-    cart = make_cart_body(boards)
-    unwrap(cart)
-    wheels = []
-    for axle in (-0.6, 0.6):
-        for side in (-0.63, 0.63):
-            wheel = make_wheel(f"wheel {len(wheels) + 1}", iron)
-            unwrap(wheel)
-            wheel.parent, wheel.location = cart, (axle, side, WHEEL_RADIUS)
-            wheels.append(wheel)
-    drive_cart(cart, wheels)
+    cart, *wheels = make_cart(boards, iron)
     make_sky(scene)
     make_sun(scene)
     backdrop = [make_forest(75.0, 11.0, (0.30, 0.34, 0.42), 3), make_forest(50.0, 8.0, (0.13, 0.17, 0.23), 5)]

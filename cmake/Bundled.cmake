@@ -114,3 +114,12 @@ if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
   set_target_properties(unwinder PROPERTIES NO_SONAME ON C_VISIBILITY_PRESET default)
   target_link_options(unwinder PRIVATE -nostdlib -Wl,-soname,libgcc_s.so.1)
 endif()
+
+# SNOWBOUGH_WIDE (base/simd.h): functions compiled for AVX2 and for the baseline. The format of Linux's libraries can
+# choose between them at load time, that of Windows' libraries cannot. zig's runtime library does not contain the test
+# of the processor that the choice calls.
+if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
+  set(SNOWBOUGH_CLONES ON)
+  add_compile_definitions(SNOWBOUGH_CLONES)
+  add_library(cpu_model STATIC "${CMAKE_CURRENT_LIST_DIR}/cpu_model.c")
+endif()

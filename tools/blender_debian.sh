@@ -6,8 +6,8 @@
 #   tools/blender_debian.sh 4.3|5.2 --run COMMAND...   runs a command there instead; the checkout is /snowbough,
 #                                                      and SNOWBOUGH_TEST_ZIP is the path of the add-on's zip
 #
-# Makes a Debian folder with debootstrap in build/blender-<suite> (kept, about 4 GB), builds the native
-# module there in build/<suite>, and runs the tests. Uses the mirror of this machine's apt. Needs root, for debootstrap
+# Makes a Debian folder with debootstrap in build/blender-<suite> (kept, about 3 GB), and runs the tests there on the
+# release package (tools/package.sh release linux). Uses the mirror of this machine's apt. Needs root, for debootstrap
 # and chroot; all mounts are in a private mount namespace and end with this script. If Blender cannot be installed, the
 # report contains a skip. Environment variables that begin with SNOWBOUGH_ are passed to the commands.
 set -euo pipefail
@@ -29,7 +29,6 @@ fi
 shift 2
 cd "$(dirname "$0")/.."
 root="$PWD/build/blender-$suite"
-own="build/$suite"
 
 skip() {
   echo "blender $wanted: skipped: $1"
@@ -78,13 +77,12 @@ inside() {
 }
 
 # Debian's package of Blender 5.2 does not depend on python3-cattr and python3-requests, which its extension manager
-# imports. `--gpu-backend vulkan` needs a software Vulkan driver.
-packages="$(awk '!/^#/ && NF { print $1 }' tools/dependencies.txt)
-python3-cattr
-python3-requests
-mesa-vulkan-drivers"
+# imports, and both need NumPy. `--gpu-backend vulkan` needs a software Vulkan driver. The last line is for --run.
+packages="blender python3-numpy python3-pytest python3-cattr python3-requests
+libegl1 libgl1-mesa-dri mesa-vulkan-drivers
+python3-pil xvfb xauth xdotool"
 if [ "$(cat "$root/.packages-complete" 2>/dev/null)" != "$packages" ]; then
-  echo "blender $wanted: installing Blender and the build's packages in the Debian $suite folder"
+  echo "blender $wanted: installing Blender in the Debian $suite folder"
   # Without this option apt rejects a mirror's copy of sid that is some days old.
   inside apt-get -o Acquire::Check-Valid-Until=false update ||
     skip "the mirror's package lists of Debian $suite could not be read"
@@ -104,24 +102,23 @@ case "$version" in
   *) skip "Debian $suite has moved on to Blender $version" ;;
 esac
 
-mkdir -p "$root/snowbough" "$root/shared"
+[ "${SNOWBOUGH_SETUP:-1}" = 0 ] || tools/package.sh release linux
+zip="/snowbough/$(ls build/packages/repository/*linux_x64.zip)"
+# The checkout's command line loads the module from build/python: there are the package's modules.
+modules="build/blender-$suite-modules"
+rm -rf "$modules"
+python3 -m zipfile -e build/packages/*linux*.whl "$modules"
+mkdir -p "$root/snowbough" "$root/shared" build/python
 mount --bind . "$root/snowbough"
-# The checkout's command line loads the module from build/python, so mount the module of this Debian there.
-mkdir -p build/python "$own/python"
-mount --bind "$own/python" "$root/snowbough/build/python"
+mount --bind "$modules" "$root/snowbough/build/python"
 if [ -d ../shared ]; then
   mount --bind ../shared "$root/shared"
 fi
-inside cmake -S /snowbough -B "/snowbough/$own/release" -G Ninja -DCMAKE_BUILD_TYPE=Release \
-  -DPython_EXECUTABLE=/usr/bin/python3 "-DSNOWBOUGH_PYTHON_DIR=/snowbough/$own/python" \
-  -DSNOWBOUGH_TESTS=OFF -DSNOWBOUGH_BENCHMARKS=OFF
-inside cmake --build "/snowbough/$own/release"
-inside /snowbough/tools/package.sh "$own/python" "$own/snowbough.zip"
 if [ -n "$run" ]; then
-  inside "SNOWBOUGH_TEST_ZIP=/snowbough/$own/snowbough.zip" /usr/bin/env -C /snowbough "$@"
+  inside "SNOWBOUGH_TEST_ZIP=$zip" /usr/bin/env -C /snowbough "$@"
   exit
 fi
 inside /usr/bin/env -C /snowbough /usr/bin/python3 tests/blender/run.py --blender /usr/bin/blender \
-  --zip "/snowbough/$own/snowbough.zip" --junitxml "/snowbough/$own/blender.xml" "$@" || status=$?
-[ ! -e "$own/blender.xml" ] || mv "$own/blender.xml" "$report"
+  --zip "$zip" --junitxml "/snowbough/build/blender-$suite.xml" "$@" || status=$?
+[ ! -e "build/blender-$suite.xml" ] || mv "build/blender-$suite.xml" "$report"
 exit "${status:-0}"

@@ -15,6 +15,9 @@ if command -v ccache >/dev/null; then
   launcher=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 fi
 for system in "$@"; do
+  # The compilers of all systems are scripts of equal names and sizes: ccache must not tell them apart by their times.
+  CCACHE_COMPILERCHECK="string:$system $(grep ziglang tools/third_party.sha256)"
+  export CCACHE_COMPILERCHECK
   cmake -S . -B "build/$system" -G Ninja --toolchain cmake/Zig.cmake "${launcher[@]}" -DCMAKE_BUILD_TYPE=Release \
     -DSNOWBOUGH_SYSTEM="$system" -DSNOWBOUGH_BUNDLED=ON -DSNOWBOUGH_TESTS=OFF \
     -DSNOWBOUGH_PYTHON_DIR="$PWD/build/$system/modules" -DPython_EXECUTABLE=/usr/bin/python3

@@ -12,7 +12,7 @@ packages=build/packages
 venv=build/check-packages
 [ -x "$venv/bin/auditwheel" ] || {
   /usr/bin/python3 -m venv "$venv"
-  "$venv/bin/pip" --disable-pip-version-check install --quiet auditwheel pyelftools
+  "$venv/bin/pip" --disable-pip-version-check install --quiet auditwheel pyelftools macholib
 }
 
 for wheel in "$packages"/*linux*.whl; do

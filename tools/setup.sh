@@ -3,6 +3,7 @@
 #
 #   ./tools/setup.sh           everything: the module, its tests and benchmarks
 #   ./tools/setup.sh module    only the Python module, for the demo
+#   ./tools/setup.sh packages  only Debian's packages
 #
 # Afterwards `PYTHONPATH=build/python /usr/bin/python3 -c "import snowbough_native"` works. Later
 # runs install only missing packages and build only changed files.
@@ -12,9 +13,10 @@ cd "$(dirname "$0")/.."
 case "${1:-}" in
   '') target=all ;;
   module) target=snowbough_native ;;
+  packages) target= ;;
   *)
     echo "setup: unknown argument '$1'" >&2
-    sed -n '4,5s/^# \{0,1\}//p' "$0" >&2
+    sed -n '4,6s/^# \{0,1\}//p' "$0" >&2
     exit 2
     ;;
 esac
@@ -63,6 +65,7 @@ if [ ${#missing[@]} -gt 0 ]; then
 else
   echo "setup: all packages are installed"
 fi
+[ -n "$target" ] || exit 0
 
 launcher=()
 if command -v ccache >/dev/null; then

@@ -13,7 +13,7 @@
 # skips, and count: `N passed, N failed, N skipped`; the exit code is 0 only if nothing failed. SNOWBOUGH_SETUP=0 skips
 # tools/setup.sh.
 set -uo pipefail
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/.." || exit 1
 # Absolute: the layers run in different folders.
 results="$PWD/build/tests"
 

@@ -91,6 +91,8 @@ for file in *; do
       mkdir -p "$to"
       mv "$root/jar/org/bytedeco/cpython/$system" "$to/$system"
       rm -rf "$root/jar"
+      # Python's zipfile does not restore permissions.
+      [ "$system" != linux-x86_64 ] || chmod +x "$to/$system/python${version%.*}"
       ;;
   esac
   touch "$unpacked"

@@ -10,11 +10,21 @@
 
 /// Marks a function whose loops gain from wide registers: it is compiled for AVX2 and for the
 /// baseline, and chosen at run time. Without fused multiply-add both give the same bits.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__)
+/// cmake/Bundled.cmake defines SNOWBOUGH_CLONES for Clang.
+#if (defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+     !defined(__SANITIZE_ADDRESS__)) ||                                 \
+    defined(SNOWBOUGH_CLONES)
 #define SNOWBOUGH_WIDE __attribute__((target_clones("avx2", "default")))
 #else
 #define SNOWBOUGH_WIDE
+#endif
+
+/// The same for an inner loop, with everything that it calls inlined. Clang does not take `flatten`
+/// beside `target_clones`: the packages raise its limit for inlining instead.
+#ifdef SNOWBOUGH_CLONES
+#define SNOWBOUGH_WIDE_FLAT SNOWBOUGH_WIDE
+#else
+#define SNOWBOUGH_WIDE_FLAT SNOWBOUGH_WIDE __attribute__((flatten))
 #endif
 
 namespace snowbough::base {

@@ -5,10 +5,10 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import bpy
+import child
 import pytest
 
 # Run in a Blender of its own with a copy of the add-on, whose files it changes.
@@ -16,7 +16,6 @@ PROGRAM = """
 import json
 import sys
 from pathlib import Path
-import addon_utils
 import bpy
 
 def look():
@@ -74,13 +73,10 @@ def test_changed_code_runs_after_a_reload(addon, tmp_path, way):
     shutil.copytree(source, scripts / "addons" / "snowbough", ignore=shutil.ignore_patterns("__pycache__"))
     program = PROGRAM.replace("SCRIPTS", repr(str(scripts))).replace("RESULT", repr(str(result)))
     program = program.replace("RELOAD", WAYS[way])
-    if bpy.app.binary_path:
-        command = [bpy.app.binary_path, "-b", "--factory-startup", "--python-exit-code", "1"]
-        command += ["--python-expr", program]
-    else:
-        command = [sys.executable, "-c", program]
     environment = {**os.environ, "BLENDER_USER_SCRIPTS": str(scripts)}
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(
+        child.command(program), env=environment, capture_output=True, text=True, timeout=120
+    )
     assert done.returncode == 0 and "Traceback" not in done.stderr, done.stdout + done.stderr
     before, after = json.loads(result.read_text())
     assert (before["button"], before["setting"]) == ("Bake Snow", "End Depth")
@@ -130,17 +126,10 @@ def test_the_add_on_may_be_switched_off_in_the_middle_of_a_bake(addon, tmp_path,
     program = program.replace("CACHE", repr(str(tmp_path / "cache")))
     if not bpy.app.binary_path:
         pytest.skip("needs a Blender program")
-    command = [
-        bpy.app.binary_path,
-        "-b",
-        "--factory-startup",
-        "--python-exit-code",
-        "1",
-        "--python-expr",
-        program,
-    ]
     environment = {**os.environ, "BLENDER_USER_SCRIPTS": str(scripts)}
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(
+        child.command(program), env=environment, capture_output=True, text=True, timeout=120
+    )
     assert done.returncode == 0 and "Traceback" not in done.stderr, done.stdout + done.stderr
     assert "the script goes on" in done.stdout
     assert list(tmp_path.glob("cache/*/v001/*/height_0003.exr"))

@@ -7,10 +7,10 @@ import random
 import shutil
 import signal
 import subprocess
-import sys
 import time
 
 import bpy
+import child
 import pytest
 import snow_scene as s
 
@@ -208,17 +208,6 @@ def test_a_new_bake_keeps_the_finished_version(undisturbed, tmp_path):
 # -- the command line ---------------------------------------------------------------------------------
 
 
-# Blender as a module may crash or wait for ever in its own handler at exit: 4.2.23 and 4.5.15 do.
-END_AT_ONCE = """
-import os, sys
-def end(code=0):
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(code)
-sys.exit = end
-"""
-
-
 def blender_command(addon, blend, *arguments):
     """A Blender of its own that bakes with the code of the add-on under test."""
     package = os.environ["SNOWBOUGH_TEST_ADDON"]
@@ -240,17 +229,7 @@ def blender_command(addon, blend, *arguments):
         f"cli = importlib.import_module({package!r} + '.bake.cli')\n"
         f"sys.exit(cli.run(types.SimpleNamespace(resume={resume}, **{given!r})))"
     )
-    if bpy.app.binary_path:
-        return [
-            bpy.app.binary_path,
-            "-b",
-            "--factory-startup",
-            "--python-exit-code",
-            "1",
-            "--python-expr",
-            program,
-        ]
-    return [sys.executable, "-c", "import bpy\n" + END_AT_ONCE + program]
+    return child.command(program)
 
 
 def run_blender(*arguments, **options):

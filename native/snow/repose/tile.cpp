@@ -8,11 +8,7 @@
 #include "shaders/lib/texel_repose.h"
 #include "snow/repose/window.h"
 
-#if defined(__GNUC__)
-#define SNOWBOUGH_TILE SNOWBOUGH_WIDE __attribute__((flatten))
-#else
-#define SNOWBOUGH_TILE SNOWBOUGH_WIDE
-#endif
+#define SNOWBOUGH_TILE SNOWBOUGH_WIDE_FLAT
 
 namespace snowbough::snow {
 namespace {

@@ -9,11 +9,7 @@
 #include "snow/repose/tile.h"
 #include "snow/repose/window.h"
 
-#if defined(__GNUC__)
-#define SNOWBOUGH_SWEEP SNOWBOUGH_WIDE __attribute__((flatten))
-#else
-#define SNOWBOUGH_SWEEP SNOWBOUGH_WIDE
-#endif
+#define SNOWBOUGH_SWEEP SNOWBOUGH_WIDE_FLAT
 
 namespace snowbough::snow {
 namespace {

@@ -8,11 +8,7 @@
 #include "snow/repose/tile.h"
 #include "snow/repose/window.h"
 
-#if defined(__GNUC__)
-#define SNOWBOUGH_ROW SNOWBOUGH_WIDE __attribute__((flatten))
-#else
-#define SNOWBOUGH_ROW SNOWBOUGH_WIDE
-#endif
+#define SNOWBOUGH_ROW SNOWBOUGH_WIDE_FLAT
 
 namespace snowbough::snow {
 namespace {

@@ -309,7 +309,8 @@ class FragmentParser {
     ++scene_.short_faces;
   }
 
-  /// After an invalid line: its relative indices are only checked, since its corners are incomplete.
+  /// After an invalid line: its relative indices are only checked, since its corners are
+  /// incomplete.
   void forget_corners() {
     for (RelativeIndex& entry : fragment_.relative) {
       if (entry.line == fragment_.line_count) entry.corner = -1;

@@ -19,7 +19,8 @@ constexpr double kRadiusCost = 0.7;
 constexpr size_t kBest = 12;
 /// A plane is between two others if the path through it is no longer than this factor, ...
 constexpr double kDetour = 1.08;
-/// ... it is met at no smaller cosine than this, and its radius is within these factors of their radii.
+/// ... it is met at no smaller cosine than this, and its radius is within these factors of their
+/// radii.
 constexpr double kSquarely = 0.85;
 constexpr double kThinner = 0.7;
 constexpr double kThicker = 1.4;

@@ -20,11 +20,7 @@
 // included once. Uses glm's names: for .cpp files only.
 
 /// Marks an inner loop; everything that it calls is inlined.
-#if defined(__GNUC__)
-#define SNOWBOUGH_KERNEL SNOWBOUGH_WIDE __attribute__((flatten))
-#else
-#define SNOWBOUGH_KERNEL SNOWBOUGH_WIDE
-#endif
+#define SNOWBOUGH_KERNEL SNOWBOUGH_WIDE_FLAT
 
 namespace snowbough::shared {
 

@@ -33,7 +33,8 @@ TEST(OpenSheets, ACubeOfFacesWithVerticesOfTheirOwnIsClosedWhereverItStands) {
     std::vector<int32_t> faces;
     for (const int32_t index : kCubeFaces) {
       faces.push_back(static_cast<int32_t>(positions.size()));
-      positions.push_back(scale * (kCube[static_cast<size_t>(index)] + glm::vec3(7.0f, -3.0f, 0.5f)));
+      positions.push_back(scale *
+                          (kCube[static_cast<size_t>(index)] + glm::vec3(7.0f, -3.0f, 0.5f)));
     }
     EXPECT_EQ(find_open_sheets(faces, positions), Open(12, 0)) << scale;
   }

@@ -1,0 +1,12 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A maple in leaf, surprised by early snow: the leaves carry snow and shelter the ground."""
+
+import sample
+
+sample.run(
+    lambda: sample.tree("maple", "--leaves"),
+    eye=(1.5, -9.4, 2.4),
+    target=(0.0, 0.0, 2.7),
+    depth=0.05,
+    resolution=1024,
+)
