@@ -24,7 +24,12 @@ float round_share_of(TreeEdge edge, float away) {
     const PosedVertex at = posed[edge.ends[k]];
     reach = max(reach, distance(at.position.xyz, limb_middle(at, vertices[edge.ends[k]])));
   }
-  return round_share(pixels_of(2.0 * reach, away), view.tessellation.z);
+  const float width = pixels_of(2.0 * reach, away);
+#ifdef SNOW
+  return snowy_round_share(width, pixels_of(view.snow.y, away), view.tessellation.z);
+#else
+  return round_share(width, view.tessellation.z);
+#endif
 }
 
 #ifdef SNOW

@@ -29,6 +29,13 @@ SNOWBOUGH_SHARED_FUNCTION float round_share(float width, float target) {
   return clamp(2.0f * width / target - 1.0f, 0.0f, 1.0f);
 }
 
+/// The same under snow of `depth` on open ground: the crest lies between the corners of the four sides, so that limbs
+/// from a sixth of `target` on are tessellated if the snow is as deep as a twelfth.
+SNOWBOUGH_SHARED_FUNCTION float snowy_round_share(float width, float depth, float target) {
+  const float crest = clamp(min(6.0f * width, 12.0f * depth) / target - 1.0f, 0.0f, 1.0f);
+  return max(round_share(width, target), crest);
+}
+
 /// Number from 0 to 1 of a patch: those with small numbers stay longest. Successive patches have numbers far apart.
 SNOWBOUGH_SHARED_FUNCTION float patch_number(int index) {
   const float golden = 0.61803399f * float(index & 0xFFFF);
