@@ -85,15 +85,19 @@ def depth_of(frame):
     return END_DEPTH * float(fallen[frame - 1] / fallen[-1])
 
 
-def prepare_snowfall(receivers, backdrop):
-    """Puts the receivers on the scene's list and says how it snows."""
-    scene = bpy.context.scene
+def list_receivers(receivers):
+    """Puts objects on the scene's list of receivers; returns the scene's settings."""
     bpy.ops.object.select_all(action="DESELECT")
     for receiver in receivers:
         receiver.select_set(True)
     bpy.context.view_layer.objects.active = receivers[0]
     bpy.ops.snowbough.add_receivers()
-    settings = scene.snowbough
+    return bpy.context.scene.snowbough
+
+
+def prepare_snowfall(receivers, backdrop):
+    """Puts the receivers on the scene's list and says how it snows."""
+    settings = list_receivers(receivers)
     for entry in settings.receivers:
         entry.resolution = WHEEL_RESOLUTION if entry.object.name.startswith("wheel") else RESOLUTION
     for scenery in backdrop:

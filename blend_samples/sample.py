@@ -62,13 +62,7 @@ def tree(species, *options):
 
 
 def snow_on(receivers, depth, angle, bearing, resolution, **settings):
-    scene = bpy.context.scene
-    bpy.ops.object.select_all(action="DESELECT")
-    for receiver in receivers:
-        receiver.select_set(True)
-    bpy.context.view_layer.objects.active = receivers[0]
-    bpy.ops.snowbough.add_receivers()
-    own = scene.snowbough
+    own = demo.list_receivers(receivers)
     for entry in own.receivers:
         entry.resolution = resolution
     own.end_depth, own.pixel_size, own.seed = depth, 0.016, 7

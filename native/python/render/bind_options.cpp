@@ -110,10 +110,10 @@ except the size.)");
       .field("max_level", &RenderSettings::max_level,
              "Maximum number of parts of an edge, 1 to 64; 1: no tessellation.")
       .field("target_pixels", &RenderSettings::target_pixels, "SCREEN: pixels per part of an edge.")
-      .field("min_pixels", &RenderSettings::min_pixels,
-             "SCREEN: width in pixels to which thinner limbs grow, while others of them are "
-             "dropped. 0: all "
-             "patches are drawn.")
+      .field(
+          "min_pixels", &RenderSettings::min_pixels,
+          "SCREEN: least width of a limb in pixels: some thinner limbs are dropped, and the others "
+          "grow to it. 0: all limbs are drawn as they are.")
       .field("max_distance", &RenderSettings::max_distance,
              "THESIS: distance in metres at which the level reaches 1.")
       .field("max_area", &RenderSettings::max_area,

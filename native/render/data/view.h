@@ -67,8 +67,8 @@ struct RenderSettings {
   float max_level = 32.0f;
   /// SCREEN: length of an edge's segments, in pixels.
   float target_pixels = 6.0f;
-  /// SCREEN: thinner limbs are dropped in part, and the others grow to this width in pixels. 0: no
-  /// patch is simplified or dropped.
+  /// SCREEN: least width of a limb in pixels: some thinner limbs are dropped, and the others grow
+  /// to it. 0: all limbs are drawn as they are.
   float min_pixels = 0.7f;
   /// THESIS: distance Mtd in metres at which the level has fallen to 1, and area Mfa in m2 with the
   /// highest level (0: the area of the tree's largest patch).

@@ -32,8 +32,10 @@ def renderer():
         yield made
 
 
-def picture(renderer, number, target_pixels):
-    return flight.smooth_picture(renderer, number, SIZE, target_pixels=target_pixels, shadow_resolution=0)
+def picture(renderer, number, target_pixels, **options):
+    return flight.smooth_picture(
+        renderer, number, SIZE, target_pixels=target_pixels, shadow_resolution=0, **options
+    )
 
 
 def added_changes(renderer, target_of, pairs=PAIRS):
@@ -41,7 +43,7 @@ def added_changes(renderer, target_of, pairs=PAIRS):
     found = []
     for number in pairs:
         own = [picture(renderer, number + k, target_of(number + k)) for k in (0, 1)]
-        fixed = [picture(renderer, number + k, FIXED) for k in (0, 1)]
+        fixed = [picture(renderer, number + k, FIXED, min_pixels=0) for k in (0, 1)]
         found.append(flight.block_change(*own) - flight.block_change(*fixed))
     return abs(np.array(found))
 
