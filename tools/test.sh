@@ -7,7 +7,8 @@
 #   ./tools/test.sh fuzz                   a minute of each fuzzer (tools/fuzz.sh); not among "all layers"
 #   ./tools/test.sh --blender 4.3|5.2      tests/blender in Debian trixie's or sid's Blender (made under build/)
 #   ./tools/test.sh --blender bpy[=VERSION]   tests/blender in PyPI's official bpy; with a version, on the package
-#   ./tools/test.sh --platform windows     tests/python on the wheel for Windows, under wine
+#   ./tools/test.sh --platform windows[=VERSION]   tests/python on the wheel for Windows, under wine, in Python 3.11
+#   ./tools/test.sh --platform windows[=VERSION] blender   tests/blender in PyPI's bpy 4.5.15 for Windows, under wine
 #
 # build/tests/times.txt has the time of each layer and test. The last lines name the slowest tests and the reasons for
 # skips, and count: `N passed, N failed, N skipped`; the exit code is 0 only if nothing failed. SNOWBOUGH_SETUP=0 skips
@@ -18,7 +19,7 @@ cd "$(dirname "$0")/.." || exit 1
 results="$PWD/build/tests"
 
 usage() {
-  sed -n '2,14s/^# \{0,1\}//p' "$0"
+  sed -n '2,15s/^# \{0,1\}//p' "$0"
 }
 
 layers=()
@@ -63,15 +64,15 @@ case "$blender" in
 esac
 case "$platform" in
   '') ;;
-  windows)
-    if [ -n "$blender" ] || { [ "${layers[*]}" != "native python blender ui" ] && [ "${layers[*]}" != python ]; }; then
-      echo "test: --platform windows runs the layer python only" >&2
+  windows | windows=[0-9]*)
+    [ "${layers[*]}" != "native python blender ui" ] || layers=(python)
+    if [ -n "$blender" ] || { [ "${layers[*]}" != python ] && [ "${layers[*]}" != blender ]; }; then
+      echo "test: --platform windows runs the layer python or the layer blender" >&2
       exit 2
     fi
-    layers=(python)
     ;;
   *)
-    echo "test: --platform takes windows, not '$platform'" >&2
+    echo "test: --platform takes windows[=VERSION], not '$platform'" >&2
     exit 2
     ;;
 esac
@@ -86,8 +87,8 @@ run_native() {
 }
 
 run_python() {
-  if [ "$platform" = windows ]; then
-    tools/test_windows.sh "$results/python.xml"
+  if [ -n "$platform" ]; then
+    tools/test_windows.sh python "$results/python.xml" "=${platform#windows}"
     return
   fi
   PYTHONPATH=build/python /usr/bin/python3 -m pytest tests/python -v -rfE \
@@ -95,6 +96,10 @@ run_python() {
 }
 
 run_blender() {
+  if [ -n "$platform" ]; then
+    tools/test_windows.sh blender "$results/blender.xml" "=${platform#windows}"
+    return
+  fi
   case "$blender" in
     4.3 | 5.2) tools/blender_debian.sh "$blender" "$results/blender.xml" ;;
     bpy*) tools/blender_bpy.sh "$results/blender.xml" "${blender#bpy}" ;;

@@ -10,10 +10,6 @@
 namespace snowbough::snow {
 namespace {
 
-[[noreturn]] void refuse(const std::string& message) {
-  throw std::invalid_argument(message);
-}
-
 shared::ObjectSums sums_of(const ObjectState& saved) {
   shared::ObjectSums sums;
   std::memcpy(&sums, saved.sums.data(), sizeof sums);
@@ -24,7 +20,8 @@ void check_finite(const ObjectState& saved) {
   const auto finite = [](auto number) { return std::isfinite(number); };
   if (!std::all_of(saved.height.begin(), saved.height.end(), finite) ||
       !std::all_of(saved.sums.begin(), saved.sums.end(), finite)) {
-    refuse("the checkpoint's map or sums of '" + saved.name + "' are not finite numbers");
+    throw std::invalid_argument("the checkpoint's map or sums of '" + saved.name +
+                                "' are not finite numbers");
   }
 }
 
@@ -135,16 +132,16 @@ void EngineScene::set_state(const SimulationState& state) {
   for (const ObjectState& saved : state.objects) {
     const int32_t own = objects_.receiver(saved.name)->description.topology.resolution;
     if (saved.resolution != own) {
-      refuse("the checkpoint's map of '" + saved.name + "' has " +
-             std::to_string(saved.resolution) + " texels per side, the object has " +
-             std::to_string(own));
+      throw std::invalid_argument("the checkpoint's map of '" + saved.name + "' has " +
+                                  std::to_string(saved.resolution) +
+                                  " texels per side, the object has " + std::to_string(own));
     }
     check_finite(saved);
   }
   const size_t receivers = objects_.receivers().size();
   if (state.objects.size() != receivers) {
-    refuse("the checkpoint holds " + std::to_string(state.objects.size()) +
-           " receivers, the simulation has " + std::to_string(receivers));
+    throw std::invalid_argument("the checkpoint holds " + std::to_string(state.objects.size()) +
+                                " receivers, the simulation has " + std::to_string(receivers));
   }
   if (is_current_) {
     engine().run([&] { write_state(state); });

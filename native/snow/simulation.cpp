@@ -14,31 +14,28 @@ namespace snowbough::snow {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& message) {
-  throw std::invalid_argument(message);
-}
-
 void check_settings(const SimulationSettings& settings) {
   for (const NumberSetting& one : kNumberSettings) {
     const double value = settings.*one.field;
     if (!(value >= one.least && value <= one.most)) {
-      refuse(std::string(one.name) + " must be " + one.range);
+      throw std::invalid_argument(std::string(one.name) + " must be " + one.range);
     }
   }
   if (settings.tile_size < 64 || settings.tile_size > kLargestTile ||
       !std::has_single_bit(static_cast<uint32_t>(settings.tile_size))) {
-    refuse("tile_size must be a power of two from 64 to 4096");
+    throw std::invalid_argument("tile_size must be a power of two from 64 to 4096");
   }
 }
 
 glm::dvec3 unit_fall(const glm::dvec3& direction) {
   const double length = glm::length(direction);
   if (!std::isfinite(length) || length < 1e-12) {
-    refuse("direction must not be zero");
+    throw std::invalid_argument("direction must not be zero");
   }
   const glm::dvec3 unit = direction / length;
   if (unit.z >= 0.0) {
-    refuse("direction must point downwards: its z is " + std::to_string(direction.z));
+    throw std::invalid_argument("direction must point downwards: its z is " +
+                                std::to_string(direction.z));
   }
   return unit;
 }
@@ -95,10 +92,10 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
   const std::scoped_lock lock(mutex_);
   EngineScene& scene = this->scene();
   if (!std::isfinite(depth) || depth < 0.0) {
-    refuse("step: depth must be 0 metres or more");
+    throw std::invalid_argument("step: depth must be 0 metres or more");
   }
   if (!std::isfinite(dt) || dt < 0.0) {
-    refuse("step: dt must be 0 seconds or more");
+    throw std::invalid_argument("step: dt must be 0 seconds or more");
   }
   const FrameStep frame{.fall = {.direction = unit_fall(direction),
                                  .pixel_size = settings_.pixel_size,
@@ -197,8 +194,8 @@ std::vector<float> SnowSimulation::texel_area(const std::string& name) {
   scene();
   const SceneObject& object = *objects_.receiver(name);
   if (object.positions.empty()) {
-    refuse("object '" + name +
-           "' has no positions yet: texel_area is available after its first step");
+    throw std::invalid_argument(
+        "object '" + name + "' has no positions yet: texel_area is available after its first step");
   }
   const TexelTable& table = *object.table;
   const std::vector<float> owned =

@@ -18,7 +18,7 @@ namespace {
 using glm::vec3;
 using glm::vec4;
 
-void require(bool right, const std::string& what) {
+void require_leaves(bool right, const std::string& what) {
   if (!right) throw std::invalid_argument(what);
 }
 
@@ -29,18 +29,20 @@ vec3 unit(const vec3& v) {
 
 void check(const LeafSource& source, int32_t bone_count) {
   const size_t triangles = source.bone.size();
-  require(source.positions.size() == 3 * triangles && source.uv.size() == 3 * triangles &&
-              source.material.size() == triangles,
-          "leaves: positions and uv must have three entries per triangle, bone and material one");
+  require_leaves(
+      source.positions.size() == 3 * triangles && source.uv.size() == 3 * triangles &&
+          source.material.size() == triangles,
+      "leaves: positions and uv must have three entries per triangle, bone and material one");
   for (size_t i = 0; i < triangles; ++i) {
-    require(source.bone[i] >= 0 && source.bone[i] < bone_count,
-            "leaves: bone index " + std::to_string(source.bone[i]) + " of triangle " +
-                std::to_string(i) + " must be at least 0 and below " + std::to_string(bone_count));
-    require(source.material[i] >= 0 &&
-                source.material[i] < static_cast<int32_t>(source.materials.size()),
-            "leaves: material index " + std::to_string(source.material[i]) + " of triangle " +
-                std::to_string(i) + " must be at least 0 and below " +
-                std::to_string(source.materials.size()));
+    require_leaves(source.bone[i] >= 0 && source.bone[i] < bone_count,
+                   "leaves: bone index " + std::to_string(source.bone[i]) + " of triangle " +
+                       std::to_string(i) + " must be at least 0 and below " +
+                       std::to_string(bone_count));
+    require_leaves(source.material[i] >= 0 &&
+                       source.material[i] < static_cast<int32_t>(source.materials.size()),
+                   "leaves: material index " + std::to_string(source.material[i]) +
+                       " of triangle " + std::to_string(i) + " must be at least 0 and below " +
+                       std::to_string(source.materials.size()));
   }
 }
 

@@ -28,40 +28,41 @@ constexpr float kSameUv = 1e-4f;
 constexpr float kBarkSlope = 0.25f;
 constexpr int kBarkRounds = 64;
 
-void require(bool right, const std::string& what) {
+void require_tree(bool right, const std::string& what) {
   if (!right) throw std::invalid_argument("add_tree: " + what);
 }
 
 void check(const TreeSource& source) {
   const size_t quads = source.quads.size();
-  require(quads > 0, "the tree has no quads");
-  require(source.bark_uv.size() == quads && source.branch_level.size() == quads &&
-              source.branch.size() == quads && source.section.size() == quads &&
-              source.kind.size() == quads,
-          "bark_uv, branch_level, branch, section and kind must have one entry per quad");
-  require(source.snow_uv.empty() || source.snow_uv.size() == quads,
-          "snow_uv must have one entry per quad, or be empty");
-  require(source.bone_indices.size() == source.vertices.size() &&
-              source.bone_weights.size() == source.vertices.size(),
-          "bone_indices and bone_weights must have one entry per vertex");
+  require_tree(quads > 0, "the tree has no quads");
+  require_tree(source.bark_uv.size() == quads && source.branch_level.size() == quads &&
+                   source.branch.size() == quads && source.section.size() == quads &&
+                   source.kind.size() == quads,
+               "bark_uv, branch_level, branch, section and kind must have one entry per quad");
+  require_tree(source.snow_uv.empty() || source.snow_uv.size() == quads,
+               "snow_uv must have one entry per quad, or be empty");
+  require_tree(source.bone_indices.size() == source.vertices.size() &&
+                   source.bone_weights.size() == source.vertices.size(),
+               "bone_indices and bone_weights must have one entry per vertex");
   for (size_t f = 0; f < quads; ++f) {
     for (const int32_t v : source.quads[f]) {
-      require(v >= 0 && v < static_cast<int32_t>(source.vertices.size()),
-              "vertex index " + std::to_string(v) + " of quad " + std::to_string(f) +
-                  " must be at least 0 and below " + std::to_string(source.vertices.size()));
+      require_tree(v >= 0 && v < static_cast<int32_t>(source.vertices.size()),
+                   "vertex index " + std::to_string(v) + " of quad " + std::to_string(f) +
+                       " must be at least 0 and below " + std::to_string(source.vertices.size()));
     }
-    require(source.kind[f] == QuadKind::kCap ||
-                (source.section[f] >= 0 &&
-                 source.section[f] < static_cast<int32_t>(source.sections.size())),
-            "section " + std::to_string(source.section[f]) + " of quad " + std::to_string(f) +
-                " must be at least 0 and below " + std::to_string(source.sections.size()));
-    require(source.branch_level[f] >= 0, "branch levels must not be negative");
+    require_tree(source.kind[f] == QuadKind::kCap ||
+                     (source.section[f] >= 0 &&
+                      source.section[f] < static_cast<int32_t>(source.sections.size())),
+                 "section " + std::to_string(source.section[f]) + " of quad " + std::to_string(f) +
+                     " must be at least 0 and below " + std::to_string(source.sections.size()));
+    require_tree(source.branch_level[f] >= 0, "branch levels must not be negative");
   }
   for (const auto& bones : source.bone_indices) {
     for (const int32_t bone : bones) {
-      require(bone >= 0 && bone < source.bone_count,
-              "bone index " + std::to_string(bone) + " of a vertex must be at least 0 and below " +
-                  std::to_string(source.bone_count));
+      require_tree(bone >= 0 && bone < source.bone_count,
+                   "bone index " + std::to_string(bone) +
+                       " of a vertex must be at least 0 and below " +
+                       std::to_string(source.bone_count));
     }
   }
 }
@@ -223,8 +224,9 @@ class PatchBuilder {
     for (size_t i = 0; i < sides.size();) {
       size_t end = i + 1;
       while (end < sides.size() && sides[end].a == sides[i].a && sides[end].b == sides[i].b) ++end;
-      require(end - i <= 2, "the edge between vertices " + std::to_string(sides[i].a) + " and " +
-                                std::to_string(sides[i].b) + " has more than two quads");
+      require_tree(end - i <= 2, "the edge between vertices " + std::to_string(sides[i].a) +
+                                     " and " + std::to_string(sides[i].b) +
+                                     " has more than two quads");
       add_edge(sides[i], end - i == 2 ? sides[i + 1] : sides[i]);
       i = end;
     }
@@ -345,7 +347,7 @@ class PatchBuilder {
 
 TreePatches make_tree_patches(const TreeSource& source, float bark_depth) {
   check(source);
-  require(bark_depth >= 0.0f && bark_depth <= 1.0f, "bark_depth must be from 0 to 1");
+  require_tree(bark_depth >= 0.0f && bark_depth <= 1.0f, "bark_depth must be from 0 to 1");
   return PatchBuilder(source, bark_depth).build();
 }
 

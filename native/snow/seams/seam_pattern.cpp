@@ -7,12 +7,12 @@ namespace {
 
 /// Per unknown its terms, as row * kSeamTerms + number: those of unknown i are [begin[i], begin[i +
 /// 1]) of term.
-struct Terms {
+struct PatternTerms {
   std::vector<int32_t> begin;
   std::vector<int32_t> term;
 };
 
-Terms terms_of(const std::vector<SeamRow>& rows, int32_t unknowns) {
+PatternTerms terms_of(const std::vector<SeamRow>& rows, int32_t unknowns) {
   const auto for_each_term = [&](const auto& visit) {
     for (size_t r = 0; r < rows.size(); ++r) {
       for (int32_t t = 0; t < kSeamTerms && rows[r].source[t] < unknowns; ++t) {
@@ -20,7 +20,7 @@ Terms terms_of(const std::vector<SeamRow>& rows, int32_t unknowns) {
       }
     }
   };
-  Terms terms;
+  PatternTerms terms;
   // Shifted by one place, so that the second pass leaves the offsets in their final places.
   terms.begin.assign(static_cast<size_t>(unknowns) + 2, 0);
   for_each_term([&](int32_t unknown, int32_t) { ++terms.begin[unknown + 2]; });
@@ -34,7 +34,7 @@ Terms terms_of(const std::vector<SeamRow>& rows, int32_t unknowns) {
 }  // namespace
 
 SeamPattern::SeamPattern(const std::vector<SeamRow>& rows, int32_t unknowns) {
-  const Terms terms = terms_of(rows, unknowns);
+  const PatternTerms terms = terms_of(rows, unknowns);
   // Per unknown: its entry in the last column that contains it.
   std::vector<int32_t> entry(static_cast<size_t>(unknowns), -1);
   begin_.reserve(static_cast<size_t>(unknowns) + 1);

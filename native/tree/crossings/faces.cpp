@@ -32,7 +32,7 @@ constexpr float kLargest = 1e6f;
 constexpr int kTurns = 8;
 /// Corners of a face's two triangles.
 constexpr int kTriangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kUnbounded = std::numeric_limits<float>::infinity();
 
 using Corners = std::array<glm::dvec3, 4>;
 
@@ -217,8 +217,8 @@ CrossingFace make_crossing_face(std::span<const glm::dvec3> vertices, std::span<
                                 int32_t number) {
   CrossingFace face{};
   face.number = number;
-  face.low = glm::vec3(kInfinity);
-  face.high = glm::vec3(-kInfinity);
+  face.low = glm::vec3(kUnbounded);
+  face.high = glm::vec3(-kUnbounded);
   for (int k = 0; k < 4; ++k) {
     const int32_t v = quads[number][k];
     const glm::vec3 p(vertices[v]);

@@ -13,7 +13,7 @@ namespace {
 constexpr double kCrease = 0.9397;
 /// Fraction of the distance to the line per step, and maximum number of steps.
 constexpr double kStep = 0.5;
-constexpr int kRounds = 24;
+constexpr int kCreaseRounds = 24;
 /// Tolerance for the ends of an edge across: both are at the same fraction of their row.
 constexpr double kLevel = 1e-9;
 
@@ -97,7 +97,7 @@ void soften_creases(const FineMesh& fine, std::span<const FaceOrigin> origins,
   const std::vector<glm::dvec3> first(points);
   // Targets of an end of several creases, and their number.
   std::vector<std::pair<int32_t, glm::dvec3>> wanted;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kCreaseRounds; ++round) {
     wanted.clear();
     for (const CrossEdge& edge : edges) {
       if (!creased(edge, fine, points)) continue;

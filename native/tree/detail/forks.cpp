@@ -21,7 +21,7 @@ namespace {
 /// Rounds of following the neighbours and projecting to the surface, the fraction of the distance
 /// that a vertex moves, and projection steps per round. Most vertices converge after a few; fewer
 /// rounds would leave a notch in acute crotches, where vertices move far.
-constexpr int kRounds = 40;
+constexpr int kBlendRounds = 40;
 constexpr double kRelaxation = 0.5;
 constexpr int kSteps = 2;
 /// Maximum length of a step, in radii of the child.
@@ -45,7 +45,7 @@ constexpr double kBesideHole = 0.03;
 constexpr float kBlended = 0.5f;
 constexpr float kSpreadOut = 0.8f;
 /// Vertices per thread at a time.
-constexpr size_t kBlock = 256;
+constexpr size_t kActiveBlock = 256;
 
 /// A vertex that moves, and the forks that affect it.
 struct Mover {
@@ -76,10 +76,10 @@ class ForkBlender {
     std::vector<glm::dvec3> moved(movers_.size());
     std::vector<int32_t> active(movers_.size());
     std::iota(active.begin(), active.end(), 0);
-    for (int round = 0; round < kRounds && !active.empty(); ++round) {
-      const float from = kBlended * static_cast<float>(round) / kRounds;
-      const float to = kBlended * static_cast<float>(round + 1) / kRounds;
-      base::parallel_for(active.size(), kBlock, execution.part(from, to),
+    for (int round = 0; round < kBlendRounds && !active.empty(); ++round) {
+      const float from = kBlended * static_cast<float>(round) / kBlendRounds;
+      const float to = kBlended * static_cast<float>(round + 1) / kBlendRounds;
+      base::parallel_for(active.size(), kActiveBlock, execution.part(from, to),
                          [&](size_t begin, size_t end) {
                            for (size_t i = begin; i < end; ++i) {
                              moved[active[i]] = move(movers_[active[i]]);

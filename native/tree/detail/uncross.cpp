@@ -10,11 +10,11 @@ namespace snowbough::tree {
 namespace {
 
 /// Displacements at intersections are multiplied by kBack per round, and undone below kLeastShare
-/// of the first one, in at most kBackRounds; the remaining shares of neighbours differ by at most
-/// kShareStep.
+/// of the first one, in at most kUncrossRounds; the remaining shares of neighbours differ by at
+/// most kShareStep.
 constexpr double kBack = 0.6;
 constexpr double kLeastShare = 0.15;
-constexpr int kBackRounds = 8;
+constexpr int kUncrossRounds = 8;
 constexpr double kShareStep = 0.34;
 /// Fraction of the distance to the neighbours' mean that remaining intersections move per round,
 /// and the maximum number of rounds.
@@ -23,7 +23,7 @@ constexpr int kSmoothRounds = 12;
 /// Progress at which undoing is finished.
 constexpr float kTakenBack = 0.9f;
 /// Forks per thread at a time.
-constexpr size_t kForkBlock = 8;
+constexpr size_t kDirtyForkBlock = 8;
 
 using Pairs = std::vector<std::pair<int32_t, int32_t>>;
 
@@ -42,9 +42,9 @@ class Uncrosser {
     // Fraction of each vertex's displacement that is kept.
     std::vector<double> shares(points_.size(), 1.0);
     if (dirty.empty()) dirty.assign(forks_.faces.size(), 1);
-    for (int round = 0; round < kBackRounds; ++round) {
-      find(dirty, execution.part(static_cast<float>(round) / kBackRounds,
-                                 static_cast<float>(round + 1) / kBackRounds));
+    for (int round = 0; round < kUncrossRounds; ++round) {
+      find(dirty, execution.part(static_cast<float>(round) / kUncrossRounds,
+                                 static_cast<float>(round + 1) / kUncrossRounds));
       std::vector<double> wanted(shares);
       bool crosses = false;
       for (size_t j = 0; j < crossing_.size(); ++j) {
@@ -55,7 +55,7 @@ class Uncrosser {
           crosses = true;
           for (const int32_t face : {pair.first, pair.second}) {
             for (const int32_t v : forks_.quads[face]) {
-              const bool gone = round + 2 >= kBackRounds || shares[v] < kLeastShare;
+              const bool gone = round + 2 >= kUncrossRounds || shares[v] < kLeastShare;
               wanted[v] = gone ? 0.0 : kBack * shares[v];
             }
           }
@@ -83,7 +83,7 @@ class Uncrosser {
  private:
   /// Finds the intersections in the dirty forks and, if there are any, those before the move.
   void find(const std::vector<uint8_t>& dirty, const base::Execution& execution) {
-    base::parallel_for(dirty.size(), kForkBlock, execution, [&](size_t begin, size_t end) {
+    base::parallel_for(dirty.size(), kDirtyForkBlock, execution, [&](size_t begin, size_t end) {
       for (size_t j = begin; j < end; ++j) {
         if (dirty[j] == 0) continue;
         crossing_[j] = crossing_quads(points_, forks_.quads, forks_.faces[j]);

@@ -17,7 +17,7 @@ namespace {
 /// A part with more faces is not a single face or its halves.
 constexpr size_t kMostFaces = 2;
 /// A tube has at least three sides.
-constexpr size_t kFewestFaces = 3;
+constexpr size_t kFewestWoodFaces = 3;
 
 using Position = std::array<float, 3>;
 
@@ -134,7 +134,7 @@ Parts join_loose_faces(const ObjScene& scene, Parts parts, const PartLabels& lab
           progress, 0.5f + 0.5f * static_cast<float>(p) / static_cast<float>(parts.count()));
     }
     if (families[p].size() < 2) continue;
-    if (families[p].size() >= kFewestFaces && are_wood(scene, parts, families[p])) {
+    if (families[p].size() >= kFewestWoodFaces && are_wood(scene, parts, families[p])) {
       joined = true;
       continue;
     }

@@ -15,7 +15,7 @@ namespace {
 /// Range of the movement around a rim: a multiple of its farthest point's displacement, plus a
 /// number of the hole's radii.
 constexpr double kReachOfWay = 2.5;
-constexpr double kReach = 2.0;
+constexpr double kReachOfFork = 2.0;
 /// Vertices up to this many edges from a rim, more for rims with many, move between their
 /// neighbours; neighbours farther than the rim's own edge length, or this many radii of the hole,
 /// pull as if they were closer.
@@ -40,7 +40,7 @@ RimReach rim_reach(int32_t junction, const Rim& rim, const Fork& fork, const Lim
   reach.spread = std::min(kSpread, 2.0 * M_PI / static_cast<double>(rim.size())) * fork.radius;
   reach.spread_depth = std::max(kSpreadDepth, static_cast<int>(rim.size()) / 6);
   reach.most_ahead = fork.radius;
-  reach.radius = extent + kReachOfWay * reach.way + kReach * fork.radius;
+  reach.radius = extent + kReachOfWay * reach.way + kReachOfFork * fork.radius;
   return reach;
 }
 

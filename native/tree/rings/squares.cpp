@@ -9,9 +9,9 @@ namespace snowbough::tree {
 namespace {
 
 /// Minimum cosine between a plane's normal and the limb for a plane across it.
-constexpr float kAcross = 0.5f;
+constexpr float kAcrossCosine = 0.5f;
 /// A step this many times longer than its neighbours indicates another limb.
-constexpr float kJump = 4.0f;
+constexpr float kSectionJump = 4.0f;
 /// Cosine of a turn that does not occur within limbs.
 constexpr float kSharpTurn = 0.3f;
 /// Number of indications (sharp turn, sideways step, thickening, jump) that together begin a new
@@ -148,7 +148,7 @@ double row_share(std::span<const CrossSection> sections) {
   size_t across = 0;
   for (size_t i = 0; i + 1 < sections.size(); ++i) {
     const glm::vec3 line = limb.points[i + 1] - limb.points[i];
-    across += across_cosine(sections[i], sections[i + 1], line) >= kAcross ? 1 : 0;
+    across += across_cosine(sections[i], sections[i + 1], line) >= kAcrossCosine ? 1 : 0;
   }
   return static_cast<double>(across) / static_cast<double>(sections.size() - 1);
 }
@@ -173,8 +173,8 @@ std::vector<size_t> chain_cross_sections(std::span<const CrossSection> sections)
     const float after = limb.radii[i + 1];
     signs += after > 2.5f * before ? 2 : after > 1.3f * before ? 1 : 0;
     const float step = glm::length(steps[i]);
-    if (step > kJump * glm::length(steps[i - 1]) &&
-        (last || step > kJump * glm::length(steps[i + 1]))) {
+    if (step > kSectionJump * glm::length(steps[i - 1]) &&
+        (last || step > kSectionJump * glm::length(steps[i + 1]))) {
       signs += 1;
     }
     if (signs >= kSignsOfANewLimb) rows.push_back(i + 1);

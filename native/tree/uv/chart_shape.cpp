@@ -5,7 +5,6 @@
 namespace snowbough::tree {
 namespace {
 
-constexpr int kSides = 4;
 /// Maximum factor by which a widened row exceeds its share of texels, which determines its
 /// shortening. Rounding limbs and blending forks spread a detailed surface's texel density by
 /// another third, and the total from its 5th to its 95th percentile is limited to a factor of two.
@@ -16,7 +15,7 @@ constexpr double kMinRowLength = 1.0 / 32.0;
 /// Minimum fraction of the perimeter for a side in the map.
 constexpr double kMinSideShare = 0.1;
 /// Tolerance, in cells, for outlines that pass a cell's edge.
-constexpr double kTouch = 1e-6;
+constexpr double kCellTolerance = 1e-6;
 
 double ring_width(double perimeter, double scale) {
   return std::max(kMinChartWidth, scale * perimeter);
@@ -26,20 +25,20 @@ double ring_width(double perimeter, double scale) {
 double cap_width(const StripRing& ring, double ring_width) {
   const auto columns = column_shares(ring, 0);
   double widest = 0.0;
-  for (int side = 0; side < kSides; ++side) {
+  for (int side = 0; side < kStripSides; ++side) {
     widest = std::max(widest, columns[side + 1] - columns[side]);
   }
   return ring_width * widest;
 }
 
 int cell_at(double at) {
-  return static_cast<int>(at + kTouch);
+  return static_cast<int>(at + kCellTolerance);
 }
 
 /// First cell above `at`, which is not negative.
 int cell_after(double at) {
-  const int cell = static_cast<int>(at - kTouch);
-  return cell < at - kTouch ? cell + 1 : cell;
+  const int cell = static_cast<int>(at - kCellTolerance);
+  return cell < at - kCellTolerance ? cell + 1 : cell;
 }
 
 /// The slanted edge of a chart, from one end to the other, in cells: the chart's part of a column
@@ -74,18 +73,18 @@ class SlantedEdge {
 std::array<double, 5> column_shares(const StripRing& ring, int seam) {
   const double perimeter = double{ring.sides[0]} + ring.sides[1] + ring.sides[2] + ring.sides[3];
   const double least = perimeter > 0.0 ? kMinSideShare * perimeter : 1.0;
-  std::array<double, kSides> share{};
+  std::array<double, kStripSides> share{};
   double sum = 0.0;
-  for (int column = 0; column < kSides; ++column) {
-    share[column] = std::max<double>(ring.sides[(seam + column) % kSides], least);
+  for (int column = 0; column < kStripSides; ++column) {
+    share[column] = std::max<double>(ring.sides[(seam + column) % kStripSides], least);
     sum += share[column];
   }
   const double scale = 1.0 / sum;
-  std::array<double, kSides + 1> columns{};
-  for (int column = 0; column < kSides; ++column) {
+  std::array<double, kStripSides + 1> columns{};
+  for (int column = 0; column < kStripSides; ++column) {
     columns[column + 1] = columns[column] + share[column] * scale;
   }
-  columns[kSides] = 1.0;
+  columns[kStripSides] = 1.0;
   return columns;
 }
 

@@ -7,7 +7,6 @@
 namespace snowbough::tree {
 namespace {
 
-constexpr int kSides = 4;
 /// Minimum gap around holes and insets, as a fraction of their cell.
 constexpr double kMinInsetShare = 0.04;
 
@@ -122,13 +121,14 @@ void write_chart_uvs(const Strip& strip, const ChartShapes& shapes, const ChartS
     const double width = rings[ring].width;
     return (straight_right ? full_width - width : 0.0) + share * width;
   };
-  std::array<double, kSides + 1> bottom_shares = column_shares(strip.rings[piece.first_row], seam);
+  std::array<double, kStripSides + 1> bottom_shares =
+      column_shares(strip.rings[piece.first_row], seam);
   for (int32_t row = piece.first_row; row < piece.last_row; ++row) {
     const int ring = row - piece.first_row;
     const auto top_shares = column_shares(strip.rings[row + 1], seam);
-    for (int column = 0; column < kSides; ++column) {
-      const int side = (seam + column) % kSides;
-      const int next = (side + 1) % kSides;
+    for (int column = 0; column < kStripSides; ++column) {
+      const int side = (seam + column) % kStripSides;
+      const int next = (side + 1) % kStripSides;
       const StripCell& cell = strip.rows[row].cells[side];
       const double x0 = column_x(ring, bottom_shares[column]);
       const double x1 = column_x(ring, bottom_shares[column + 1]);
@@ -173,20 +173,20 @@ void write_chart_uvs(const Strip& strip, const ChartShapes& shapes, const ChartS
   }
   // A cap is attached to the end's side along the straight edge, where the strip leaves room for
   // it.
-  const int cap_column = straight_right ? kSides - 1 : 0;
-  const int cap_side = (seam + cap_column) % kSides;
+  const int cap_column = straight_right ? kStripSides - 1 : 0;
+  const int cap_side = (seam + cap_column) % kStripSides;
   const auto write_cap = [&](int32_t quad, int ring, double base_y, double far_y) {
     const StripRing& corners = strip.rings[piece.first_row + ring];
     const auto shares = column_shares(corners, seam);
     const double left = column_x(ring, shares[cap_column]);
     const double right = column_x(ring, shares[cap_column + 1]);
-    for (int i = 0; i < kSides; ++i) {
+    for (int i = 0; i < kStripSides; ++i) {
       // Seen from outside, the far edge of a tip's cap has the next two corners in the limb's
       // order; a root's cap is seen from the other end.
       const int32_t vertex = mesh.quads[quad][i];
       const auto at = std::find(corners.corners.begin(), corners.corners.end(), vertex);
       const int corner = static_cast<int>(at - corners.corners.begin());
-      const int step = (corner - cap_side + kSides) % kSides;
+      const int step = (corner - cap_side + kStripSides) % kStripSides;
       const double x = step == 1 || step == 2 ? right : left;
       mesh.uv_snow[quad][i] = to_map(x, step < 2 ? base_y : far_y);
     }

@@ -11,22 +11,20 @@
 namespace snowbough::tree {
 namespace {
 
-constexpr int kSides = 4;
-
 /// Whether a piece's cells are edge-connected after cutting it open at `seam`.
 bool is_connected(const Strip& strip, int32_t first_row, int32_t last_row, int seam) {
-  base::UnionFind joined(static_cast<size_t>(last_row - first_row) * kSides);
+  base::UnionFind joined(static_cast<size_t>(last_row - first_row) * kStripSides);
   const auto filled = [&](int32_t row, int column) {
-    return !strip.rows[row].cells[(seam + column) % kSides].empty();
+    return !strip.rows[row].cells[(seam + column) % kStripSides].empty();
   };
   int32_t groups = 0;
   for (int32_t row = first_row; row < last_row; ++row) {
-    for (int column = 0; column < kSides; ++column) {
+    for (int column = 0; column < kStripSides; ++column) {
       if (!filled(row, column)) {
         continue;
       }
       ++groups;
-      const int32_t cell = (row - first_row) * kSides + column;
+      const int32_t cell = (row - first_row) * kStripSides + column;
       const auto join = [&](int32_t other) {
         groups -= joined.find(cell) != joined.find(other) ? 1 : 0;
         joined.join(cell, other);
@@ -35,7 +33,7 @@ bool is_connected(const Strip& strip, int32_t first_row, int32_t last_row, int s
         join(cell - 1);
       }
       if (row > first_row && filled(row - 1, column)) {
-        join(cell - kSides);
+        join(cell - kStripSides);
       }
     }
   }
@@ -83,16 +81,16 @@ void cut_strip(const Strip& strip, int32_t strip_index, const std::vector<double
 }
 
 int32_t choose_seam(const Strip& strip, const StripPiece& piece) {
-  std::array<double, kSides> height{};
+  std::array<double, kStripSides> height{};
   for (int32_t row = piece.first_row; row < piece.last_row; ++row) {
     const double width = strip.perimeters[row] + strip.perimeters[row + 1];
     const double length = width > 0.0 ? 2.0 * strip.areas[row] / width : 0.0;
-    for (int corner = 0; corner < kSides; ++corner) {
+    for (int corner = 0; corner < kStripSides; ++corner) {
       height[corner] +=
           length * (strip.rings[row].heights[corner] + strip.rings[row + 1].heights[corner]);
     }
   }
-  std::array<int, kSides> order{0, 1, 2, 3};
+  std::array<int, kStripSides> order{0, 1, 2, 3};
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return height[a] < height[b]; });
   const bool whole =
       std::none_of(strip.rows.begin() + piece.first_row, strip.rows.begin() + piece.last_row,

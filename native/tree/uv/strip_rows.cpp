@@ -10,15 +10,13 @@
 namespace snowbough::tree {
 namespace {
 
-constexpr int kSides = 4;
-
-using Corners = std::array<int32_t, kSides>;
+using Corners = std::array<int32_t, kStripSides>;
 
 /// The quads by branch, each in its own order of sides, in flat arrays.
 struct BranchRows {
   /// Each branch's first row, and the end of the last one.
   std::vector<int32_t> first_row;
-  std::vector<std::array<StripCell, kSides>> cells;
+  std::vector<std::array<StripCell, kStripSides>> cells;
   /// One more per branch than rows.
   std::vector<Corners> rings;
   std::vector<Corners> insets;
@@ -27,7 +25,7 @@ struct BranchRows {
 
   int32_t row_count(size_t branch) const { return first_row[branch + 1] - first_row[branch]; }
   size_t first_ring(size_t branch) const { return first_row[branch] + branch; }
-  std::span<const std::array<StripCell, kSides>> cells_of(size_t branch) const {
+  std::span<const std::array<StripCell, kStripSides>> cells_of(size_t branch) const {
     return std::span(cells).subspan(first_row[branch], row_count(branch));
   }
   std::span<const Corners> rings_of(size_t branch) const {
@@ -46,7 +44,7 @@ void check_origin(const FaceOrigin& origin, size_t branch_count, size_t quad_cou
     reject(origin, "its branch is not in the skeleton");
   }
   if (origin.row < 0 || static_cast<size_t>(origin.row) > quad_count || origin.side < 0 ||
-      origin.side >= kSides || origin.inset < 0 || origin.inset >= kSides) {
+      origin.side >= kStripSides || origin.inset < 0 || origin.inset >= kStripSides) {
     reject(origin, "row, side or inset is out of range");
   }
 }
@@ -60,7 +58,7 @@ void claim(int32_t& slot, int32_t quad, const FaceOrigin& origin) {
 
 /// Sets corner `corner` (modulo four) of a ring.
 void set_corner(Corners& ring, int32_t corner, int32_t vertex, const FaceOrigin& origin) {
-  int32_t& slot = ring[corner % kSides];
+  int32_t& slot = ring[corner % kStripSides];
   if (slot >= 0 && slot != vertex) {
     reject(origin, "its corners do not meet those of its neighbours");
   }
@@ -136,7 +134,7 @@ void complete_rings(const TreeMesh& mesh, BranchRows& rows) {
     const int32_t up = origin.inset / 2;
     const int32_t right = origin.inset == 1 || origin.inset == 2 ? 1 : 0;
     Corners& ring = rows.rings[rows.first_ring(origin.branch) + origin.row + up];
-    int32_t& slot = ring[(origin.side + right) % kSides];
+    int32_t& slot = ring[(origin.side + right) % kStripSides];
     slot = slot < 0 ? mesh.quads[quad][0] : slot;
   }
 }
@@ -149,10 +147,10 @@ int shared_ring_turn(const BranchRows& rows, size_t parent, size_t child) {
   }
   const Corners& end = rows.rings_of(parent).back();
   const Corners& start = rows.rings_of(child).front();
-  for (int turn = 0; turn < kSides; ++turn) {
+  for (int turn = 0; turn < kStripSides; ++turn) {
     bool same = true;
-    for (int corner = 0; corner < kSides; ++corner) {
-      same = same && start[corner] >= 0 && start[corner] == end[(corner + turn) % kSides];
+    for (int corner = 0; corner < kStripSides; ++corner) {
+      same = same && start[corner] >= 0 && start[corner] == end[(corner + turn) % kStripSides];
     }
     if (same) {
       return turn;
@@ -162,21 +160,21 @@ int shared_ring_turn(const BranchRows& rows, size_t parent, size_t child) {
 }
 
 void append_branch(const BranchRows& rows, size_t branch, int turn, Strip& strip) {
-  const auto turned = [turn](int side) { return (side + kSides - turn) % kSides; };
+  const auto turned = [turn](int side) { return (side + kStripSides - turn) % kStripSides; };
   const auto rings = rows.rings_of(branch);
   const auto cells = rows.cells_of(branch);
   strip.rings.reserve(strip.rings.size() + rings.size());
   strip.rows.reserve(strip.rows.size() + cells.size());
   for (size_t ring = strip.rings.empty() ? 0 : 1; ring < rings.size(); ++ring) {
     StripRing& added = strip.rings.emplace_back();
-    for (int corner = 0; corner < kSides; ++corner) {
+    for (int corner = 0; corner < kStripSides; ++corner) {
       added.corners[corner] = rings[ring][turned(corner)];
     }
   }
   for (const auto& row : cells) {
     StripRow& added = strip.rows.emplace_back();
     added.branch = static_cast<int32_t>(branch);
-    for (int side = 0; side < kSides; ++side) {
+    for (int side = 0; side < kStripSides; ++side) {
       StripCell& cell = added.cells[side];
       cell = row[turned(side)];
       if (cell.inset >= 0) {
@@ -200,9 +198,9 @@ void measure_rings(const TreeMesh& mesh, Strip& strip) {
     int known_sides = 0;
     float centre = 0.0f;
     int known_corners = 0;
-    for (int side = 0; side < kSides; ++side) {
+    for (int side = 0; side < kStripSides; ++side) {
       const int32_t a = ring.corners[side];
-      const int32_t b = ring.corners[(side + 1) % kSides];
+      const int32_t b = ring.corners[(side + 1) % kStripSides];
       if (a >= 0) {
         centre += mesh.vertices[a].z;
         ++known_corners;
@@ -215,9 +213,9 @@ void measure_rings(const TreeMesh& mesh, Strip& strip) {
     }
     centre /= static_cast<float>(std::max(known_corners, 1));
     double perimeter = 0.0;
-    for (int side = 0; side < kSides; ++side) {
+    for (int side = 0; side < kStripSides; ++side) {
       const int32_t a = ring.corners[side];
-      const int32_t b = ring.corners[(side + 1) % kSides];
+      const int32_t b = ring.corners[(side + 1) % kStripSides];
       if (a >= 0) {
         ring.heights[side] = mesh.vertices[a].z - centre;
       }
@@ -240,22 +238,22 @@ void measure_rows(const TreeMesh& mesh, Strip& strip) {
     const auto& high = strip.rings[row + 1].corners;
     double known_area = 0.0;
     int known_cells = 0;
-    for (int side = 0; side < kSides; ++side) {
-      const int next = (side + 1) % kSides;
+    for (int side = 0; side < kStripSides; ++side) {
+      const int next = (side + 1) % kStripSides;
       if (low[side] >= 0 && low[next] >= 0 && high[next] >= 0 && high[side] >= 0) {
         known_area += quad_area(mesh.vertices[low[side]], mesh.vertices[low[next]],
                                 mesh.vertices[high[next]], mesh.vertices[high[side]]);
         ++known_cells;
       }
     }
-    strip.areas.push_back(known_cells > 0 ? known_area * kSides / known_cells : 0.0);
+    strip.areas.push_back(known_cells > 0 ? known_area * kStripSides / known_cells : 0.0);
   }
 }
 
 /// Whether two rows touch; if all sides between them, or of one of them, are holes, the strip falls
 /// apart.
 bool rows_touch(const StripRow& a, const StripRow& b) {
-  for (int side = 0; side < kSides; ++side) {
+  for (int side = 0; side < kStripSides; ++side) {
     if (!a.cells[side].empty() && !b.cells[side].empty()) {
       return true;
     }
@@ -300,7 +298,7 @@ std::vector<Strip> collect_strips(const TreeMesh& mesh, const Skeleton& skeleton
     const int turn = parent >= 0 ? shared_ring_turn(rows, parent, branch) : -1;
     if (turn >= 0) {
       strip_of[branch] = strip_of[parent];
-      turn_of[branch] = (turn_of[parent] + turn) % kSides;
+      turn_of[branch] = (turn_of[parent] + turn) % kStripSides;
     } else {
       strip_of[branch] = static_cast<int32_t>(strips.size());
       strips.emplace_back().root_cap = rows.root_caps[branch];

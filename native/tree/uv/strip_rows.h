@@ -9,6 +9,9 @@
 
 namespace snowbough::tree {
 
+/// Columns of a strip: the sides of a square ring.
+inline constexpr int kStripSides = 4;
+
 /// One side of one row: a wall, four insets around a hole, or (both -1) a hole as wide as the side.
 struct StripCell {
   /// Quad of the wall.

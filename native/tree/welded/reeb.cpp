@@ -14,7 +14,7 @@ namespace snowbough::tree {
 namespace {
 
 /// Vertices between two progress reports.
-constexpr size_t kAskEvery = 16384;
+constexpr size_t kVerticesPerCheck = 16384;
 
 /// Minimum height of a limb, in radii. A cone of slope one in a plane, as from an uneven distance,
 /// has two.
@@ -75,7 +75,7 @@ class Sweep {
     std::iota(order.begin(), order.end(), 0);
     std::sort(order.begin(), order.end(), [&](int32_t a, int32_t b) { return comes_first(a, b); });
     for (size_t i = 0; i < order.size(); ++i) {
-      if (i % kAskEvery == 0) {
+      if (i % kVerticesPerCheck == 0) {
         base::report_progress(progress, static_cast<float>(i) / static_cast<float>(order.size()));
       }
       if (std::isfinite(distance_[order[i]])) meet(order[i]);
