@@ -117,6 +117,10 @@ const float kWallShare = 0.1f;
 /// Snow thinner than this, in metres and as a fraction of the open depth, is frost and does not show.
 const float kFrost = 0.0025f;
 const float kFrostShare = 0.05f;
+/// Until open ground has the first depth, in metres, the threshold is raised by up to the second: without snow, the whole
+/// surface must lie clearly below the receiver.
+const float kFirstDepth = 0.001f;
+const float kFirstFrost = 0.0003f;
 /// Height of the lip at the edge of the snow, as a fraction of the open depth.
 const float kLip = 0.22f;
 const float kSink = 0.004f;
@@ -155,7 +159,8 @@ SnowEdge snow_edge(const SnowPoint point, float thickness, float open_depth,
   const float share = max(kSteepShare * steep, kShelterShare * sheltered) * (1.0f - kNarrowKeeps * point.narrow);
   const float threshold = share * depth * clamp(0.22f + 0.85f * point.patches, 0.0f, 1.4f) +
                           kWallShare * depth * eased(up, kWall, 0.0f) +
-                          min(kFrost, kFrostShare * depth) * (1.0f - kNarrowKeeps * point.narrow);
+                          min(kFrost, kFrostShare * depth) * (1.0f - kNarrowKeeps * point.narrow) +
+                          kFirstFrost * max(1.0f - open_depth / kFirstDepth, 0.0f);
   const float lip = kLip * depth * (0.05f + 0.95f * steep) * clamp(0.8f + 0.5f * point.hem, 0.3f, 1.5f);
   const float sink = min(min(kSink, 0.3f * depth + 0.0008f), point.deepest);
   return SnowEdge(threshold, lip, sink);

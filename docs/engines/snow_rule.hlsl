@@ -117,6 +117,10 @@ static const float kWallShare = 0.1f;
 /// Snow thinner than this, in metres and as a fraction of the open depth, is frost and does not show.
 static const float kFrost = 0.0025f;
 static const float kFrostShare = 0.05f;
+/// Until open ground has the first depth, in metres, the threshold is raised by up to the second: without snow, the whole
+/// surface must lie clearly below the receiver.
+static const float kFirstDepth = 0.001f;
+static const float kFirstFrost = 0.0003f;
 /// Height of the lip at the edge of the snow, as a fraction of the open depth.
 static const float kLip = 0.22f;
 static const float kSink = 0.004f;
@@ -155,7 +159,8 @@ SnowEdge snow_edge(const SnowPoint place_of, float thickness, float open_depth,
   const float share = max(kSteepShare * steep, kShelterShare * sheltered) * (1.0f - kNarrowKeeps * place_of.narrow);
   const float threshold = share * depth * clamp(0.22f + 0.85f * place_of.patches, 0.0f, 1.4f) +
                           kWallShare * depth * eased(up, kWall, 0.0f) +
-                          min(kFrost, kFrostShare * depth) * (1.0f - kNarrowKeeps * place_of.narrow);
+                          min(kFrost, kFrostShare * depth) * (1.0f - kNarrowKeeps * place_of.narrow) +
+                          kFirstFrost * max(1.0f - open_depth / kFirstDepth, 0.0f);
   const float lip = kLip * depth * (0.05f + 0.95f * steep) * clamp(0.8f + 0.5f * place_of.hem, 0.3f, 1.5f);
   const float sink = min(min(kSink, 0.3f * depth + 0.0008f), place_of.deepest);
   const SnowEdge made = {threshold, lip, sink};

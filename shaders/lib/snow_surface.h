@@ -95,6 +95,10 @@ KERNEL_CONSTANT float kWallShare = 0.1f;
 /// Snow thinner than this, in metres and as a fraction of the open depth, is frost and does not show.
 KERNEL_CONSTANT float kFrost = 0.0025f;
 KERNEL_CONSTANT float kFrostShare = 0.05f;
+/// Until open ground has the first depth, in metres, the threshold is raised by up to the second: without snow, the whole
+/// surface must lie clearly below the receiver.
+KERNEL_CONSTANT float kFirstDepth = 0.001f;
+KERNEL_CONSTANT float kFirstFrost = 0.0003f;
 /// Height of the lip at the edge of the snow, as a fraction of the open depth.
 KERNEL_CONSTANT float kLip = 0.22f;
 KERNEL_CONSTANT float kSink = 0.004f;
@@ -154,7 +158,8 @@ SNOWBOUGH_SHARED_FUNCTION SnowEdge snow_edge(KERNEL_CONST_REF(SnowPoint) point, 
   const float share = max(kSteepShare * steep, kShelterShare * sheltered) * (1.0f - kNarrowKeeps * point.narrow);
   const float threshold = share * depth * clamp(0.22f + 0.85f * point.patches, 0.0f, 1.4f) +
                           kWallShare * depth * eased(up, kWall, 0.0f) +
-                          min(kFrost, kFrostShare * depth) * (1.0f - kNarrowKeeps * point.narrow);
+                          min(kFrost, kFrostShare * depth) * (1.0f - kNarrowKeeps * point.narrow) +
+                          kFirstFrost * max(1.0f - open_depth / kFirstDepth, 0.0f);
   const float lip = kLip * depth * (0.05f + 0.95f * steep) * clamp(0.8f + 0.5f * point.hem, 0.3f, 1.5f);
   const float sink = min(min(kSink, 0.3f * depth + 0.0008f), point.deepest);
   return KERNEL_MAKE3(SnowEdge, threshold, lip, sink);

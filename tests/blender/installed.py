@@ -15,6 +15,8 @@ import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
+SHARED = HERE.parent.parent.parent / "shared" / "data" / "trees" / "tubes" / "AL06a.obj"
+SMALL = HERE.parent / "data" / "small_maple.obj"
 STEP, ZIP, OBJ, FOLDER = (f"SNOWBOUGH_INSTALLED_{name}" for name in ("STEP", "ZIP", "OBJ", "FOLDER"))
 
 
@@ -76,7 +78,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--blender")
     parser.add_argument("zip", type=Path)
-    parser.add_argument("obj", type=Path, nargs="?", default=HERE.parent / "data" / "small_maple.obj")
+    parser.add_argument("obj", type=Path, nargs="?", default=SHARED if SHARED.is_file() else SMALL)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="snowbough-user-") as folder:
         return start(options, "install", Path(folder)) or start(options, "bake", Path(folder))

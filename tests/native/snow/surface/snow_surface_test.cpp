@@ -85,6 +85,15 @@ TEST(SnowSurface, OfABareMapLiesBelowTheReceiver) {
   }
 }
 
+TEST(SnowSurface, BeforeAnySnowLiesClearlyBelowTheReceiver) {
+  const SurfaceSource ground = card(4.0f, 4.0f);
+  const std::vector<float> bare(kResolution * kResolution, 0.0f);
+  const SnowSurface surface = surface_on(ground, map_of(ground, {kDepth}));
+  for (const glm::vec3& point : surface.points(frame_of(bare, 0.0f))) {
+    EXPECT_LT(point.z, -0.0004f);
+  }
+}
+
 TEST(SnowSurface, OfABareMapStaysInsideAThinBoard) {
   const SurfaceSource board = slab(1.0f, 0.002f);
   const std::vector<float> bare(kResolution * kResolution, 0.0f);
