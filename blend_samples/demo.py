@@ -26,6 +26,7 @@ import snowbough  # noqa: E402
 
 RESOLUTION, WHEEL_RESOLUTION = 1024, 256
 RENDERED_FRAMES = (1, 12, 22, 34, 48)
+CLOSE_UP_SAMPLES = 24
 # Offset of the close-up camera from the fork, in metres.
 CLOSE_UP = Vector((-0.42, -0.85, 0.05))
 # (frame, strength): no snow at first, then full strength, then little while the cart leaves its dry patch.
@@ -188,6 +189,7 @@ def main(tree, folder):
         render(folder / f"frame_{frame:04d}.png")
         say(f"rendered frame {frame} ({number} of {len(RENDERED_FRAMES)})")
     scene.camera = near
+    scene.cycles.samples = CLOSE_UP_SAMPLES
     render(folder / "close_up.png")
     say("rendered a fork from close by")
     scene.camera = stage.camera

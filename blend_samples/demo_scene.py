@@ -391,7 +391,7 @@ def make_camera(scene, name, place, target, focal_length):
     return camera
 
 
-def set_render(scene, width=800, height=500, samples=32):
+def set_render(scene, width=800, height=500, samples=16):
     """Cycles on the CPU, small and quick; the same settings in every Blender version.
 
     Debian's Blender has no denoiser: what keeps the pictures clean is that nothing in them is hard to
