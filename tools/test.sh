@@ -4,6 +4,7 @@
 #   ./tools/test.sh                        all layers
 #   ./tools/test.sh native|python|blender|ui [...]   only these
 #   ./tools/test.sh faults                 kills, full disks, damaged files, long bakes (about half an hour)
+#   ./tools/test.sh benchmarks             every benchmark of the manual in its smallest form; not among "all layers"
 #   ./tools/test.sh fuzz                   a minute of each fuzzer (tools/fuzz.sh); not among "all layers"
 #   ./tools/test.sh --blender 4.3|5.2      tests/blender in Debian trixie's or sid's Blender (made under build/)
 #   ./tools/test.sh --blender bpy[=VERSION]   tests/blender in PyPI's official bpy; with a version, on the package
@@ -19,7 +20,7 @@ cd "$(dirname "$0")/.." || exit 1
 results="$PWD/build/tests"
 
 usage() {
-  sed -n '2,15s/^# \{0,1\}//p' "$0"
+  sed -n '2,16s/^# \{0,1\}//p' "$0"
 }
 
 layers=()
@@ -27,7 +28,7 @@ blender=
 platform=
 while [ $# -gt 0 ]; do
   case "$1" in
-    native | python | blender | ui | faults | fuzz) layers+=("$1") ;;
+    native | python | blender | ui | faults | fuzz | benchmarks) layers+=("$1") ;;
     --blender)
       blender="${2:-}"
       shift
@@ -120,6 +121,10 @@ run_fuzz() {
   SNOWBOUGH_FUZZ_REPORT="$results/fuzz.xml" tools/fuzz.sh 1
 }
 
+run_benchmarks() {
+  /usr/bin/python3 -m pytest tests/benchmarks -v -rfE -o junit_family=xunit2 --junitxml="$results/benchmarks.xml"
+}
+
 run_ui() {
   /usr/bin/python3 -m pytest tests/ui -v -rfE -o junit_family=xunit2 --junitxml="$results/ui.xml"
 }
@@ -147,7 +152,7 @@ export SNOWBOUGH_TEST_ZIP
 # The native tests use all cores. Of the other layers each uses about one, so tests/blender runs beside the other two;
 # its output comes last.
 beside=
-for layer in native blender python ui faults fuzz; do
+for layer in native blender python ui faults fuzz benchmarks; do
   case " ${layers[*]} " in *" $layer "*) ;; *) continue ;; esac
   if [ "$layer" = blender ] && [ ${#layers[@]} -gt 1 ]; then
     run_layer blender >"$results/blender.log" 2>&1 &
