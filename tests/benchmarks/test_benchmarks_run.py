@@ -22,12 +22,12 @@ PYTHON = [sys.executable]
 # Program that runs it, its arguments, and a pattern in its output. OUT is a folder for its files.
 SMALLEST = {
     "realtime/tables.py": (PYTHON, ["--quick", "--size", "160", "90"], r"\| \d"),
-    "realtime/flight.py": (PYTHON, ["--every", "400", "--out", "OUT/flight.png"], r"\d"),
+    "realtime/flight.py": (PYTHON, ["--every", "100", "--out", "OUT/flight.png"], r"\d"),
     "realtime/figures.py": (PYTHON, ["--only", "tree_levels", "--out", "OUT"], r""),
     "realtime/preview.py": (WINDOW, ["--", "--resolution", "64", "--frames", "3"], r"\| draw handler \| \d"),
     "snow/thesis_mapping.py": (PYTHON, ["--steps", "1", "--only", "plane"], r"\| .*\d"),
     "snow/display.py": (BLENDER, ["--", "--frames", "2"], r"\| .*\d"),
-    "bake_vs_dynamic_paint.py": (BLENDER, ["--", "--frames", "2", "--sizes", "256"], r"\| .*\d"),
+    "bake_vs_dynamic_paint.py": (BLENDER, ["--", "--frames", "2", "--sizes", "256"], r"256 +\d"),
     "bakes/against_commit.py": (PYTHON, [str(ROOT), "--rounds", "1", "--shots", "monkey-1024"], r"\| .*\d"),
 }  # fmt: skip
 # Parts of tables.py, a library, and a sheet that needs a tree exported with a baked scene.

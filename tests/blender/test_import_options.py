@@ -50,7 +50,8 @@ def test_a_tree_of_any_detail_is_closed_weighted_unwrapped_and_follows_its_bones
         assert abs(sum(entry.weight for entry in vertex.groups) - 1) < 1e-6
     for layer in bark.data.uv_layers:
         uv = addon("base.compat").read_uv(layer, corners.size).reshape(-1, 4, 2)
-        area = np.cross(uv[:, 2] - uv[:, 0], uv[:, 3] - uv[:, 1])
+        (a, b), (c, d) = (uv[:, 2] - uv[:, 0]).T, (uv[:, 3] - uv[:, 1]).T
+        area = a * d - b * c
         assert (np.abs(area) > 0).all(), layer.name
     rest = evaluated_vertices(bark)
     root = next(bone for bone in collection.objects["small_maple"].pose.bones if bone.parent is None)
