@@ -32,7 +32,24 @@ def _unchanged(_folder):
     pass
 
 
-WAYS = [_unchanged, _through_fbx, _through_gltf]
+def _through_ply(folder):
+    """PLY has coordinates at vertices: it splits surfaces along the seams of the UV map."""
+    path = str(folder / "tree.ply")
+    (obj,) = bpy.context.scene.objects
+    bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+    if "ply_export" in dir(bpy.ops.wm):
+        bpy.ops.wm.ply_export(filepath=path, export_uv=True, export_normals=False)
+    else:
+        bpy.ops.export_mesh.ply(filepath=path, use_normals=False, use_uv_coords=True)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    if "ply_import" in dir(bpy.ops.wm):
+        bpy.ops.wm.ply_import(filepath=path)
+    else:
+        bpy.ops.import_mesh.ply(filepath=path)
+
+
+WAYS = [_unchanged, _through_fbx, _through_gltf, _through_ply]
 
 
 def _build(**settings):

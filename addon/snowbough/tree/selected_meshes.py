@@ -44,6 +44,58 @@ def _read_uv(mesh):
     return compat.read_uv(layer, len(mesh.loops)), True
 
 
+def _components(count, begin, end):
+    """int64 (count,): the least vertex that edges from begin to end connect each vertex with."""
+    label = np.arange(count)
+    while True:
+        joined = label.copy()
+        least = np.minimum(label[begin], label[end])
+        np.minimum.at(joined, begin, least)
+        np.minimum.at(joined, end, least)
+        joined = joined[joined]
+        if np.array_equal(joined, label):
+            return label
+        label = joined
+
+
+def _close_seams(vertices, counts, corners):
+    """The corners' vertices, with the seams closed at which glTF and PLY split a surface.
+
+    Two open edges belong together if they lie at the same place in opposite directions and no third one lies there.
+    Open ends of tubes that touch another branch keep their vertices.
+    """
+    place = np.unique(vertices, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
+    end = np.cumsum(counts)
+    following = np.arange(1, len(corners) + 1)
+    following[end - 1] = end - counts
+    first, second = corners, corners[following]
+
+    def edge_numbers(a, b):
+        keys = np.minimum(a, b).astype(np.int64) * len(vertices) + np.maximum(a, b)
+        return np.unique(keys, return_inverse=True, return_counts=True)[1:]
+
+    number, uses = edge_numbers(first, second)
+    open_edges = np.flatnonzero(uses[number.reshape(-1)] == 1)
+    without_length = place[first] == place[second]
+    with_area = np.repeat(~np.logical_or.reduceat(without_length, end - counts), counts)
+    pairs = []
+    for _ in range(2):
+        number, uses = edge_numbers(place[first[open_edges]], place[second[open_edges]])
+        order = np.argsort(number.reshape(-1), kind="stable")
+        begin = (np.cumsum(uses) - uses)[uses == 2]
+        one, other = open_edges[order[begin]], open_edges[order[begin + 1]]
+        opposite = place[first[one]] == place[second[other]]
+        pairs.append((one[opposite], other[opposite]))
+        # Where more edges lie at one place, those of faces without area do not count.
+        open_edges = open_edges[(uses[number.reshape(-1)] > 2) & with_area[open_edges]]
+    one, other = np.concatenate(pairs, axis=1)
+    return _components(
+        len(vertices),
+        np.concatenate([first[one], second[one]]),
+        np.concatenate([second[other], first[other]]),
+    )[corners]
+
+
 def read(context, objects):
     """(Polygons, {material name: material}, [a text for each object]) of mesh objects as the scene shows them. Raises
     ValueError if they have no faces."""
@@ -59,7 +111,8 @@ def read(context, objects):
         local = _read_values(mesh.vertices, "co", np.float32, 3).reshape(-1, 3).astype(np.float64)
         vertices.append(local @ matrix[:3, :3].T + matrix[:3, 3])
         counts.append(_read_values(mesh.polygons, "loop_total", np.int32))
-        corners.append(_read_values(mesh.loops, "vertex_index", np.int32) + first)
+        indices = _close_seams(local, counts[-1], _read_values(mesh.loops, "vertex_index", np.int32))
+        corners.append(indices.astype(np.int32) + first)
         uv, has_uv = _read_uv(mesh)
         uvs.append(uv)
         textured |= has_uv
