@@ -54,6 +54,7 @@ WAYS = [_unchanged, _through_fbx, _through_gltf, _through_ply]
 
 def _build(**settings):
     """The collection of the tree that is built from all meshes of the scene."""
+    bpy.context.view_layer.update()
     for obj in bpy.context.view_layer.objects:
         obj.select_set(obj.type == "MESH")
     before = set(bpy.data.collections)
