@@ -29,6 +29,10 @@ ATTRIBUTES = {
     "JOINTS": ("VEC4", {5121, 5123}, False),
     "WEIGHTS": ("VEC4", {5121, 5123, 5126}, True),
 }
+# KHR_mesh_quantization: further component types of these attributes.
+SMALL = {"POSITION": {5120, 5121, 5122, 5123}, "NORMAL": {5120, 5122}, "TEXCOORD": {5120, 5122}}
+# Largest error of the length of a normal of 8 bits, half a step in each direction.
+SMALL_LENGTH = 3**0.5 * 0.5 / 127
 
 
 class Gltf:
@@ -76,6 +80,13 @@ class Gltf:
         stride = view.get("byteStride", kind.itemsize * width)
         rows = np.ndarray((accessor["count"], width), kind, self.binary, start, (stride, kind.itemsize))
         return rows.copy()
+
+    def values(self, number):
+        """The values of an accessor as floats; normalised integers from -1 or 0 to 1 (3.6.2.2)."""
+        values = self.array(number)
+        if self.json["accessors"][number].get("normalized"):
+            return np.maximum(values / np.iinfo(values.dtype).max, -1.0)
+        return values.astype(float)
 
     def attributes(self, primitive):
         return {name: self.array(number) for name, number in primitive["attributes"].items()}
@@ -130,7 +141,8 @@ class Gltf:
         for primitive in self.primitives(node):
             given = self.attributes(primitive)
             place = np.c_[given["POSITION"], np.ones(len(given["POSITION"]))]
-            blend = np.einsum("vk,vkij->vij", given["WEIGHTS_0"].astype(float), joints[given["JOINTS_0"]])
+            weights = self.values(primitive["attributes"]["WEIGHTS_0"])
+            blend = np.einsum("vk,vkij->vij", weights, joints[given["JOINTS_0"]])
             found.append(np.einsum("vij,vj->vi", blend, place)[:, :3])
         return found
 
@@ -206,8 +218,13 @@ def _check_attribute(gltf, name, number):
         return
     kinds, components, normalized = ATTRIBUTES[name.split("_")[0]]
     gltf.say(accessor["type"] in kinds, f"3.7.2.1: {name} is {accessor['type']}")
+    small = "KHR_mesh_quantization" in gltf.json.get("extensionsRequired", ())
+    components = components | SMALL.get(name.split("_")[0], set()) if small else components
     gltf.say(accessor["componentType"] in components, f"3.7.2.1: {name}'s components")
-    if normalized and accessor["componentType"] != 5126:
+    if small and name.split("_")[0] in SMALL:
+        must = name == "NORMAL" and accessor["componentType"] != 5126
+        gltf.say(not must or accessor.get("normalized"), f"KHR_mesh_quantization: {name} is not normalised")
+    elif normalized and accessor["componentType"] != 5126:
         gltf.say(accessor.get("normalized") is True, f"3.7.2.1: {name} is not normalised")
     else:
         gltf.say("normalized" not in accessor, f"3.7.2.1: {name} is normalised")
@@ -221,8 +238,10 @@ def _check_primitive(gltf, primitive, joint_count):
     gltf.say(len(counts) == 1, "3.7.2.1: attributes of different length")
     position = gltf.json["accessors"][primitive["attributes"]["POSITION"]]
     gltf.say("min" in position and "max" in position, "3.7.2.1: positions without bounds")
-    lengths = np.linalg.norm(given["NORMAL"].astype(float), axis=1)
-    gltf.say(np.abs(lengths - 1).max() < 1e-4, "3.7.2.1: normals are not of unit length")
+    normal = primitive["attributes"]["NORMAL"]
+    lengths = np.linalg.norm(gltf.values(normal), axis=1)
+    error = 1e-4 if gltf.json["accessors"][normal]["componentType"] == 5126 else SMALL_LENGTH
+    gltf.say(np.abs(lengths - 1).max() < error, "3.7.2.1: normals are not of unit length")
     for stem in ("TEXCOORD", "COLOR", "JOINTS", "WEIGHTS"):
         there = sorted(int(name.split("_")[1]) for name in given if name.startswith(stem + "_"))
         gltf.say(there == list(range(len(there))), f"3.7.2.1: {stem} is not numbered from 0 on")
@@ -235,16 +254,17 @@ def _check_primitive(gltf, primitive, joint_count):
     restart = np.iinfo(indices.dtype).max
     gltf.say(indices.max() < min(counts) and indices.max() < restart, "3.7.2.1: an index leaves the vertices")
     gltf.say(len(indices) % 3 == 0, "3.7.2.2: indices are not whole triangles")
-    _check_skinning(gltf, given, joint_count)
+    _check_skinning(gltf, primitive, joint_count)
     _check_texcoords(gltf, primitive, given)
 
 
-def _check_skinning(gltf, given, joint_count):
+def _check_skinning(gltf, primitive, joint_count):
     """3.7.3.3"""
+    given = gltf.attributes(primitive)
     gltf.say(("JOINTS_0" in given) == (joint_count > 0), "3.7.3.3: joints without a skin, or a skin without")
     if not joint_count:
         return
-    joints, weights = given["JOINTS_0"], given["WEIGHTS_0"].astype(float)
+    joints, weights = given["JOINTS_0"], gltf.values(primitive["attributes"]["WEIGHTS_0"])
     gltf.say(joints.max() < joint_count, "3.7.3.3: a joint that the skin has not")
     gltf.say(weights.min() >= 0, "3.7.3.3: a weight below 0")
     gltf.say(np.abs(weights.sum(axis=1) - 1).max() < 2e-7 * 4, "3.7.3.3: weights do not sum to 1")
@@ -295,10 +315,27 @@ def _check_nodes(gltf):
             gltf.say(coverage == sorted(coverage, reverse=True), "MSFT_lod: coverages do not fall")
 
 
+def _check_animations(gltf):
+    """3.11"""
+    for animation in gltf.json.get("animations", ()):
+        targets = [
+            (channel["target"]["node"], channel["target"]["path"]) for channel in animation["channels"]
+        ]
+        gltf.say(len(targets) == len(set(targets)), "3.11: two channels move one node")
+        for sampler in animation["samplers"]:
+            clock = gltf.json["accessors"][sampler["input"]]
+            gltf.say("min" in clock and "max" in clock, "3.11: times without bounds")
+            moments, turns = gltf.array(sampler["input"])[:, 0], gltf.values(sampler["output"])
+            gltf.say((np.diff(moments) > 0).all() and moments[0] >= 0, "3.11: times do not rise")
+            gltf.say(len(moments) == len(turns), "3.11: as many keys as times")
+            away = np.abs(np.linalg.norm(turns, axis=1) - 1).max()
+            gltf.say(away < 1e-4, "3.11: rotations are not of unit length")
+
+
 def _check_skins(gltf):
     """3.7.3.1"""
     nodes = gltf.json["nodes"]
-    for skin in gltf.json["skins"]:
+    for skin in gltf.json.get("skins", ()):
         accessor = gltf.json["accessors"][skin["inverseBindMatrices"]]
         gltf.say(
             accessor["type"] == "MAT4" and accessor["componentType"] == 5126, "3.7.3.1: bind matrices' type"
@@ -322,6 +359,7 @@ def errors(path):
     _check_accessors(gltf)
     _check_nodes(gltf)
     _check_skins(gltf)
+    _check_animations(gltf)
     for node in gltf.json["nodes"]:
         if "mesh" in node:
             joint_count = len(gltf.json["skins"][node["skin"]]["joints"]) if "skin" in node else 0

@@ -14,8 +14,8 @@ import numpy as np
 
 from ..cache.files import write_bytes
 
-COMPONENT_TYPES = {np.dtype(np.uint8): 5121, np.dtype(np.uint16): 5123, np.dtype(np.uint32): 5125}
-COMPONENT_TYPES[np.dtype(np.float32)] = 5126
+_KINDS = (np.int8, np.uint8, np.int16, np.uint16, None, np.uint32, np.float32)
+COMPONENT_TYPES = {np.dtype(kind): 5120 + number for number, kind in enumerate(_KINDS) if kind is not None}
 TYPES = {(): "SCALAR", (2,): "VEC2", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"}
 # Targets of buffer views that vertex shaders fetch. Other views have none.
 VERTICES, INDICES = 34962, 34963
@@ -31,7 +31,7 @@ class Document:
     """
 
     TABLES = ("scenes", "nodes", "meshes", "skins", "materials", "textures", "samplers", "images")
-    TABLES += ("accessors", "bufferViews", "extensionsUsed")
+    TABLES += ("accessors", "animations", "bufferViews", "extensionsUsed", "extensionsRequired")
 
     def __init__(self, generator):
         self.json = {"asset": {"version": "2.0", "generator": generator}}
@@ -44,32 +44,40 @@ class Document:
         self.json[table].append(entry)
         return len(self.json[table]) - 1
 
-    def use_extension(self, name):
-        if name not in self.json["extensionsUsed"]:
-            self.json["extensionsUsed"].append(name)
+    def use_extension(self, name, required=False):
+        for table in ("extensionsUsed", "extensionsRequired")[: 2 if required else 1]:
+            if name not in self.json[table]:
+                self.json[table].append(name)
 
-    def _add_view(self, data, target=None):
+    def _add_view(self, data, target=None, stride=None):
         """Adds a buffer view. It begins at a multiple of four bytes, the alignment of all component types."""
         self._binary += b"\0" * (-len(self._binary) % 4)
         view = {"buffer": 0, "byteOffset": len(self._binary), "byteLength": len(data)}
         if target is not None:
             view["target"] = target
+        if stride is not None:
+            view["byteStride"] = stride
         self._binary += data
         return self.add("bufferViews", view)
 
     def add_accessor(self, values, target=None, normalized=False, bounds=False):
-        """Adds an accessor. values: uint8, uint16, uint32 or float32 of shape (N,), (N, 2 to 4) or (N, 4, 4); rows of
-        vertex attributes must have a multiple of four bytes; matrices are column-major. bounds: write min and max,
-        which positions need. Equal arrays are stored once."""
+        """Adds an accessor. values: 8- or 16-bit integers, uint32 or float32 of shape (N,), (N, 2 to 4) or (N, 4, 4);
+        rows of vertex attributes are padded to a multiple of four bytes; matrices are column-major. bounds: write min
+        and max, which positions need. Equal arrays are stored once."""
         values = np.ascontiguousarray(values)
         if values.dtype.kind == "f" and not np.isfinite(values).all():
             raise ValueError("the mesh has coordinates that are not finite: correct it, then export again")
-        data = values.astype(values.dtype.newbyteorder("<"), copy=False).tobytes()
+        padded, stride = values, None
+        spare = -values[:1].nbytes % 4 // values.itemsize if target == VERTICES else 0
+        if spare:
+            padded = np.pad(values.reshape(len(values), -1), ((0, 0), (0, spare)))
+            stride = padded[:1].nbytes
+        data = padded.astype(values.dtype.newbyteorder("<"), copy=False).tobytes()
         key = (data, values.dtype.str, values.shape, target, normalized, bounds)
         if key in self._known:
             return self._known[key]
         accessor = {
-            "bufferView": self._add_view(data, target),
+            "bufferView": self._add_view(data, target, stride),
             "componentType": COMPONENT_TYPES[values.dtype],
             "count": len(values),
             "type": TYPES[values.shape[1:]],
@@ -81,6 +89,18 @@ class Document:
             accessor["max"] = [float(v) for v in np.atleast_1d(values.max(axis=0))]
         self._known[key] = self.add("accessors", accessor)
         return self._known[key]
+
+    def add_tracks(self, values):
+        """Adds one accessor for each of the arrays values (B, K, 4), normalised int16, in one buffer view. Returns
+        their indices."""
+        data = np.ascontiguousarray(values)
+        view = self._add_view(data.astype("<i2").tobytes())
+        track = {"bufferView": view, "componentType": 5122, "count": data.shape[1], "type": "VEC4"}
+        size = data[0].nbytes
+        return [
+            self.add("accessors", {**track, "byteOffset": number * size, "normalized": True})
+            for number in range(len(data))
+        ]
 
     def add_texture(self, name, data, mime_type):
         """Adds a repeating texture. data: the bytes of an image file; equal bytes are stored once."""

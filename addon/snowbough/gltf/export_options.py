@@ -31,6 +31,48 @@ class ExportProperties:
         min=0.01,
         max=1.0,
     )
+    cards: BoolProperty(
+        name="Cards",
+        description="Add a last level of detail: eight pictures of the tree, with its snow surface, on crossed cards",
+        default=True,
+    )
+    quantised: BoolProperty(
+        name="Small Vertices",
+        description="Store positions with 16 bits, and normals and weights with 8 bits (KHR_mesh_quantization), "
+        "in about half the file size. Turn off for programs without this extension",
+        default=True,
+    )
+    texture_size: IntProperty(
+        name="Texture Size",
+        description="Maximum side of textures (texels). Larger images are reduced, and procedural bark is baked to a "
+        "texture of this size. 0 keeps images as they are and exports procedural bark as one colour",
+        default=1024,
+        min=0,
+        max=8192,
+    )
+    motion: BoolProperty(
+        name="Animation",
+        description="Export the armature's action, such as the sway, as a looping animation of the joints",
+        default=True,
+    )
+    loop_start: IntProperty(
+        name="First Frame",
+        description="First frame of the exported loop, used if Loop Frames is above 0 (frame)",
+        default=1,
+    )
+    loop_frames: IntProperty(
+        name="Loop Frames",
+        description="Length of the exported loop (frames). 0 takes the range of the action's keys",
+        default=0,
+        min=0,
+    )
+    loop_keys: IntProperty(
+        name="Keys",
+        description="Number of keys of each joint in the loop. More keys follow fast twigs better",
+        default=32,
+        min=4,
+        max=1000,
+    )
     snow: EnumProperty(
         name="Snow",
         description="Form in which the baked snow is exported with the tree",

@@ -18,7 +18,7 @@ from ..surface.compute import read_summary
 from ..surface.mesh_file import read_mesh
 from ..surface.point_cache import read_point_cache
 from . import snow_maps
-from .tree_file import Heap
+from .tree_data import Heap
 
 # Number of the TEXCOORD set of the maps.
 TEXCOORD = 1

@@ -95,7 +95,7 @@ def without_branches(quads, corner_uvs, face_branch, branches, kept):
     return np.concatenate([inside, caps]), uvs, np.concatenate([stays, source[:, 0] // 4])
 
 
-def _leaf_of_points(surface):
+def leaf_of_points(surface):
     """(number of leaves, int32 (V,)): the leaf of each point, a connected component of triangles; -1 for unused
     points."""
     label = np.arange(len(surface.points))
@@ -124,7 +124,7 @@ def thinned_leaves(surface, share, stems=None):
 
     Source: R. L. Cook, J. Halstead, M. Planck, D. Ryu, Stochastic Simplification of Aggregate Detail, SIGGRAPH 2007.
     """
-    count, leaf = _leaf_of_points(surface)
+    count, leaf = leaf_of_points(surface)
     if count == 0 or share >= 1.0:
         return surface
     # Multiples of the golden ratio: each prefix of the order is evenly spread over the tree.

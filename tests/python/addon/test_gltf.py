@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import glb
 import numpy as np
 import pytest
-from snowbough.gltf import snow_maps, surface, texels, thinning, tree_file
+from snowbough.gltf import impostor, quantise, snow_maps, surface, texels, thinning, tree_data, tree_file
 from snowbough.tree import skeleton_text
 
 # A grey PNG of one pixel.
@@ -56,6 +56,22 @@ def test_a_leafs_colour_fills_what_its_mask_hides():
 def test_a_mask_of_another_size_is_brought_to_the_larger_one():
     made = texels.masked(np.full((2, 2, 3), 0.5, np.float32), np.ones((4, 8), np.float32))
     assert made.shape == (4, 8, 4)
+
+
+def test_images_are_reduced_to_the_size_of_textures():
+    image = np.zeros((600, 300, 3), np.float32)
+    image[:300] = 1.0
+    small = texels.limited(image, 256)
+    assert small.shape == (256, 128, 3)
+    assert small[:120].min() == 1.0 and small[136:].max() == 0.0
+    assert texels.limited(image, 600) is image and texels.limited(image, 0) is image
+
+
+def test_a_cutoff_keeps_the_area_of_thin_twigs():
+    alpha = np.full((64, 64), 0.2, np.float32)
+    alpha[:, :8] = 1.0
+    kept = impostor.with_kept_area(alpha * np.linspace(0.9, 1.1, 64, dtype=np.float32)[:, None])
+    assert (kept >= 0.5).mean() == pytest.approx(0.3, abs=0.02)
 
 
 # -- a skeleton as a text -------------------------------------------------------------------------------
@@ -250,15 +266,15 @@ def some_tree(**material):
     turned = np.eye(4)
     turned[:3, :3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
     turned[:3, 3] = (0, 0, 0.5)
-    joints = [tree_file.Joint("root", -1, np.eye(4)), tree_file.Joint("tip", 0, turned)]
-    bark = tree_file.Part("cube", [cube(uv_seam=True), cube()], [tree_file.Material("bark", **material)])
-    return tree_file.Tree("tree", joints, [bark], 3)
+    joints = [tree_data.Joint("root", -1, np.eye(4)), tree_data.Joint("tip", 0, turned)]
+    bark = tree_data.Part("cube", [cube(uv_seam=True), cube()], [tree_data.Material("bark", **material)])
+    return tree_data.Tree("tree", joints, [bark], 3)
 
 
 @pytest.mark.parametrize("suffix", [".glb", ".gltf"])
 def test_files_keep_the_rules_and_read_back(tmp_path, suffix):
     picture = PNG
-    texture = tree_file.Texture(
+    texture = tree_data.Texture(
         "a leaf", picture, "image/png", texcoord=1, scale=(2.0, 3.0), offset=(0.1, 0.2)
     )
     built = tree_file.build(some_tree(base=texture, cutoff=0.5, double_sided=True))
@@ -292,9 +308,9 @@ def test_y_points_up(tmp_path):
     read = glb.Gltf(tmp_path / "t.glb")
     world = read.world_matrices()
     tip = next(k for k, node in enumerate(read.json["nodes"]) if node["name"] == "tip")
-    assert world[tip][:3, 3] == pytest.approx((0, 0.5, 0))
+    assert world[tip][:3, 3] == pytest.approx((0, 0.5, 0), abs=1e-8)
     # Blender's X, along which the tip's Y runs backwards, stays X.
-    assert world[tip][:3, 1] == pytest.approx((-1, 0, 0))
+    assert world[tip][:3, 1] == pytest.approx((-1, 0, 0), abs=1e-8)
 
 
 def test_branch_levels_and_their_share_of_tessellation_are_on_every_vertex(tmp_path):
@@ -326,6 +342,100 @@ def test_many_vertices_take_wide_indices(tmp_path):
     (primitive,) = read.primitives(read.node("cube_LOD0"))
     assert read.json["accessors"][primitive["indices"]]["componentType"] == 5125
     assert glb.errors(tmp_path / "t.glb") == []
+
+
+# -- small vertices, motion, cards ----------------------------------------------------------------------
+
+
+def small(tmp_path, tree):
+    """The Gltf of a tree in small vertices, and of the same tree in floats."""
+    read = []
+    for name, quantised in (("small.glb", True), ("large.glb", False)):
+        tree_file.build(tree, quantised=quantised).write_glb(tmp_path / name)
+        assert glb.errors(tmp_path / name) == []
+        read.append(glb.Gltf(tmp_path / name))
+    return read
+
+
+def test_small_vertices_are_where_the_large_ones_are(tmp_path):
+    read, large = small(tmp_path, some_tree())
+    assert read.json["extensionsRequired"] == ["KHR_mesh_quantization"]
+    for name in ("cube_LOD0", "cube_LOD1"):
+        (found,), (expected,) = read.skinned(read.node(name)), large.skinned(large.node(name))
+        assert np.abs(found - expected).max() <= 0.51 / 32767  # half a step of a metre
+        _, triangles = read.welded(read.node(name))
+        assert glb.is_closed(triangles)
+    (primitive,) = read.primitives(read.node("cube_LOD0"))
+    kinds = {name: array.dtype for name, array in read.attributes(primitive).items()}
+    assert kinds["POSITION"] == np.int16 and kinds["NORMAL"] == np.int8
+    assert kinds["TEXCOORD_0"] == np.uint16 and kinds["WEIGHTS_0"] == kinds["JOINTS_0"] == np.uint8
+    assert read.array(primitive["attributes"]["WEIGHTS_0"]).sum(axis=1).tolist() == [255] * 24
+
+
+def test_weights_of_eight_bits_sum_to_one():
+    shares = np.random.default_rng(1).dirichlet(np.ones(4), 1000)
+    found = quantise.weights(shares)
+    assert (found.sum(axis=1, dtype=int) == 255).all()
+    assert np.abs(found / 255 - shares).max() < 2.5 / 255
+
+
+def test_tiling_coordinates_stay_floats():
+    assert quantise.texture_coordinates(np.float32([(0, 1), (0.5, 0)])).dtype == np.uint16
+    assert quantise.texture_coordinates(np.float32([(0, 1.5)])).dtype == np.float32
+
+
+@pytest.mark.parametrize("quantised", [False, True])
+def test_motion_turns_the_joints_that_move(tmp_path, quantised):
+    tree = some_tree()
+    turns = np.zeros((5, 2, 4))
+    turns[..., 3] = 1.0
+    # The tip turns about its own Z axis, by up to 0.4 radians.
+    angle = 0.4 * np.sin(np.linspace(0, 2 * np.pi, 5))
+    turns[:, 1, 2], turns[:, 1, 3] = np.sin(angle / 2), np.cos(angle / 2)
+    tree.motion = tree_data.Motion(np.linspace(0, 2, 5), turns)
+    path = tmp_path / "t.glb"
+    tree_file.build(tree, quantised=quantised).write_glb(path)
+    assert glb.errors(path) == []
+    read = glb.Gltf(path)
+    (animation,) = read.json["animations"]
+    (channel,) = animation["channels"]  # the root does not move
+    tip = read.node("tip")
+    assert read.json["nodes"][channel["target"]["node"]] is tip
+    assert read.array(animation["samplers"][0]["input"])[:, 0].tolist() == [0, 0.5, 1, 1.5, 2]
+    keys = read.values(animation["samplers"][0]["output"])
+    for key, by in zip(keys, angle):
+        tip["rotation"] = key.tolist()
+        world = read.world_matrices()[read.json["nodes"].index(tip)]
+        # At rest its X axis is Blender's Y, which is -Z in the file; it turns towards Blender's -X.
+        assert world[:3, 0] == pytest.approx((-np.sin(by), 0, -np.cos(by)), abs=1e-4)
+
+
+def some_cards():
+    points = np.float32([(-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 1)])
+    texture = tree_data.Texture("cards", PNG, "image/png")
+    material = tree_data.Material("cards", base=texture, cutoff=0.5)
+    normals = np.tile(np.float32((0, -1, 0)), (4, 1))
+    uv, triangles = np.clip(points[:, (0, 2)], 0, 1), np.array([(0, 1, 2), (0, 2, 3)])
+    return tree_data.Cards("tree_LOD2", points, normals, uv, triangles, material)
+
+
+def test_cards_replace_the_parts_and_the_snow(tmp_path):
+    tree = some_tree()
+    tree.parts.append(tree_data.Part("leaves", [leaves_surface(4)] * 2, [tree_data.Material("leaf")]))
+    tree.heaps.append(tree_data.Heap("snow", np.eye(3, dtype=np.float32), np.array([(0, 1, 2)])))
+    tree.cards = some_cards()
+    for read in small(tmp_path, tree):
+        bark, leaves, snow = (read.lods(read.node(name)) for name in ("cube_LOD0", "leaves_LOD0", "snow"))
+        assert [node["name"] for node in bark] == ["cube_LOD0", "cube_LOD1", "tree_LOD2"]
+        assert "mesh" in bark[2] and "skin" not in bark[2]
+        assert leaves[2] == {"name": "leaves_LOD2"} and "mesh" not in snow[1]
+        # All change to the cards at the same size on the screen.
+        ends = [nodes[0]["extras"]["MSFT_screencoverage"] for nodes in (bark, leaves, snow)]
+        assert ends[0] == ends[1] and ends[0][1:] == ends[2]
+        world = read.world_matrices()[read.json["nodes"].index(bark[2])]
+        place = read.array(read.primitives(bark[2])[0]["attributes"]["POSITION"])
+        found = place @ world[:3, :3].T + world[:3, 3]
+        assert found == pytest.approx(tree.cards.points[:, (0, 2, 1)] * (1, 1, -1), abs=1e-3)
 
 
 def test_equal_input_gives_equal_bytes(tmp_path):

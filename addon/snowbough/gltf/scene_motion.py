@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reads the armature's action as a loop of poses, one key at a time, from Blender's own evaluation."""
+
+import numpy as np
+
+from ..base import compat
+from .tree_data import Motion
+
+
+def _loop(rig, options):
+    """(first frame, length in frames) of the loop; None if the armature has no action."""
+    curves = compat.curves_of(rig)
+    keys = [
+        point.co[0] for curve in curves for point in (curve.keyframe_points[0], curve.keyframe_points[-1])
+    ]
+    if not keys:
+        return None
+    first = min(keys)
+    if options.loop_frames:
+        return options.loop_start, options.loop_frames
+    return (first, max(keys) - first) if max(keys) > first else None
+
+
+def motion_of(scene, rig, options):
+    """The Motion of the armature, evaluated at options.loop_keys moments of its loop; None if it does not move. The
+    frame of the scene stays."""
+    loop = _loop(rig, options)
+    if loop is None:
+        return None
+    first, length = loop
+    keys, before = options.loop_keys, (scene.frame_current, scene.frame_subframe)
+    turns = np.empty((keys + 1, len(rig.pose.bones), 4))
+    places = np.arange(keys + 1) / keys * length
+    try:
+        for number, place in enumerate(places[:-1]):
+            frame = first + place
+            scene.frame_set(int(np.floor(frame)), subframe=float(frame - np.floor(frame)))
+            for index, bone in enumerate(rig.pose.bones):
+                w, x, y, z = bone.matrix_basis.to_quaternion()
+                turns[number, index] = x, y, z, w
+    finally:
+        scene.frame_set(before[0], subframe=before[1])
+    turns[-1] = turns[0]
+    return Motion(places * scene.render.fps_base / scene.render.fps, turns)
