@@ -15,7 +15,7 @@ from .tree_data import SNOW_COLOR, Cards
 VIEWS = 8
 # Pictures per row of the texture, and side of a picture in texels.
 COLUMNS, TILE = 4, 256
-SAMPLES = 16
+SAMPLES = 4
 # Margin around the tree, as a share of a card.
 MARGIN = 0.02
 
