@@ -17,7 +17,7 @@ import glb  # noqa: E402
 MAPLE = ROOT / "tests" / "data" / "small_maple.obj"
 LEAVES = 40
 # Vertices as in the scene, and nothing that takes time.
-PLAIN = {"quantised": False, "cards": False, "texture_size": 0}
+PLAIN = {"vertices": "FLOAT", "cards": False, "texture_size": 0}
 
 
 @pytest.fixture
@@ -461,9 +461,9 @@ def test_a_tree_without_a_bake_says_so(tmp_path, addon):
 def test_small_vertices_take_less_than_two_thirds_and_are_where_the_large_are(tmp_path, leafy):
     import_tree(leafy)
     large, small = (
-        export(tmp_path / f"{name}.glb", levels=2, quantised=name == "small") for name in ("large", "small")
+        export(tmp_path / f"{name}.glb", levels=2, vertices=name.upper()) for name in ("float", "small")
     )
-    assert (tmp_path / "small.glb").stat().st_size < 0.67 * (tmp_path / "large.glb").stat().st_size
+    assert (tmp_path / "small.glb").stat().st_size < 0.67 * (tmp_path / "float.glb").stat().st_size
     for name in ("leafy_bark_LOD0", "leafy_bark_LOD1", "leafy_leaves_LOD0"):
         (found,), (expected,) = small.skinned(small.node(name)), large.skinned(large.node(name))
         assert np.abs(found - expected).max() < 1e-4
@@ -476,7 +476,7 @@ def test_joints_sway_in_the_file_as_bones_do_in_blender(tmp_path):
     bpy.context.view_layer.objects.active = rig
     bpy.ops.snowbough.add_sway(loop_frames=48, strength=2.0, seed=5)
     bpy.context.scene.frame_set(20)
-    read = export(tmp_path / "tree.glb", levels=1, loop_keys=16, quantised=True)
+    read = export(tmp_path / "tree.glb", levels=1, loop_keys=16, vertices="SMALL")
     assert bpy.context.scene.frame_current == 20
     (animation,) = read.json["animations"]
     moments = read.array(animation["samplers"][0]["input"])[:, 0]

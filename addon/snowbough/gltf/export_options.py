@@ -36,11 +36,23 @@ class ExportProperties:
         description="Add a last level of detail: eight pictures of the tree, with its snow surface, on crossed cards",
         default=True,
     )
-    quantised: BoolProperty(
-        name="Small Vertices",
-        description="Store positions with 16 bits, and normals and weights with 8 bits (KHR_mesh_quantization), "
-        "in about half the file size. Turn off for programs without this extension",
-        default=True,
+    vertices: EnumProperty(
+        name="Vertices",
+        description="Form in which vertices are stored",
+        items=(
+            ("FLOAT", "32-Bit Floats", "Largest files, for programs without glTF extensions"),
+            (
+                "SMALL",
+                "Small",
+                "Positions with 16 bits, normals and weights with 8 bits (KHR_mesh_quantization)",
+            ),
+            (
+                "COMPRESSED",
+                "Compressed",
+                "Small vertices, which the program must decompress (EXT_meshopt_compression): smallest files",
+            ),
+        ),
+        default="SMALL",
     )
     texture_size: IntProperty(
         name="Texture Size",

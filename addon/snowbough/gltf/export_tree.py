@@ -92,7 +92,8 @@ def _write_gltf(tree, path, options):
     """Writes one file, or one file per level. Returns all paths."""
 
     def write(tree, path, first=0):
-        document = tree_file.build(tree, first, options.quantised)
+        form = options.vertices
+        document = tree_file.build(tree, first, form != "FLOAT", form == "COMPRESSED")
         return document.write_glb(path) if path.suffix.lower() == ".glb" else document.write_separate(path)
 
     if not options.file_per_level:

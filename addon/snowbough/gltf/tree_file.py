@@ -84,11 +84,12 @@ class _Writer:
     """Writes one tree to a new Document.
 
     quantised: store vertices with the extension KHR_mesh_quantization, all on one grid, so that meshes of one place
-    fit. Joints ignore the transforms of the meshes' nodes, so the inverse bind matrices contain the grid.
+    fit. Joints ignore the transforms of the meshes' nodes, so the inverse bind matrices contain the grid. compressed:
+    see Document.
     """
 
-    def __init__(self, tree, quantised):
-        self.document = Document(GENERATOR)
+    def __init__(self, tree, quantised, compressed):
+        self.document = Document(GENERATOR, compressed)
         self._tree, self._grid = tree, None
         if quantised:
             self._grid = quantise.Grid(np.concatenate([_y_up(points) for points in _all_points(tree)]))
@@ -303,9 +304,9 @@ def _all_points(tree):
     return [*surfaces, *cards, *(heap.points for heap in tree.heaps)]
 
 
-def build(tree, first_level=0, quantised=False):
-    """The Document of a Tree. first_level: number in the name of the finest level, _LOD<first_level>; quantised: see
-    _Writer. Raises ValueError for a number of bones that glTF cannot store."""
+def build(tree, first_level=0, quantised=False, compressed=False):
+    """The Document of a Tree. first_level: number in the name of the finest level, _LOD<first_level>; quantised,
+    compressed: see _Writer. Raises ValueError for a number of bones that glTF cannot store."""
     if not tree.joints or len(tree.joints) > 65536:
         raise ValueError(f"a glTF skin must have 1 to 65,536 bones, not {len(tree.joints)}")
-    return _Writer(tree, quantised).write(first_level)
+    return _Writer(tree, quantised, compressed).write(first_level)

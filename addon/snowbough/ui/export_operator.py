@@ -16,13 +16,13 @@ from . import export_formats
 from .editing_lock import NotWhileBaking
 
 SECTIONS = (
-    ("Tree", ("levels", "file_per_level", "leaf_share", "cards", "quantised", "texture_size")),
+    ("Tree", ("levels", "file_per_level", "leaf_share", "cards", "vertices", "texture_size")),
     ("Animation", ("motion", "loop_keys", "loop_frames", "loop_start")),
     ("Snow", ("snow", "snow_format", "atlas_frames", "atlas_tile")),
 )
 ATLAS_OPTIONS = ("atlas_frames", "atlas_tile")
 # Options that USD has no use for: it contains the finest level.
-GLTF_OPTIONS = ("levels", "file_per_level", "leaf_share", "cards", "quantised")
+GLTF_OPTIONS = ("levels", "file_per_level", "leaf_share", "cards", "vertices")
 
 
 class EXPORT_SCENE_OT_snowbough_tree(NotWhileBaking, ExportProperties, bpy.types.Operator, ExportHelper):

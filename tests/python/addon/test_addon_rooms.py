@@ -65,6 +65,7 @@ WITHOUT_BLENDER = (
     "tree.skeleton_text",
     "tree.wind",
     "tree.wind_attributes",
+    "gltf.compression",
     "gltf.document",
     "gltf.impostor",
     "gltf.quantise",
