@@ -118,7 +118,10 @@ class _Triangles:
 
     def _add_alone(self, corners):
         """A triangle without a recent edge: 0 for the next new vertex, 15 for an explicit one, otherwise 1 + its
-        position."""
+        position. A new vertex comes first: the byte 0 for the others after an explicit one would reset the numbers."""
+        if self._next in corners:
+            first = corners.index(self._next)
+            corners = corners[first:] + corners[:first]
         kinds, explicit = [], []
         for vertex in corners:
             position = self._vertices.position(vertex)
@@ -132,7 +135,7 @@ class _Triangles:
                 explicit.append(vertex)
         first, pair = kinds[0], kinds[1] << 4 | kinds[2]
         if kinds == [0, 0, 0]:
-            self._codes.append(0xF0)  # the table's entry 0; the byte 0 would reset the next new vertex
+            self._codes.append(0xF0)  # the table's entry 0
         else:
             self._codes.append(0xFE if first == 0 else 0xFF)
             self._data.append(pair)

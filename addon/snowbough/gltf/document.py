@@ -65,7 +65,10 @@ class Document:
         if target == INDICES:
             mode, packed = "TRIANGLES", compression.triangles(rows)
         else:
-            mode, packed = "ATTRIBUTES", compression.attributes(np.frombuffer(data, np.uint8).reshape(-1, row))
+            mode, packed = (
+                "ATTRIBUTES",
+                compression.attributes(np.frombuffer(data, np.uint8).reshape(-1, row)),
+            )
         number = self._add_view(packed, target, stride)
         view = self.json["bufferViews"][number]
         said = {key: view[key] for key in ("buffer", "byteOffset", "byteLength")}

@@ -6,9 +6,20 @@ import json
 from types import SimpleNamespace
 
 import glb
+import meshopt
 import numpy as np
 import pytest
-from snowbough.gltf import impostor, quantise, snow_maps, surface, texels, thinning, tree_data, tree_file
+from snowbough.gltf import (
+    compression,
+    impostor,
+    quantise,
+    snow_maps,
+    surface,
+    texels,
+    thinning,
+    tree_data,
+    tree_file,
+)
 from snowbough.tree import skeleton_text
 
 # A grey PNG of one pixel.
@@ -370,6 +381,64 @@ def test_small_vertices_are_where_the_large_ones_are(tmp_path):
     assert kinds["POSITION"] == np.int16 and kinds["NORMAL"] == np.int8
     assert kinds["TEXCOORD_0"] == np.uint16 and kinds["WEIGHTS_0"] == kinds["JOINTS_0"] == np.uint8
     assert read.array(primitive["attributes"]["WEIGHTS_0"]).sum(axis=1).tolist() == [255] * 24
+
+
+def test_the_decoder_reads_the_specifications_example():
+    data = bytes.fromhex("175ff0bc77a9210034b5")
+    codes, end = meshopt._group(data, 0, 2)
+    deltas = [~(code >> 1) if code & 1 else code >> 1 for code in codes]
+    assert deltas == [-1, -4, -3, 26, -91, 0, -6, 6, -4, -4, 5, -5, 1, -1, 0, 0] and end == 10
+
+
+@pytest.mark.parametrize("count, stride", [(1, 4), (16, 4), (257, 8), (600, 16), (300, 64), (40, 256)])
+@pytest.mark.parametrize("spread", [0, 1, 4, 40, 255])
+def test_compressed_rows_come_back(count, stride, spread):
+    rng = np.random.default_rng(count + spread)
+    rows = np.cumsum(rng.integers(0, spread + 1, (count, stride)) - spread // 2, axis=0).astype(np.uint8)
+    packed = compression.attributes(rows)
+    assert meshopt.decoded(packed, "ATTRIBUTES", count, stride) == rows.tobytes()
+    assert spread > 0 or len(packed) <= 1 + max(32, stride) + stride * (2 + count // 64)
+
+
+def same_triangles(a, b):
+    """Whether triangles (T, 3) are equal up to the corner at which they begin."""
+    turned = [np.array([np.roll(t, -t.argmin()) for t in one]) for one in (a, b)]
+    return np.array_equal(*turned)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_compressed_triangles_come_back(seed):
+    rng = np.random.default_rng(seed)
+    strip = np.array([(k, k + 1, k + 2) if k % 2 == 0 else (k + 1, k, k + 2) for k in range(500)])
+    corners = {
+        0: strip,  # one byte each
+        1: np.sort(rng.choice(2000, (800, 3)), axis=1),
+        2: rng.permutation(strip)[:, rng.permutation(3)],
+        3: np.concatenate([rng.permutation(40)[None, :3] for _ in range(900)]),
+    }[seed]
+    packed = compression.triangles(corners.astype(np.uint32).reshape(-1))
+    found = np.frombuffer(meshopt.decoded(packed, "TRIANGLES", corners.size, 4), np.uint32).reshape(-1, 3)
+    assert same_triangles(found.astype(int), corners)
+    assert seed != 0 or len(packed) < 1.1 * len(corners) + 20
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".gltf"])
+def test_a_compressed_file_has_the_same_meshes(tmp_path, suffix):
+    tree = some_tree()
+    for name, compressed in (("small", False), ("packed", True)):
+        document = tree_file.build(tree, quantised=True, compressed=compressed)
+        path = tmp_path / (name + suffix)
+        document.write_glb(path) if suffix == ".glb" else document.write_separate(path)
+        assert glb.errors(path) == []
+    small, packed = (glb.Gltf(tmp_path / (name + suffix)) for name in ("small", "packed"))
+    assert packed.json["buffers"][1]["extensions"] == {"EXT_meshopt_compression": {"fallback": True}}
+    assert "EXT_meshopt_compression" in packed.json["extensionsRequired"]
+    for name in ("cube_LOD0", "cube_LOD1"):
+        for one, other in zip(small.primitives(small.node(name)), packed.primitives(packed.node(name))):
+            given, found = small.attributes(one), packed.attributes(other)
+            assert all(np.array_equal(given[key], found[key]) for key in given)
+            corners = [g.array(p["indices"]).reshape(-1, 3) for g, p in ((small, one), (packed, other))]
+            assert same_triangles(*corners)
 
 
 def test_weights_of_eight_bits_sum_to_one():
