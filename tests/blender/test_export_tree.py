@@ -17,7 +17,7 @@ import glb  # noqa: E402
 MAPLE = ROOT / "tests" / "data" / "small_maple.obj"
 LEAVES = 40
 # Vertices as in the scene, and nothing that takes time.
-PLAIN = {"vertices": "FLOAT", "cards": False, "texture_size": 0}
+PLAIN = {"vertices": "FLOAT", "cards": False, "texture_size": 0, "snow_cell": 0.0}
 
 
 @pytest.fixture

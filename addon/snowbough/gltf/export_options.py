@@ -104,6 +104,15 @@ class ExportProperties:
         ),
         default="NONE",
     )
+    snow_cell: FloatProperty(
+        name="Snow Cell",
+        description="The points of the snow surface within a cube of this side become one point (metres). Larger "
+        "values give fewer triangles and lose thin snow. 0 keeps all triangles",
+        default=0.015,
+        min=0.0,
+        max=1.0,
+        precision=3,
+    )
     snow_format: EnumProperty(
         name="Heights",
         description="File format of height maps. Normals are always PNG images of 8 bits",

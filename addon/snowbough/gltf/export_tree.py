@@ -135,7 +135,11 @@ def export(context, obj, path, options, writers=GLTF):
         to_file[:3, :3] = linear
         to_rig = tree.rig.matrix_world.inverted()
         heaps = scene_snow.surfaces(
-            scene, objects, lambda obj: to_file @ np.array(to_rig @ obj.matrix_world), warnings
+            scene,
+            objects,
+            lambda obj: to_file @ np.array(to_rig @ obj.matrix_world),
+            options.snow_cell,
+            warnings,
         )
     elif options.snow != "NONE":
         snow, files = scene_snow.write(scene, objects, path, options, warnings)

@@ -66,7 +66,9 @@ class _Builder:
             snow_resolution=built["snow_resolution"],
             **fineness,
         )
-        self._points[tuple(fineness.items())] = _with_mean_width(whole) if fineness == BASE else whole.vertices
+        self._points[tuple(fineness.items())] = (
+            _with_mean_width(whole) if fineness == BASE else whole.vertices
+        )
         return self._module.reduce_bones(whole, built["max_bones"], built["max_bone_level"])
 
     def points(self, fineness):

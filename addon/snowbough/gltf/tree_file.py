@@ -22,8 +22,8 @@ TO_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 UPRIGHT = np.eye(4)
 UPRIGHT[:3, :3] = TO_Y_UP
 FORMULA = "T = T_p * (1 - level / levels)"
-# Significant digits of numbers in the JSON text, those of float32.
-DIGITS = 9
+# Significant digits of the numbers of nodes.
+DIGITS = 7
 
 
 def _y_up(points):

@@ -18,7 +18,7 @@ from .editing_lock import NotWhileBaking
 SECTIONS = (
     ("Tree", ("levels", "file_per_level", "leaf_share", "cards", "vertices", "texture_size")),
     ("Animation", ("motion", "loop_keys", "loop_frames", "loop_start")),
-    ("Snow", ("snow", "snow_format", "atlas_frames", "atlas_tile")),
+    ("Snow", ("snow", "snow_cell", "snow_format", "atlas_frames", "atlas_tile")),
 )
 ATLAS_OPTIONS = ("atlas_frames", "atlas_tile")
 # Options that USD has no use for: it contains the finest level.
@@ -72,6 +72,8 @@ class EXPORT_SCENE_OT_snowbough_tree(NotWhileBaking, ExportProperties, bpy.types
             return self.motion and (name != "loop_start" or self.loop_frames > 0)
         if name in ATLAS_OPTIONS:
             return self.snow == "ATLAS"
+        if name == "snow_cell":
+            return self.snow == "SURFACE"
         return name != "snow_format" or self.snow in ("FRAME", "ATLAS")
 
     def draw(self, _context):

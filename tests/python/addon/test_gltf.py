@@ -211,6 +211,22 @@ def test_a_leaf_grows_from_its_stem():
     assert used[:, 1].min() == 0.0 and used[:, 1].max() == pytest.approx(2.0)
 
 
+def test_points_of_a_cell_become_one():
+    side = np.arange(21) / 20
+    x, y = (grid.reshape(-1) for grid in np.meshgrid(side, side))
+    points = np.stack([x, y, 0.001 * x], axis=1).astype(np.float32)
+    first = (np.arange(20)[:, None] * 21 + np.arange(20)).reshape(-1)
+    quads = first[:, None] + (0, 1, 22, 21)
+    merged, found = thinning.clustered(points, as_triangles(quads), 0.2)
+    assert len(merged) <= 36 and len(found) < 72
+    corner = merged[found].astype(float)
+    across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    assert (across[:, 2] > 0).all()  # none is turned over
+    assert across[:, 2].sum() / 2 == pytest.approx(0.8, abs=0.25)
+    assert len({tuple(sorted(t)) for t in found.tolist()}) == len(found)
+    assert thinning.clustered(points, quads, 0.0) == (points, quads)
+
+
 # -- surfaces -------------------------------------------------------------------------------------------
 
 
