@@ -108,7 +108,7 @@ class ExportProperties:
         name="Snow Cell",
         description="The points of the snow surface within a cube of this side become one point (metres). Larger "
         "values give fewer triangles and lose thin snow. 0 keeps all triangles",
-        default=0.015,
+        default=0.02,
         min=0.0,
         max=1.0,
         precision=3,

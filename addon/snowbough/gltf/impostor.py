@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The last level of detail: pictures of the tree on crossed cards, drawn by the real-time renderer. No ``bpy``.
 
-Each of four upright cards through the tree's middle has a picture on either side. The pictures contain the colours of
+Each of four upright cards through the tree's foot has a picture on either side. The pictures contain the colours of
 the materials without light, so that an engine lights them; the normals bulge as those of a round crown.
 """
 
@@ -16,14 +16,17 @@ VIEWS = 8
 # Pictures per row of the texture, and side of a picture in texels.
 COLUMNS, TILE = 4, 256
 SAMPLES = 4
-# Margin around the tree, as a share of a card.
-MARGIN = 0.02
+# Margin around the tree, as a share of a card; and part of the height that is the foot.
+MARGIN, FOOT = 0.02, 0.03
 
 
 def _frame(points):
-    """(middle (3,), half width, half height) of the cards."""
+    """(middle (3,), half width, half height) of the cards. They cross above the foot, where all pictures of the trunk
+    meet."""
     low, high = points.min(axis=0), points.max(axis=0)
     middle = (low + high) / 2
+    foot = points[points[:, 2] < low[2] + FOOT * (high[2] - low[2])]
+    middle[:2] = foot[:, :2].mean(axis=0)
     across = np.linalg.norm((points - middle)[:, :2], axis=1).max()
     return middle, across * (1 + MARGIN), (high[2] - low[2]) / 2 * (1 + MARGIN)
 
