@@ -244,10 +244,10 @@ class _Writer:
             self._materials.bind(mesh, [path], np.zeros(len(heap.triangles), dtype=np.int32))
 
 
-def write(tree, path, _options=None, where=""):
-    """Writes a Tree to `path`, its textures to the folder <stem>_textures, and <stem>_wind.json beside it. where: see
-    library. Returns all paths. Raises RuntimeError if the library is missing or a file cannot be written."""
-    pxr, path = library(where), Path(path)
+def write(tree, path, _options=None):
+    """Writes a Tree to `path`, its textures to the folder <stem>_textures, and <stem>_wind.json beside it. Returns all
+    paths. Raises RuntimeError if the library is missing or a file cannot be written."""
+    pxr, path = library(), Path(path)
     folder = path.with_name(f"{path.stem}_textures")
     writer = _Writer(pxr, tree, folder.name)
     writer.write()

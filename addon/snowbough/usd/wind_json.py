@@ -14,18 +14,19 @@ from ..tree import wind
 def wind_data(joints, names):
     """The content of the file as plain data. joints: [Joint]; names: their names in the skeleton.
 
-    Each level of limbs is a group, the trunk is group 0. The influence of a group is the angle by which a fresh breeze
-    bends its median limb, as a share of the largest angle of the sway (tree.wind).
+    Each level of limbs is a group, the trunk is group 0. The influence of a group is the angle by which wind bends its
+    median limb (tree.wind), as a share of that of the group that bends most.
     """
     parents, connected, lengths, radii = (
         np.array([getattr(joint, name) for joint in joints])
         for name in ("parent", "connected", "length", "radius")
     )
     chains = wind.find_chains(parents, connected, lengths, radii)
-    bends = wind.tip_angles(chains.limb_length, chains.limb_radius, wind.WIND_SPEED) / wind.LARGEST_ANGLE
+    angles = wind.tip_angles(chains.limb_length, chains.limb_radius, wind.WIND_SPEED)
+    bends = [np.median(angles[chains.limb_level == n]) for n in range(int(chains.limb_level.max()) + 1)]
     groups = []
-    for level in range(int(chains.limb_level.max()) + 1):
-        influence = round(float(np.median(bends[chains.limb_level == level])), 4)
+    for level, bend in enumerate(bends):
+        influence = round(float(bend / max(bends)), 4)
         groups.append(
             {
                 "bUseDualInfluence": False,
