@@ -570,6 +570,17 @@ def test_the_last_level_is_cards_with_pictures_of_the_tree(tmp_path, leafy):
     assert max(leaves) > 0.02 and min(leaves) < 0.002
 
 
+def test_the_cards_have_a_file_of_their_own_if_levels_have(tmp_path):
+    import_tree()
+    options = {**PLAIN, "levels": 1, "cards": True, "file_per_level": True, "vertices": "COMPRESSED"}
+    assert bpy.ops.export_scene.snowbough_tree(filepath=str(tmp_path / "tree.glb"), **options) == {"FINISHED"}
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["tree_LOD0.glb", "tree_LOD1.glb"]
+    for level in range(2):
+        assert glb.errors(tmp_path / f"tree_LOD{level}.glb") == []
+    read = glb.Gltf(tmp_path / "tree_LOD1.glb")
+    assert "skins" not in read.json and len(read.json["nodes"]) == 3  # a joint, its root, the cards
+
+
 def test_usd_has_the_tree_of_the_scene_or_says_what_is_missing(tmp_path, leafy):
     rig, bark = import_tree(leafy)
     path = tmp_path / "tree.usda"

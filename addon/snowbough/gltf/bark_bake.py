@@ -8,6 +8,7 @@ around the limb. The nodes are periodic around the limb. Along the limb, the end
 import bpy
 import numpy as np
 
+from ..base import compat
 from ..base.names import BARK_UV
 from .images import pixels_of
 
@@ -36,8 +37,7 @@ def _sheet(circumference):
     mesh.from_pydata([(u * circumference, v * circumference, 0.0) for u, v in places], [], [(0, 1, 2, 3)])
     for name, scale in ((BARK_UV, 1.0), (BAKE_UV, height)):
         layer = mesh.uv_layers.new(name=name)
-        for corner, (u, v) in zip(layer.data, places):
-            corner.uv = (u, v / scale)
+        compat.set_uv(layer, places / (1.0, scale))
         layer.active = True
     return bpy.data.objects.new("snowbough_bark", mesh)
 

@@ -69,7 +69,7 @@ class ExportProperties:
     )
     loop_start: IntProperty(
         name="First Frame",
-        description="First frame of the exported loop, used if Loop Frames is above 0 (frame)",
+        description="First frame of the exported loop, used if Loop Frames is above 0 (frames)",
         default=1,
     )
     loop_frames: IntProperty(
@@ -80,7 +80,7 @@ class ExportProperties:
     )
     loop_keys: IntProperty(
         name="Keys",
-        description="Number of keys of each joint in the loop. More keys follow fast twigs better",
+        description="Number of keys of each joint in the loop. More keys follow fast twigs better (keys)",
         default=32,
         min=4,
         max=1000,

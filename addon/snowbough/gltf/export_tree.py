@@ -83,7 +83,7 @@ def _one_level(tree, level):
     """A copy of the Tree with only one level of detail; the level after the last is that of the cards."""
     name = f"{tree.name}_LOD{level}"
     if level == len(tree.parts[0].levels):
-        return replace(tree, name=name, parts=[], heaps=[], motion=None)
+        return replace(tree, name=name, joints=tree.joints[:1], parts=[], heaps=[], motion=None)
     parts = [replace(part, levels=part.levels[level : level + 1]) for part in tree.parts]
     return replace(tree, name=name, parts=parts, cards=None)
 
@@ -148,7 +148,7 @@ def export(context, obj, path, options, writers=GLTF):
     if options.cards:
         whole.cards = _cards(f"{tree.rig.name}_LOD{count}", parts, heaps, warnings)
     if options.motion:
-        whole.motion = scene_motion.motion_of(scene, tree.rig, options)
+        whole.motion = scene_motion.motion_of(scene, tree.rig, options, warnings)
     files = [*writers[path.suffix.lower()](whole, path, options), *files]
     return {
         "tree": tree.rig.name,

@@ -4,7 +4,7 @@
 import numpy as np
 
 from ..base import compat
-from .tree_data import Motion
+from .tree_data import STILL, Motion
 
 
 def _loop(rig, options):
@@ -21,12 +21,16 @@ def _loop(rig, options):
     return (first, max(keys) - first) if max(keys) > first else None
 
 
-def motion_of(scene, rig, options):
-    """The Motion of the armature, evaluated at options.loop_keys moments of its loop; None if it does not move. The
-    frame of the scene stays."""
+def motion_of(scene, rig, options, warnings):
+    """The Motion of the armature, evaluated at options.loop_keys moments of its loop; None if no bone turns. The frame
+    of the scene stays. warnings: receives the losses."""
     loop = _loop(rig, options)
     if loop is None:
         return None
+    if any(curve.data_path.endswith(("location", "scale")) for curve in compat.curves_of(rig)):
+        warnings.append(
+            f"the action of '{rig.name}' has locations or scales: only rotations of bones were exported"
+        )
     first, length = loop
     keys, before = options.loop_keys, (scene.frame_current, scene.frame_subframe)
     turns = np.empty((keys + 1, len(rig.pose.bones), 4))
@@ -41,4 +45,6 @@ def motion_of(scene, rig, options):
     finally:
         scene.frame_set(before[0], subframe=before[1])
     turns[-1] = turns[0]
+    if np.abs(turns[..., :3]).max() < STILL:
+        return None
     return Motion(places * scene.render.fps_base / scene.render.fps, turns)

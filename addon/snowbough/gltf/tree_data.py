@@ -7,6 +7,8 @@ import numpy as np
 
 # Linear, the same as in the real-time renderer.
 SNOW_COLOR, SNOW_ROUGHNESS = (0.86, 0.88, 0.91), 0.6
+# Sine of half the angle below which a joint does not move.
+STILL = 1e-5
 
 
 @dataclass

@@ -12,7 +12,7 @@ from ..tree.wind_attributes import AXIS, LENGTH, PHASE, PIVOT
 from . import quantise
 from .document import INDICES, VERTICES, Document
 from .surface import point_normals, split
-from .tree_data import SNOW_COLOR, SNOW_ROUGHNESS, Material, local_rests, quaternion, times
+from .tree_data import SNOW_COLOR, SNOW_ROUGHNESS, STILL, Material, local_rests, quaternion, times
 
 GENERATOR = "Snowbough"
 MSFT_LOD, TEXTURE_TRANSFORM = "MSFT_lod", "KHR_texture_transform"
@@ -131,9 +131,7 @@ class _Writer:
         # Neighbouring keys on the same side of the sphere of quaternions: players interpolate along the shorter arc.
         dots = (local[1:] * local[:-1]).sum(axis=-1, keepdims=True)
         local[1:] *= np.cumprod(np.where(dots < 0, -1.0, 1.0), axis=0)
-        moved = np.flatnonzero(np.abs(motion.turns[..., :3]).max(axis=(0, 2)) > 1e-5)
-        if not len(moved):
-            return
+        moved = np.flatnonzero(np.abs(motion.turns[..., :3]).max(axis=(0, 2)) >= STILL)
         clock = self.document.add_accessor(motion.times.astype(np.float32), bounds=True)
         tracks = self.document.add_tracks(quantise.rotations(local[:, moved].transpose(1, 0, 2)))
         samplers = [{"input": clock, "output": track} for track in tracks]
