@@ -40,7 +40,7 @@ class ExportProperties:
         name="Vertices",
         description="Form in which vertices are stored",
         items=(
-            ("FLOAT", "32-Bit Floats", "Largest files, for programs without glTF extensions"),
+            ("FLOAT", "32-Bit Floats", "Largest files, for programs without glTF extensions, such as Blender"),
             (
                 "SMALL",
                 "Small",

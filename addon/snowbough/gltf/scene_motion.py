@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reads the armature's action as a loop of poses, one key at a time, from Blender's own evaluation."""
 
+import bpy
 import numpy as np
 
 from ..base import compat
@@ -22,8 +23,8 @@ def _loop(rig, options):
 
 
 def motion_of(scene, rig, options, warnings):
-    """The Motion of the armature, evaluated at options.loop_keys moments of its loop; None if no bone turns. The frame
-    of the scene stays. warnings: receives the losses."""
+    """The Motion of the armature, evaluated at options.loop_keys moments of its loop; None if no bone turns.
+    warnings: receives the losses."""
     loop = _loop(rig, options)
     if loop is None:
         return None
@@ -32,18 +33,22 @@ def motion_of(scene, rig, options, warnings):
             f"the action of '{rig.name}' has locations or scales: only rotations of bones were exported"
         )
     first, length = loop
-    keys, before = options.loop_keys, (scene.frame_current, scene.frame_subframe)
+    keys = options.loop_keys
     turns = np.empty((keys + 1, len(rig.pose.bones), 4))
     places = np.arange(keys + 1) / keys * length
+    # A scene with nothing but the armature: the meshes of the tree and its snow take seconds per frame.
+    alone = bpy.data.scenes.new("snowbough_motion")
     try:
+        alone.collection.objects.link(rig)
         for number, place in enumerate(places[:-1]):
             frame = first + place
-            scene.frame_set(int(np.floor(frame)), subframe=float(frame - np.floor(frame)))
-            for index, bone in enumerate(rig.pose.bones):
+            alone.frame_set(int(np.floor(frame)), subframe=float(frame - np.floor(frame)))
+            posed = rig.evaluated_get(alone.view_layers[0].depsgraph).pose.bones
+            for index, bone in enumerate(posed):
                 w, x, y, z = bone.matrix_basis.to_quaternion()
                 turns[number, index] = x, y, z, w
     finally:
-        scene.frame_set(before[0], subframe=before[1])
+        bpy.data.scenes.remove(alone)
     turns[-1] = turns[0]
     if np.abs(turns[..., :3]).max() < STILL:
         return None

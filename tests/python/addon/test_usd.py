@@ -218,6 +218,21 @@ def test_leaves_are_where_the_scene_has_them(written):
     assert list(joints) == ["trunk1_001/trunk1_001_1/twig"] * 40
 
 
+def test_leaves_that_are_no_instances_are_skinned(tmp_path, monkeypatch):
+    pxr = pytest.importorskip("pxr", reason="usd-core reads USD (pip install usd-core)")
+    from pxr import Usd, UsdGeom
+
+    monkeypatch.setattr(instances, "MOST_KINDS", 1)
+    tree, other = some_tree(), leaves(10, LEAF * (1, 3, 1), seed=2)
+    tree.parts[1].levels[0] = quads_surface(np.concatenate([leaves(40), other]))
+    stage.write(tree, tmp_path / "t.usda")
+    opened = Usd.Stage.Open(str(tmp_path / "t.usda"))
+    counts = len(UsdGeom.PointInstancer.Get(opened, "/a_tree/leaves").GetPositionsAttr().Get())
+    skinned = np.array(UsdGeom.Mesh.Get(opened, "/a_tree/Skin/leaves").GetPointsAttr().Get())
+    assert (counts, len(skinned)) in ((40, 40), (10, 160))
+    assert complaints(pxr, tmp_path / "t.usda") == []
+
+
 def test_materials_have_their_textures_and_their_place(written):
     pxr, opened, path = written
     mesh = opened.GetPrimAtPath("/a_tree/leaves/Prototypes/Leaf0/Leaf")
