@@ -522,6 +522,16 @@ def test_a_chosen_loop_replaces_that_of_the_keys(tmp_path):
     assert "animations" not in export(tmp_path / "still.glb", levels=1, motion=False).json
 
 
+def test_motion_that_is_not_exported_is_named(tmp_path, addon):
+    rig, bark = import_tree()
+    rig.pose.bones[3].keyframe_insert("location", frame=1)
+    rig.pose.bones[3].keyframe_insert("location", frame=9)
+    options = addon("gltf.export_options").ExportOptions(**PLAIN, levels=1)
+    report = addon("gltf.export_tree").export(bpy.context, bark, tmp_path / "tree.glb", options)
+    assert report["keys"] == 0 and "animations" not in glb.Gltf(tmp_path / "tree.glb").json
+    assert any("only rotations of bones were exported" in text for text in report["warnings"])
+
+
 def test_procedural_bark_is_baked_to_textures_that_repeat(tmp_path):
     import_tree()
     read = export(tmp_path / "tree.glb", levels=1, texture_size=64)

@@ -40,7 +40,11 @@ class ExportProperties:
         name="Vertices",
         description="Form in which vertices are stored",
         items=(
-            ("FLOAT", "32-Bit Floats", "Largest files, for programs without glTF extensions, such as Blender"),
+            (
+                "FLOAT",
+                "32-Bit Floats",
+                "Largest files, for programs without glTF extensions, such as Blender",
+            ),
             (
                 "SMALL",
                 "Small",
