@@ -21,9 +21,8 @@ import sys
 def parser():
     """The parser of all subcommands; its result has the name `command` and the function `run` of the chosen one."""
     from .bake import cli as bake_cli
-    from .gltf import cli as gltf_cli
     from .tree import cli as tree_cli
-    from .ui import surface_cli
+    from .ui import export_cli, surface_cli
 
     top = argparse.ArgumentParser(
         prog="snowbough",
@@ -35,7 +34,7 @@ def parser():
         ("import", tree_cli, "import an OBJ tree and save a .blend"),
         ("bake", bake_cli, "bake the snow of the loaded file"),
         ("surface", surface_cli, "compute the snow surfaces of baked maps again"),
-        ("export", gltf_cli, "write an imported tree for game engines"),
+        ("export", export_cli, "write an imported tree for game engines and other programs"),
     ):
         command = commands.add_parser(name, help=text)
         module.add_arguments(command)

@@ -35,14 +35,13 @@ class Sheet:
         self.said = self.read.json["scenes"][0]["extras"]["snowbough"]
         self.snow = self.said.get("snow", {})
         self.parts = {
-            node["name"].removesuffix("_LOD0"): self.read.lods(node)
+            # Without the cards, which have no skin.
+            node["name"].removesuffix("_LOD0"): [level for level in self.read.lods(node) if "skin" in level]
             for node in self.read.json["nodes"]
             if node.get("name", "").endswith("_LOD0")
         }
         self.bark = next(stem for stem in self.parts if stem.endswith("_bark"))
-        primitives = self.read.primitives(self.parts[self.bark][0])
-        tops = [self.read.json["accessors"][p["attributes"]["POSITION"]]["max"][1] for p in primitives]
-        self.height = max(tops)
+        self.height = max(places[:, 1].max() for places in self.read.skinned(self.parts[self.bark][0]))
         self.view = EngineView(2 * SIZE)
 
     def triangles(self, level):

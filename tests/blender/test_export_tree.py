@@ -16,6 +16,8 @@ import glb  # noqa: E402
 
 MAPLE = ROOT / "tests" / "data" / "small_maple.obj"
 LEAVES = 40
+# Vertices as in the scene, and nothing that takes time.
+PLAIN = {"vertices": "FLOAT", "cards": False, "texture_size": 0, "snow_cell": 0.0}
 
 
 @pytest.fixture
@@ -52,6 +54,7 @@ def import_tree(path=MAPLE, **options):
 
 
 def export(path, **options):
+    options = {**PLAIN, **options}
     assert bpy.ops.export_scene.snowbough_tree(filepath=str(path), **options) == {"FINISHED"}
     assert glb.errors(path) == []
     return glb.Gltf(path)
@@ -96,6 +99,25 @@ def test_every_level_is_closed_and_has_clearly_fewer_triangles(tmp_path):
     assert all(later <= 0.7 * before for before, later in zip(counts, counts[1:]))
 
 
+def test_the_trunk_is_as_wide_in_every_level(tmp_path):
+    import_tree()
+    read = export(tmp_path / "tree.glb", levels=5)
+    directions = np.linspace(0, np.pi, 90, endpoint=False)
+    directions = np.stack([np.cos(directions), np.sin(directions)])
+    widths = []
+    for node in read.lods(read.node("small_maple_bark_LOD0")):
+        places, triangles = read.welded(node)
+        height = 0.1 * places[:, 1].max()  # below all branches
+        corners = places[triangles].astype(float)
+        begin, end = corners, np.roll(corners, -1, axis=1)
+        cut = (begin[..., 1] > height) != (end[..., 1] > height)
+        begin, end = begin[cut], end[cut]
+        share = (height - begin[:, 1]) / (end[:, 1] - begin[:, 1])
+        section = (begin + (end - begin) * share[:, None])[:, (0, 2)]
+        widths.append(np.ptp(section @ directions, axis=0).mean())
+    assert widths == pytest.approx([widths[0]] * len(widths), rel=0.03)
+
+
 def test_one_baked_map_fits_every_level(tmp_path):
     import_tree()
     read = export(tmp_path / "tree.glb", levels=5)
@@ -124,7 +146,7 @@ def test_an_imported_chain_goes_out_as_it_is(tmp_path):
 def test_one_file_a_level(tmp_path):
     import_tree()
     assert bpy.ops.export_scene.snowbough_tree(
-        filepath=str(tmp_path / "tree.gltf"), levels=3, file_per_level=True
+        filepath=str(tmp_path / "tree.gltf"), levels=3, file_per_level=True, **PLAIN
     ) == {"FINISHED"}
     assert sorted(path.name for path in tmp_path.iterdir()) == [
         f"tree_LOD{k}.{suffix}" for k in range(3) for suffix in ("bin", "gltf")
@@ -143,7 +165,7 @@ def test_a_tree_whose_bones_were_moved_says_why_there_is_but_one_level(tmp_path,
     bpy.ops.object.mode_set(mode="EDIT")
     rig.data.edit_bones[3].head.x += 0.1
     bpy.ops.object.mode_set(mode="OBJECT")
-    options = addon("gltf.export_options").ExportOptions()
+    options = addon("gltf.export_options").ExportOptions(**PLAIN)
     report = addon("gltf.export_tree").export(bpy.context, bark, tmp_path / "tree.glb", options)
     assert len(report["levels"]) == 1
     assert any("its rest bones were moved" in text for text in report["warnings"])
@@ -153,7 +175,7 @@ def test_a_tree_whose_bones_were_moved_says_why_there_is_but_one_level(tmp_path,
 def test_a_tree_of_an_older_import_has_the_level_that_is_there(tmp_path, addon):
     rig, bark = import_tree()
     rig.data.snowbough_skeleton = ""
-    options = addon("gltf.export_options").ExportOptions()
+    options = addon("gltf.export_options").ExportOptions(**PLAIN)
     report = addon("gltf.export_tree").export(bpy.context, bark, tmp_path / "tree.glb", options)
     assert len(report["levels"]) == 1
     assert any("stores no skeleton" in text for text in report["warnings"])
@@ -440,16 +462,154 @@ def test_the_surface_of_a_frame_goes_out_as_a_mesh_of_snow(tmp_path, snowy):
 
 def test_a_tree_whose_bake_has_no_surface_says_what_to_do(tmp_path, snowy, addon):
     bark, _folder, _native = snowy
-    options = addon("gltf.export_options").ExportOptions(snow="SURFACE")
+    options = addon("gltf.export_options").ExportOptions(**PLAIN, snow="SURFACE")
     report = addon("gltf.export_tree").export(bpy.context, bark, tmp_path / "tree.glb", options)
     assert report["heaps"] == {} and any("Update Surface" in text for text in report["warnings"])
 
 
 def test_a_tree_without_a_bake_says_so(tmp_path, addon):
     _rig, bark = import_tree()
-    options = addon("gltf.export_options").ExportOptions(snow="FRAME")
+    options = addon("gltf.export_options").ExportOptions(**PLAIN, snow="FRAME")
     report = addon("gltf.export_tree").export(bpy.context, bark, tmp_path / "tree.glb", options)
     assert report["snow"] == {} and any("has no baked snow" in text for text in report["warnings"])
+
+
+# -- small vertices, textures, motion, cards, USD -------------------------------------------------------
+
+
+def test_small_vertices_take_less_than_two_thirds_and_are_where_the_large_are(tmp_path, leafy):
+    import_tree(leafy)
+    large, small = (
+        export(tmp_path / f"{name}.glb", levels=2, vertices=name.upper()) for name in ("float", "small")
+    )
+    assert (tmp_path / "small.glb").stat().st_size < 0.67 * (tmp_path / "float.glb").stat().st_size
+    for name in ("leafy_bark_LOD0", "leafy_bark_LOD1", "leafy_leaves_LOD0"):
+        (found,), (expected,) = small.skinned(small.node(name)), large.skinned(large.node(name))
+        assert np.abs(found - expected).max() < 1e-4
+        _, triangles = small.welded(small.node(name))
+        assert "leaves" in name or glb.is_closed(triangles)
+
+
+def test_joints_sway_in_the_file_as_bones_do_in_blender(tmp_path):
+    rig, bark = import_tree()
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.snowbough.add_sway(loop_frames=48, strength=2.0, seed=5)
+    bpy.context.scene.frame_set(20)
+    read = export(tmp_path / "tree.glb", levels=1, loop_keys=16, vertices="SMALL")
+    assert bpy.context.scene.frame_current == 20
+    (animation,) = read.json["animations"]
+    moments = read.array(animation["samplers"][0]["input"])[:, 0]
+    assert len(moments) == 17 and moments[-1] == pytest.approx(48 / 24)
+    for key in (0, 5, 11):
+        for channel in animation["channels"]:
+            turns = read.values(animation["samplers"][channel["sampler"]]["output"])
+            read.json["nodes"][channel["target"]["node"]]["rotation"] = turns[key].tolist()
+        bpy.context.scene.frame_set(1 + 3 * key)
+        expected = y_up(evaluated_vertices(bark))
+        (found,) = read.skinned(read.node("small_maple_bark_LOD0"))
+        away = np.linalg.norm(expected - y_up(rest_points(bark)), axis=1)
+        nearest = np.linalg.norm(expected[::37, None] - found[None], axis=2).min(axis=1)
+        assert away.max() > 0.02 and nearest.max() < 1e-3
+
+
+def test_a_chosen_loop_replaces_that_of_the_keys(tmp_path):
+    rig, _bark = import_tree()
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.snowbough.add_sway(loop_frames=48)
+    read = export(tmp_path / "tree.glb", levels=1, loop_start=13, loop_frames=24, loop_keys=4)
+    clock = read.array(read.json["animations"][0]["samplers"][0]["input"])[:, 0]
+    assert clock == pytest.approx(np.arange(5) / 4)
+    assert "animations" not in export(tmp_path / "still.glb", levels=1, motion=False).json
+
+
+def test_motion_that_is_not_exported_is_named(tmp_path, addon):
+    rig, bark = import_tree()
+    rig.pose.bones[3].keyframe_insert("location", frame=1)
+    rig.pose.bones[3].keyframe_insert("location", frame=9)
+    options = addon("gltf.export_options").ExportOptions(**PLAIN, levels=1)
+    report = addon("gltf.export_tree").export(bpy.context, bark, tmp_path / "tree.glb", options)
+    assert report["keys"] == 0 and "animations" not in glb.Gltf(tmp_path / "tree.glb").json
+    assert any("only rotations of bones were exported" in text for text in report["warnings"])
+
+
+def test_procedural_bark_is_baked_to_textures_that_repeat(tmp_path):
+    import_tree()
+    read = export(tmp_path / "tree.glb", levels=1, texture_size=64)
+    (material,) = read.json["materials"]
+    for info, mean in (
+        (material["pbrMetallicRoughness"]["baseColorTexture"], None),
+        (material["normalTexture"], (0.5, 0.5, 0.9)),
+    ):
+        data, kind = read.image(info["index"])
+        (tmp_path / "bark.jpg").write_bytes(data)
+        image = bpy.data.images.load(str(tmp_path / "bark.jpg"))
+        pixels = np.array(image.pixels[:]).reshape(64, 64, -1)[..., :3]
+        bpy.data.images.remove(image)
+        assert kind == "image/jpeg" and pixels.std(axis=(0, 1)).max() > 0.02
+        # Rows and columns at the ends differ as neighbours do.
+        for axis in (0, 1):
+            steps = np.abs(np.diff(pixels, axis=axis)).mean()
+            seam = np.abs(pixels.take(0, axis=axis) - pixels.take(-1, axis=axis)).mean()
+            assert seam < 2.0 * steps
+        assert mean is None or pixels.mean(axis=(0, 1)) == pytest.approx(mean, abs=0.1)
+    assert len(bpy.data.scenes) == 1 and not [i for i in bpy.data.images if "snowbough" in i.name]
+
+
+def test_the_last_level_is_cards_with_pictures_of_the_tree(tmp_path, leafy):
+    import_tree(leafy)
+    read = export(tmp_path / "tree.glb", levels=2, cards=True)
+    bark = read.lods(read.node("leafy_bark_LOD0"))
+    assert bark[2]["name"] == "leafy_LOD2"
+    (primitive,) = read.primitives(bark[2])
+    given = read.attributes(primitive)
+    low, high = given["POSITION"].min(axis=0), given["POSITION"].max(axis=0)
+    whole = read.attributes(read.primitives(bark[0])[0])["POSITION"]
+    assert (low[1] <= whole[:, 1].min()) and (high[1] >= whole[:, 1].max()) and len(given["POSITION"]) == 32
+    material = read.json["materials"][primitive["material"]]
+    data, _kind = read.image(material["pbrMetallicRoughness"]["baseColorTexture"]["index"])
+    (tmp_path / "cards.png").write_bytes(data)
+    image = bpy.data.images.load(str(tmp_path / "cards.png"))
+    pixels = np.array(image.pixels[:]).reshape(512, 1024, 4)
+    leaves = []
+    for tile in (t for row in np.split(pixels, 2) for t in np.split(row, 4, axis=1)):
+        seen = tile[tile[..., 3] >= 0.5]
+        assert 0.01 < len(seen) / tile[..., 0].size < 0.5
+        leaf = np.abs(seen[:, :3] - np.array((40, 120, 20)) / 255).max(axis=1) < 0.1
+        leaves.append(leaf.mean())
+    # The leaves are upright and face one direction: pictures from the side do not show them.
+    assert max(leaves) > 0.02 and min(leaves) < 0.002
+
+
+def test_the_cards_have_a_file_of_their_own_if_levels_have(tmp_path):
+    import_tree()
+    options = {**PLAIN, "levels": 1, "cards": True, "file_per_level": True, "vertices": "COMPRESSED"}
+    assert bpy.ops.export_scene.snowbough_tree(filepath=str(tmp_path / "tree.glb"), **options) == {"FINISHED"}
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["tree_LOD0.glb", "tree_LOD1.glb"]
+    for level in range(2):
+        assert glb.errors(tmp_path / f"tree_LOD{level}.glb") == []
+    read = glb.Gltf(tmp_path / "tree_LOD1.glb")
+    assert "skins" not in read.json and len(read.json["nodes"]) == 3  # a joint, its root, the cards
+
+
+def test_usd_has_the_tree_of_the_scene_or_says_what_is_missing(tmp_path, leafy):
+    rig, bark = import_tree(leafy)
+    path = tmp_path / "tree.usda"
+    try:
+        from pxr import Usd, UsdGeom
+    except ImportError:
+        with pytest.raises(RuntimeError, match="pip install --target .* usd-core"):
+            bpy.ops.export_scene.snowbough_tree(filepath=str(path), **PLAIN)
+        assert not path.exists()
+        return
+    assert bpy.ops.export_scene.snowbough_tree(filepath=str(path), **PLAIN) == {"FINISHED"}
+    stage = Usd.Stage.Open(str(path))
+    points = np.array(UsdGeom.Mesh.Get(stage, "/leafy/Skin/leafy_bark").GetPointsAttr().Get())
+    assert rows(points) == rows(rest_points(bark))
+    assert len(stage.GetPrimAtPath("/leafy/Skin/Skeleton").GetAttribute("joints").Get()) == len(
+        rig.data.bones
+    )
+    instancer = UsdGeom.PointInstancer.Get(stage, "/leafy/leafy_leaves")
+    assert len(instancer.GetPositionsAttr().Get()) == LEAVES
 
 
 # -- calls ----------------------------------------------------------------------------------------------
@@ -485,8 +645,8 @@ def test_any_object_of_the_tree_will_do(tmp_path, leafy):
 def test_the_command_line_exports_the_only_tree(tmp_path, addon, capsys):
     import_tree()
     run = addon("cli").run
-    report = tmp_path / "report.json"
-    assert run(["export", str(tmp_path / "tree.glb"), "--levels", "2", "--json", str(report)]) == 0
+    report, fast = tmp_path / "report.json", ["--cards", "--texture-size", "0"]
+    assert run(["export", str(tmp_path / "tree.glb"), *fast, "--levels", "2", "--json", str(report)]) == 0
     assert len(json.loads(report.read_text())["levels"]) == 2
     assert glb.errors(tmp_path / "tree.glb") == []
     assert run(["export", str(tmp_path / "tree.glb"), "--tree", "oak"]) == 1

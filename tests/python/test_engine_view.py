@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import snowbough_native as native
-from snowbough.gltf import snow_maps, surface, tree_file
+from snowbough.gltf import snow_maps, surface, tree_data, tree_file
 
 pytest.importorskip("moderngl", reason="moderngl draws the files (package python3-moderngl)")
 pytest.importorskip("PIL.Image", reason="Pillow reads the images (package python3-pil)")
@@ -26,11 +26,11 @@ def view():
 
 
 def write(tmp_path, one, levels=1, extras=None, joints=None):
-    joints = joints or [tree_file.Joint("root", -1, np.eye(4))]
-    bark = tree_file.Material("bark", color=(0.5, 0.5, 0.5), double_sided=True)
-    part = tree_file.Part("bark", [one], [bark])
+    joints = joints or [tree_data.Joint("root", -1, np.eye(4))]
+    bark = tree_data.Material("bark", color=(0.5, 0.5, 0.5), double_sided=True)
+    part = tree_data.Part("bark", [one], [bark])
     path = tmp_path / "tree.glb"
-    tree_file.build(tree_file.Tree("tree", joints, [part], levels, extras or {})).write_glb(path)
+    tree_file.build(tree_data.Tree("tree", joints, [part], levels, extras or {})).write_glb(path)
     assert glb.errors(path) == []
     read = glb.Gltf(path)
     return read, read.node("bark_LOD0")

@@ -181,7 +181,7 @@ class EngineView:
         self.context.patch_vertices = 3
         self.target.color_mask = (not unseen,) * 4
         for primitive in read.primitives(node):
-            given = read.attributes(primitive)
+            given = {name: read.values(number) for name, number in primitive["attributes"].items()}
             material = read.json["materials"][primitive["material"]]
             if material.get("doubleSided"):
                 self.context.disable(moderngl.CULL_FACE)
@@ -210,11 +210,10 @@ class EngineView:
 
     def draw_edges(self, read, node):
         """The edges of a node's triangles as they are in the file, behind what is drawn already."""
-        for primitive in read.primitives(node):
-            given = read.array(primitive["attributes"]["POSITION"]).astype(np.float32)
+        for primitive, given in zip(read.primitives(node), read.skinned(node)):
             corners = read.array(primitive["indices"]).reshape(-1, 3)
             edges = np.unique(np.sort(corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
-            points = self.context.buffer(np.ascontiguousarray(given[edges]).tobytes())
+            points = self.context.buffer(np.ascontiguousarray(given[edges], np.float32).tobytes())
             self.target.use()
             self.context.vertex_array(self._edges, [(points, "3f", "position")]).render(moderngl.LINES)
 

@@ -8,6 +8,7 @@ import struct
 from pathlib import Path
 from urllib.parse import unquote
 
+import meshopt
 import numpy as np
 
 COMPONENTS = {
@@ -29,6 +30,10 @@ ATTRIBUTES = {
     "JOINTS": ("VEC4", {5121, 5123}, False),
     "WEIGHTS": ("VEC4", {5121, 5123, 5126}, True),
 }
+# KHR_mesh_quantization: further component types of these attributes.
+SMALL = {"POSITION": {5120, 5121, 5122, 5123}, "NORMAL": {5120, 5122}, "TEXCOORD": {5120, 5122}}
+# Largest error of the length of a normal of 8 bits, half a step in each direction.
+SMALL_LENGTH = 3**0.5 * 0.5 / 127
 
 
 class Gltf:
@@ -37,7 +42,7 @@ class Gltf:
     def __init__(self, path):
         path = Path(path)
         data = path.read_bytes()
-        self.folder, self.errors = path.parent, []
+        self.folder, self.errors, self._decoded = path.parent, [], {}
         if data[:4] == b"glTF":
             self._read_glb(data)
         else:
@@ -67,15 +72,40 @@ class Gltf:
         self.say(0 <= size - self.json["buffers"][0]["byteLength"] <= 3, "4.4.3.3: the buffer's length")
         self.binary = data[at + 8 : at + 8 + size]
 
+    def _bytes_of(self, number):
+        """(bytes, offset) of a buffer view, decompressed."""
+        view = self.json["bufferViews"][number]
+        packed = view.get("extensions", {}).get(meshopt.NAME)
+        if packed is None:
+            return self.binary, view.get("byteOffset", 0)
+        if number not in self._decoded:
+            first = packed.get("byteOffset", 0)
+            data = self.binary[first : first + packed["byteLength"]]
+            self._decoded[number] = meshopt.decoded(
+                data, packed["mode"], packed["count"], packed["byteStride"]
+            )
+            self.say(
+                len(self._decoded[number]) == view["byteLength"], f"{meshopt.NAME}: length of view {number}"
+            )
+        return self._decoded[number], 0
+
     def array(self, number):
         """The values of an accessor, (N, width)."""
         accessor = self.json["accessors"][number]
         view = self.json["bufferViews"][accessor["bufferView"]]
+        binary, begin = self._bytes_of(accessor["bufferView"])
         kind, width = np.dtype(COMPONENTS[accessor["componentType"]]), WIDTHS[accessor["type"]]
-        start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+        start = begin + accessor.get("byteOffset", 0)
         stride = view.get("byteStride", kind.itemsize * width)
-        rows = np.ndarray((accessor["count"], width), kind, self.binary, start, (stride, kind.itemsize))
+        rows = np.ndarray((accessor["count"], width), kind, binary, start, (stride, kind.itemsize))
         return rows.copy()
+
+    def values(self, number):
+        """The values of an accessor as floats; normalised integers from -1 or 0 to 1 (3.6.2.2)."""
+        values = self.array(number)
+        if self.json["accessors"][number].get("normalized"):
+            return np.maximum(values / np.iinfo(values.dtype).max, -1.0)
+        return values.astype(float)
 
     def attributes(self, primitive):
         return {name: self.array(number) for name, number in primitive["attributes"].items()}
@@ -130,7 +160,8 @@ class Gltf:
         for primitive in self.primitives(node):
             given = self.attributes(primitive)
             place = np.c_[given["POSITION"], np.ones(len(given["POSITION"]))]
-            blend = np.einsum("vk,vkij->vij", given["WEIGHTS_0"].astype(float), joints[given["JOINTS_0"]])
+            weights = self.values(primitive["attributes"]["WEIGHTS_0"])
+            blend = np.einsum("vk,vkij->vij", weights, joints[given["JOINTS_0"]])
             found.append(np.einsum("vij,vj->vi", blend, place)[:, :3])
         return found
 
@@ -171,7 +202,10 @@ def volume(places, triangles):
 def _check_accessors(gltf):
     for view in gltf.json["bufferViews"]:
         end = view.get("byteOffset", 0) + view["byteLength"]
-        gltf.say(view["byteLength"] > 0 and end <= len(gltf.binary), "3.6.1: a view leaves its buffer")
+        gltf.say(
+            view["byteLength"] > 0 and end <= gltf.json["buffers"][view["buffer"]]["byteLength"],
+            "3.6.1: a view leaves its buffer",
+        )
     for number, accessor in enumerate(gltf.json["accessors"]):
         view = gltf.json["bufferViews"][accessor["bufferView"]]
         kind, width = np.dtype(COMPONENTS[accessor["componentType"]]), WIDTHS[accessor["type"]]
@@ -206,8 +240,13 @@ def _check_attribute(gltf, name, number):
         return
     kinds, components, normalized = ATTRIBUTES[name.split("_")[0]]
     gltf.say(accessor["type"] in kinds, f"3.7.2.1: {name} is {accessor['type']}")
+    small = "KHR_mesh_quantization" in gltf.json.get("extensionsRequired", ())
+    components = components | SMALL.get(name.split("_")[0], set()) if small else components
     gltf.say(accessor["componentType"] in components, f"3.7.2.1: {name}'s components")
-    if normalized and accessor["componentType"] != 5126:
+    if small and name.split("_")[0] in SMALL:
+        must = name == "NORMAL" and accessor["componentType"] != 5126
+        gltf.say(not must or accessor.get("normalized"), f"KHR_mesh_quantization: {name} is not normalised")
+    elif normalized and accessor["componentType"] != 5126:
         gltf.say(accessor.get("normalized") is True, f"3.7.2.1: {name} is not normalised")
     else:
         gltf.say("normalized" not in accessor, f"3.7.2.1: {name} is normalised")
@@ -221,8 +260,10 @@ def _check_primitive(gltf, primitive, joint_count):
     gltf.say(len(counts) == 1, "3.7.2.1: attributes of different length")
     position = gltf.json["accessors"][primitive["attributes"]["POSITION"]]
     gltf.say("min" in position and "max" in position, "3.7.2.1: positions without bounds")
-    lengths = np.linalg.norm(given["NORMAL"].astype(float), axis=1)
-    gltf.say(np.abs(lengths - 1).max() < 1e-4, "3.7.2.1: normals are not of unit length")
+    normal = primitive["attributes"]["NORMAL"]
+    lengths = np.linalg.norm(gltf.values(normal), axis=1)
+    error = 1e-4 if gltf.json["accessors"][normal]["componentType"] == 5126 else SMALL_LENGTH
+    gltf.say(np.abs(lengths - 1).max() < error, "3.7.2.1: normals are not of unit length")
     for stem in ("TEXCOORD", "COLOR", "JOINTS", "WEIGHTS"):
         there = sorted(int(name.split("_")[1]) for name in given if name.startswith(stem + "_"))
         gltf.say(there == list(range(len(there))), f"3.7.2.1: {stem} is not numbered from 0 on")
@@ -235,16 +276,17 @@ def _check_primitive(gltf, primitive, joint_count):
     restart = np.iinfo(indices.dtype).max
     gltf.say(indices.max() < min(counts) and indices.max() < restart, "3.7.2.1: an index leaves the vertices")
     gltf.say(len(indices) % 3 == 0, "3.7.2.2: indices are not whole triangles")
-    _check_skinning(gltf, given, joint_count)
+    _check_skinning(gltf, primitive, joint_count)
     _check_texcoords(gltf, primitive, given)
 
 
-def _check_skinning(gltf, given, joint_count):
+def _check_skinning(gltf, primitive, joint_count):
     """3.7.3.3"""
+    given = gltf.attributes(primitive)
     gltf.say(("JOINTS_0" in given) == (joint_count > 0), "3.7.3.3: joints without a skin, or a skin without")
     if not joint_count:
         return
-    joints, weights = given["JOINTS_0"], given["WEIGHTS_0"].astype(float)
+    joints, weights = given["JOINTS_0"], gltf.values(primitive["attributes"]["WEIGHTS_0"])
     gltf.say(joints.max() < joint_count, "3.7.3.3: a joint that the skin has not")
     gltf.say(weights.min() >= 0, "3.7.3.3: a weight below 0")
     gltf.say(np.abs(weights.sum(axis=1) - 1).max() < 2e-7 * 4, "3.7.3.3: weights do not sum to 1")
@@ -295,10 +337,27 @@ def _check_nodes(gltf):
             gltf.say(coverage == sorted(coverage, reverse=True), "MSFT_lod: coverages do not fall")
 
 
+def _check_animations(gltf):
+    """3.11"""
+    for animation in gltf.json.get("animations", ()):
+        targets = [
+            (channel["target"]["node"], channel["target"]["path"]) for channel in animation["channels"]
+        ]
+        gltf.say(len(targets) == len(set(targets)), "3.11: two channels move one node")
+        for sampler in animation["samplers"]:
+            clock = gltf.json["accessors"][sampler["input"]]
+            gltf.say("min" in clock and "max" in clock, "3.11: times without bounds")
+            moments, turns = gltf.array(sampler["input"])[:, 0], gltf.values(sampler["output"])
+            gltf.say((np.diff(moments) > 0).all() and moments[0] >= 0, "3.11: times do not rise")
+            gltf.say(len(moments) == len(turns), "3.11: as many keys as times")
+            away = np.abs(np.linalg.norm(turns, axis=1) - 1).max()
+            gltf.say(away < 1e-4, "3.11: rotations are not of unit length")
+
+
 def _check_skins(gltf):
     """3.7.3.1"""
     nodes = gltf.json["nodes"]
-    for skin in gltf.json["skins"]:
+    for skin in gltf.json.get("skins", ()):
         accessor = gltf.json["accessors"][skin["inverseBindMatrices"]]
         gltf.say(
             accessor["type"] == "MAT4" and accessor["componentType"] == 5126, "3.7.3.1: bind matrices' type"
@@ -322,6 +381,7 @@ def errors(path):
     _check_accessors(gltf)
     _check_nodes(gltf)
     _check_skins(gltf)
+    _check_animations(gltf)
     for node in gltf.json["nodes"]:
         if "mesh" in node:
             joint_count = len(gltf.json["skins"][node["skin"]]["joints"]) if "skin" in node else 0

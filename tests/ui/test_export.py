@@ -14,7 +14,8 @@ result = True
 
 CHOOSE = """
 window, area = browser()
-area.spaces.active.active_operator.levels = 2
+options = area.spaces.active.active_operator
+options.levels, options.cards, options.texture_size = 2, False, 0
 params = area.spaces.active.params
 params.directory, params.filename = {folder!r}.encode(), "maple.gltf"
 region = next(region for region in area.regions if region.type == "WINDOW")

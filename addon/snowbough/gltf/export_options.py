@@ -31,6 +31,64 @@ class ExportProperties:
         min=0.01,
         max=1.0,
     )
+    cards: BoolProperty(
+        name="Cards",
+        description="Add a last level of detail: eight pictures of the tree, with its snow surface, on crossed cards",
+        default=True,
+    )
+    vertices: EnumProperty(
+        name="Vertices",
+        description="Form in which vertices are stored",
+        items=(
+            (
+                "FLOAT",
+                "32-Bit Floats",
+                "Largest files, for programs without glTF extensions, such as Blender",
+            ),
+            (
+                "SMALL",
+                "Small",
+                "Positions with 16 bits, normals and weights with 8 bits (KHR_mesh_quantization)",
+            ),
+            (
+                "COMPRESSED",
+                "Compressed",
+                "Small vertices, which the program must decompress (EXT_meshopt_compression): smallest files",
+            ),
+        ),
+        default="SMALL",
+    )
+    texture_size: IntProperty(
+        name="Texture Size",
+        description="Maximum side of textures (texels). Larger images are reduced, and procedural bark is baked to a "
+        "texture of this size. 0 keeps images as they are and exports procedural bark as one colour",
+        default=1024,
+        min=0,
+        max=8192,
+    )
+    motion: BoolProperty(
+        name="Animation",
+        description="Export the armature's action, such as the sway, as a looping animation of the joints",
+        default=True,
+    )
+    loop_start: IntProperty(
+        name="First Frame",
+        description="First frame of the exported loop, used if Loop Frames is above 0 (frames)",
+        default=1,
+    )
+    loop_frames: IntProperty(
+        name="Loop Frames",
+        description="Length of the exported loop (frames). 0 takes the range of the action's keys",
+        default=0,
+        min=0,
+    )
+    loop_keys: IntProperty(
+        name="Keys",
+        description="Number of keys of each joint in the loop. More keys follow fast twigs better (keys)",
+        default=32,
+        min=4,
+        max=1000,
+    )
     snow: EnumProperty(
         name="Snow",
         description="Form in which the baked snow is exported with the tree",
@@ -49,6 +107,15 @@ class ExportProperties:
             ("ATLAS", "Atlas", "Maps of several frames side by side in one image"),
         ),
         default="NONE",
+    )
+    snow_cell: FloatProperty(
+        name="Snow Cell",
+        description="The points of the snow surface within a cube of this side become one point (metres). Larger "
+        "values give fewer triangles and lose thin snow. 0 keeps all triangles",
+        default=0.02,
+        min=0.0,
+        max=1.0,
+        precision=3,
     )
     snow_format: EnumProperty(
         name="Heights",

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The steps that export an imported tree of the scene for a game engine: find the tree, read its bones and meshes, add
-levels of detail, write the baked snow, write the tree.
+"""The steps that export an imported tree of the scene: find the tree, read its bones, meshes and motion, add levels of
+detail, write the baked snow, write the tree in the format of the file's suffix.
 """
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,18 +12,26 @@ import numpy as np
 from ..base.names import counted
 from ..tree.import_options import BY_DETAIL
 from ..tree.import_tree import LOD_PROPERTY
-from . import levels, scene_materials, scene_snow, scene_tree, tree_file
+from . import (
+    images,
+    impostor,
+    levels,
+    scene_materials,
+    scene_motion,
+    scene_snow,
+    scene_tree,
+    tree_data,
+    tree_file,
+)
 from .surface import transformed
 from .thinning import thinned_leaves
 
-SUFFIXES = (".glb", ".gltf")
 
-
-def checked_path(path):
+def checked_path(path, suffixes):
     """The Path of the tree's file. Raises ValueError for a wrong suffix or a missing folder."""
     path = Path(path)
-    if path.suffix.lower() not in SUFFIXES:
-        raise ValueError(f"{path.name} must end in {' or '.join(SUFFIXES)}")
+    if path.suffix.lower() not in suffixes:
+        raise ValueError(f"{path.name} must end in {' or '.join(suffixes)}")
     if not path.parent.is_dir():
         raise ValueError(f"there is no folder {path.parent} to write {path.name} into")
     return path
@@ -36,60 +45,88 @@ def _stems(points, joints, rig):
     return head + np.clip(t, 0.0, 1.0)[:, None] * along
 
 
-def _bark_part(tree, options, linear, warnings):
+def _bark_part(tree, options, linear, maker):
     found = [scene_tree.surface_of(bark, tree.rig, scene_tree.BARK_MAPS) for bark in tree.barks]
     lods = [int(bark.get(LOD_PROPERTY, BY_DETAIL)) for bark in tree.barks]
-    found = levels.complete(found, lods, options.levels, tree.rig, warnings)
-    materials = scene_materials.of_object(tree.barks[0], scene_tree.BARK_MAPS, False, warnings)
+    found = levels.complete(found, lods, options.levels, tree.rig, maker.warnings)
+    materials = maker.of_object(tree.barks[0], scene_tree.BARK_MAPS, False)
     name = re.sub(r"_LOD\d+$", "", tree.barks[0].name)
-    return tree_file.Part(name, [transformed(surface, linear) for surface in found], materials)
+    return tree_data.Part(name, [transformed(surface, linear) for surface in found], materials)
 
 
-def _leaf_part(leaves, tree, count, options, linear, warnings):
+def _leaf_part(leaves, tree, count, options, linear, maker):
     surface = scene_tree.surface_of(leaves, tree.rig, scene_tree.LEAF_MAPS)
     stems = _stems(surface.points, surface.joints[:, 0], tree.rig)
     found = [thinned_leaves(surface, options.leaf_share**level, stems) for level in range(count)]
-    materials = scene_materials.of_object(leaves, scene_tree.LEAF_MAPS, True, warnings)
-    return tree_file.Part(leaves.name, [transformed(one, linear) for one in found], materials)
+    materials = maker.of_object(leaves, scene_tree.LEAF_MAPS, True)
+    return tree_data.Part(leaves.name, [transformed(one, linear) for one in found], materials)
+
+
+def _cards(name, parts, heaps, warnings):
+    """The Cards of the finest level; None, with a warning, where the renderer does not work."""
+
+    def pixels_of(material):
+        return None if material.base is None else images.decoded(material.base.data)
+
+    try:
+        drawn = [(part.levels[0], part.materials, list(map(pixels_of, part.materials))) for part in parts]
+        cards, pixels = impostor.draw(name, drawn, heaps, scene_materials.srgb)
+    except RuntimeError as error:
+        warnings.append(f"the cards of the last level were not drawn: {error}")
+        return None
+    texture = tree_data.Texture(name, *images.encoded(pixels))
+    cards.material = tree_data.Material(name, base=texture, cutoff=scene_materials.CUTOFF)
+    return cards
 
 
 def _one_level(tree, level):
-    """A copy of the Tree with only one level of detail."""
-    parts = [tree_file.Part(p.name, p.levels[level : level + 1], p.materials) for p in tree.parts]
+    """A copy of the Tree with only one level of detail; the level after the last is that of the cards."""
     name = f"{tree.name}_LOD{level}"
-    return tree_file.Tree(name, tree.joints, parts, tree.branch_levels, tree.extras, tree.heaps)
+    if level == len(tree.parts[0].levels):
+        return replace(tree, name=name, joints=tree.joints[:1], parts=[], heaps=[], motion=None)
+    parts = [replace(part, levels=part.levels[level : level + 1]) for part in tree.parts]
+    return replace(tree, name=name, parts=parts, cards=None)
 
 
-def _write(document, path):
-    return document.write_glb(path) if path.suffix.lower() == ".glb" else document.write_separate(path)
-
-
-def _write_tree(tree, path, options):
+def _write_gltf(tree, path, options):
     """Writes one file, or one file per level. Returns all paths."""
+
+    def write(tree, path, first=0):
+        form = options.vertices
+        document = tree_file.build(tree, first, form != "FLOAT", form == "COMPRESSED")
+        return document.write_glb(path) if path.suffix.lower() == ".glb" else document.write_separate(path)
+
     if not options.file_per_level:
-        return _write(tree_file.build(tree), path)
+        return write(tree, path)
     written = []
-    for level in range(len(tree.parts[0].levels)):
+    for level in range(len(tree.parts[0].levels) + (tree.cards is not None)):
         file = path.with_name(f"{path.stem}_LOD{level}{path.suffix}")
-        written += _write(tree_file.build(_one_level(tree, level), level), file)
+        written += write(_one_level(tree, level), file, level)
     return written
 
 
-def export(context, obj, path, options):
-    """Writes the tree that `obj` is part of to `path` (.glb or .gltf), and additional files beside it.
+# {suffix: writer}. A writer takes (Tree, path, options) and returns all paths that it has written.
+GLTF = {".glb": _write_gltf, ".gltf": _write_gltf}
+
+
+def export(context, obj, path, options, writers=GLTF):
+    """Writes the tree that `obj` is part of to `path`, and additional files beside it. writers: see GLTF.
 
     Returns the report: ``tree``, ``files`` (all written files), ``levels`` (triangles of each part, the finest level
-    first), ``heaps`` (triangles of each snow surface), ``bones``, ``snow`` (see scene_snow.write) and ``warnings``.
+    first), ``heaps`` (triangles of each snow surface), ``bones``, ``keys`` (poses of the animation), ``snow`` (see
+    scene_snow.write) and ``warnings``.
     Raises ValueError if `obj` is not part of a tree, RuntimeError if a file cannot be written.
     """
-    path = checked_path(path)
+    path = checked_path(path, writers)
     tree = scene_tree.find(obj)
     scene, warnings = context.scene, []
     linear = scene_tree.linear_part(tree.rig, scene.unit_settings.scale_length)
     joints = scene_tree.joints_of(tree.rig, linear)
-    bark = _bark_part(tree, options, linear, warnings)
+    circumference = 2 * np.pi * max(joint.radius for joint in joints)
+    maker = scene_materials.Maker(context, circumference, options.texture_size, warnings)
+    bark = _bark_part(tree, options, linear, maker)
     count = len(bark.levels)
-    parts = [bark, *(_leaf_part(leaves, tree, count, options, linear, warnings) for leaves in tree.leaves)]
+    parts = [bark, *(_leaf_part(leaves, tree, count, options, linear, maker) for leaves in tree.leaves)]
 
     snow, files, heaps = {}, [], []
     objects = {bark.name: tree.barks[0], **{leaves.name: leaves for leaves in tree.leaves}}
@@ -98,14 +135,21 @@ def export(context, obj, path, options):
         to_file[:3, :3] = linear
         to_rig = tree.rig.matrix_world.inverted()
         heaps = scene_snow.surfaces(
-            scene, objects, lambda obj: to_file @ np.array(to_rig @ obj.matrix_world), warnings
+            scene,
+            objects,
+            lambda obj: to_file @ np.array(to_rig @ obj.matrix_world),
+            options.snow_cell,
+            warnings,
         )
     elif options.snow != "NONE":
         snow, files = scene_snow.write(scene, objects, path, options, warnings)
     branch_levels = 1 + max(int(surface.level.max()) for surface in bark.levels)
-    extras = {"snow": snow} if snow else {}
-    whole = tree_file.Tree(tree.rig.name, joints, parts, branch_levels, extras, heaps)
-    files = [*_write_tree(whole, path, options), *files]
+    whole = tree_data.Tree(tree.rig.name, joints, parts, branch_levels, {"snow": snow} if snow else {}, heaps)
+    if options.cards:
+        whole.cards = _cards(f"{tree.rig.name}_LOD{count}", parts, heaps, warnings)
+    if options.motion:
+        whole.motion = scene_motion.motion_of(scene, tree.rig, options, warnings)
+    files = [*writers[path.suffix.lower()](whole, path, options), *files]
     return {
         "tree": tree.rig.name,
         "files": [str(file) for file in files],
@@ -114,6 +158,7 @@ def export(context, obj, path, options):
         ],
         "heaps": {heap.name: len(heap.triangles) for heap in heaps},
         "bones": len(joints),
+        "keys": 0 if whole.motion is None else len(whole.motion.times),
         "snow": snow,
         "warnings": list(dict.fromkeys(warnings)),
     }

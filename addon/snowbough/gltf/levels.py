@@ -21,10 +21,24 @@ DETAILS = ("FILM", "DEFAULT", "GAME", "DRAFT")
 WORTHWHILE = 0.7
 # Target share of the triangles of the level before, for levels with fewer branches.
 FEWER_BRANCHES = 0.5
+BASE = {"lod": 0}
 # Maximum distance of rest bones from those of the stored skeleton, as a share of the tree's height.
 TOLERANCE = 1e-4
+# The four-sided base has the volume of the limb, so its silhouette is wider by 2 / sqrt(pi) in the mean over all
+# directions. A square side of pi / 2 radii has the limb's mean width (Cauchy: perimeter / pi).
+NARROWER = np.sqrt(np.pi) / 2
 # Values of the native face_part that are at least this large mean caps.
 FIRST_CAP = 2
+
+
+def _with_mean_width(base):
+    """(V, 3): the points of the four-sided base, moved towards the bones so that the limbs keep their mean width."""
+    points, bone = np.asarray(base.vertices, np.float64), np.asarray(base.bone_indices)[:, 0]
+    head, tail = (np.asarray(ends, np.float64)[bone] for ends in (base.bone_heads, base.bone_tails))
+    along = tail - head
+    share = ((points - head) * along).sum(axis=1) / np.maximum((along * along).sum(axis=1), 1e-30)
+    axis = head + np.clip(share, 0.0, 1.0)[:, None] * along
+    return axis + NARROWER * (points - axis)
 
 
 class _Builder:
@@ -32,9 +46,9 @@ class _Builder:
 
     def __init__(self, skeleton, built, rig):
         self._module, self._skeleton, self._built = native.load(), skeleton, built
-        self._meshes = {}
+        self._meshes, self._points = {}, {}
         self._number = {bone.name: index for index, bone in enumerate(rig.data.bones)}
-        self._check(self.mesh({"lod": 0}), rig)
+        self._check(self.mesh(BASE), rig)
 
     def mesh(self, fineness):
         """The mesh for these arguments (`lod` or `detail`), built once."""
@@ -52,7 +66,15 @@ class _Builder:
             snow_resolution=built["snow_resolution"],
             **fineness,
         )
+        self._points[tuple(fineness.items())] = (
+            _with_mean_width(whole) if fineness == BASE else whole.vertices
+        )
         return self._module.reduce_bones(whole, built["max_bones"], built["max_bone_level"])
+
+    def points(self, fineness):
+        """The points of mesh(fineness); the base's limbs have the mean width of round ones."""
+        self.mesh(fineness)
+        return self._points[tuple(fineness.items())]
 
     def joints(self, mesh):
         """(joints, weights) with the armature's bone indices."""
@@ -108,17 +130,17 @@ def _is_cap(mesh):
     return np.asarray(mesh.face_part) >= FIRST_CAP
 
 
-def _as_surface(branches, mesh, quads, corner_uvs, faces, joints, finest):
+def _as_surface(branches, mesh, points, quads, corner_uvs, faces, joints, finest):
     """A native mesh of the branches, or a part of it, as a Surface with the materials and the number of UV maps of the
     `finest` level, and with wind attributes if that level has them.
 
-    faces: the index of each quad in the mesh.
+    points: of the mesh; faces: the index of each quad in the mesh.
     """
     if len(finest.corner_uvs) > 2:
         corner_uvs = [*corner_uvs, corner_uvs[0] * _stretch(finest)]
     by_joint = _material_of_joints(finest, int(max(joints[0].max(), finest.joints.max())) + 1)
     level = point_levels(quads, np.asarray(mesh.branch_level)[faces], len(mesh.vertices))
-    made = from_quads(mesh.vertices, quads, corner_uvs, *joints, by_joint[joints[0][quads[:, 0], 0]], level)
+    made = from_quads(points, quads, corner_uvs, *joints, by_joint[joints[0][quads[:, 0], 0]], level)
     wind = wind_attributes.of_bark(branches, mesh) if finest.wind is not None else None
     return replace(made, smooth=np.repeat(~_is_cap(mesh)[faces], 2), wind=wind)
 
@@ -139,6 +161,7 @@ def _rebuilt(builder, branches, fineness, finest):
         yield _as_surface(
             branches,
             mesh,
+            builder.points(settings),
             np.asarray(mesh.quads),
             [np.asarray(mesh.uv_bark), np.asarray(mesh.uv_snow)],
             np.arange(len(mesh.quads)),
@@ -150,7 +173,7 @@ def _rebuilt(builder, branches, fineness, finest):
 def _bared(builder, branches, finest, triangles):
     """Yields Surfaces with fewer and fewer branches, the first with half of `triangles`, the last with only the
     roots."""
-    mesh = builder.mesh({"lod": 0})
+    mesh = builder.mesh(BASE)
     quads = np.asarray(mesh.quads)
     face_branch = np.asarray(mesh.face_branch)
     faces = np.bincount(face_branch, minlength=len(branches))
@@ -160,7 +183,7 @@ def _bared(builder, branches, finest, triangles):
         triangles = int(triangles * FEWER_BRANCHES)
         kept = kept_branches(branches, faces, triangles // 2)
         left = without_branches(quads, uvs, face_branch, branches, kept)
-        yield _as_surface(branches, mesh, *left, joints, finest)
+        yield _as_surface(branches, mesh, builder.points(BASE), *left, joints, finest)
         if kept.sum() == sum(branch.parent < 0 for branch in branches):
             return
 

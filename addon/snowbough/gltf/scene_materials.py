@@ -8,19 +8,12 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..base import native
 from ..scene import material_alpha
-from . import texels
-from .tree_file import Material, Texture
+from . import bark_bake, texels
+from .images import encoded, kind_of, pixels_of
+from .tree_data import Material, Texture
 
 CUTOFF = 0.5
-# First bytes of the image files that glTF allows.
-SIGNATURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
-
-
-def _kind_of(data):
-    """The MIME type of an image file; None for types that glTF does not allow."""
-    return next((kind for start, kind in SIGNATURES.items() if data.startswith(start)), None)
 
 
 def _node_behind(socket):
@@ -33,22 +26,7 @@ def _node_behind(socket):
     return None
 
 
-def _pixels(image):
-    """float32 (H, W, 4) of an image, without colour conversion; None if the image is missing."""
-    width, height = image.size
-    if not width or not height:
-        return None
-    flat = np.empty(width * height * image.channels, dtype=np.float32)
-    image.pixels.foreach_get(flat)
-    given = flat.reshape(height, width, image.channels)
-    whole = np.ones((height, width, 4), dtype=np.float32)
-    whole[..., :3] = given[..., :3] if image.channels >= 3 else given[..., :1]
-    if image.channels == 4:
-        whole[..., 3] = given[..., 3]
-    return whole
-
-
-def _srgb(linear):
+def srgb(linear):
     """Encodes linear colours as sRGB."""
     linear = np.clip(np.asarray(linear, dtype=np.float32), 0.0, 1.0)
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
@@ -56,10 +34,10 @@ def _srgb(linear):
 
 def _colors(image):
     """float32 (H, W, 3) of a colour image in sRGB; None if the image is missing. Float images are linear."""
-    pixels = _pixels(image) if image is not None else None
+    pixels = pixels_of(image) if image is not None else None
     if pixels is None:
         return None
-    return _srgb(pixels[..., :3]) if image.is_float else pixels[..., :3]
+    return srgb(pixels[..., :3]) if image.is_float else pixels[..., :3]
 
 
 def _file_of(image):
@@ -73,10 +51,11 @@ def _file_of(image):
 
 
 class _Maker:
-    """Makes one material. uv_maps: names in the order of TEXCOORD_0, _1 and so on; warnings: receives the losses."""
+    """Makes one material. See Maker; uv_maps: names in the order of TEXCOORD_0, _1 and so on."""
 
-    def __init__(self, material, uv_maps, warnings):
-        self._material, self._uv_maps, self._warnings = material, uv_maps, warnings
+    def __init__(self, shared, material, uv_maps):
+        self._shared, self._material, self._uv_maps = shared, material, uv_maps
+        self._warnings, self._size = shared.warnings, shared.size
 
     def _warn(self, text):
         self._warnings.append(f"material '{self._material.name}': {text}")
@@ -96,18 +75,17 @@ class _Maker:
         return texture
 
     def _texture(self, node):
-        """The Texture of an image texture node; None if the image is missing. A file that glTF allows stays
-        unchanged."""
+        """The Texture of an image texture node; None if the image is missing. A file that glTF allows, and that is not
+        too large, stays unchanged."""
         image = node.image
         data = _file_of(image) if image is not None else None
-        kind = _kind_of(data) if data else None
-        if kind is None:
+        kind = kind_of(data) if data else None
+        if kind is None or (self._size and max(image.size) > self._size):
             rgb = _colors(image)
             if rgb is None:
                 self._warn(f"the image '{image.name if image else 'of a texture node'}' is missing")
                 return None
-            rgb = np.rint(np.clip(rgb, 0.0, 1.0) * 255.0).astype(np.uint8)
-            data, kind = native.load().encode_png(rgb), "image/png"
+            data, kind = encoded(texels.limited(rgb, self._size))
         return self._placed(Texture(Path(image.name).stem, data, kind), *self._coordinates(node))
 
     def _coordinates(self, node):
@@ -130,7 +108,7 @@ class _Maker:
         rgb = _colors(node.image) if node is not None else None
         place = (opacity.uv_map, opacity.transform)
         if rgb is None:
-            rgb = np.broadcast_to(_srgb(color), (1, 1, 3))
+            rgb = np.broadcast_to(srgb(color), (1, 1, 3))
         elif self._coordinates(node) != place:
             place = self._coordinates(node)
             self._warn(
@@ -138,8 +116,9 @@ class _Maker:
                 "the mask was exported with the UVs of the colour"
             )
         name = Path(node.image.name if node is not None and node.image is not None else opacity.name).stem
-        data = native.load().encode_png(texels.masked(rgb, alpha))
-        return self._placed(Texture(name, data, "image/png"), *place)
+        rgb, alpha = texels.limited(rgb, self._size), texels.limited(alpha[..., None], self._size)[..., 0]
+        data, kind = encoded(texels.masked(rgb, alpha).astype(np.float32) / 255.0)
+        return self._placed(Texture(name, data, kind), *place)
 
     def _normal(self, surface):
         node = _node_behind(surface.inputs["Normal"])
@@ -150,6 +129,18 @@ class _Maker:
             node = _node_behind(node.inputs["Normal"])
         image = _node_behind(node.inputs["Color"]) if node is not None and node.type == "NORMAL_MAP" else None
         return self._texture(image) if image is not None and image.type == "TEX_IMAGE" else None
+
+    def _baked(self):
+        """(colour, normals) of procedural bark as Textures; None if it cannot be baked."""
+        try:
+            baked = self._shared.bake(self._material)
+        except RuntimeError as error:
+            self._warn(
+                f"its procedural bark was exported as one colour, because it could not be baked: {error}"
+            )
+            return None
+        names = (self._material.name, f"{self._material.name}_normal")
+        return tuple(Texture(name, *encoded(pixels)) for name, pixels in zip(names, baked))
 
     def make(self):
         name = self._material.name
@@ -166,7 +157,12 @@ class _Maker:
         if node is not None and node.type == "VALTORGB":
             # Procedural bark: the mean colour of its ramp.
             color = tuple(np.mean([node.color_ramp.evaluate(t / 15)[:3] for t in range(16)], axis=0).tolist())
-            self._warn("its procedural bark was exported as one colour: bake its colour to a texture")
+            baked = self._baked() if self._size else None
+            if baked is not None:
+                made.base, made.normal = baked
+                return made
+            if not self._size:
+                self._warn("its procedural bark was exported as one colour: set a Texture Size to bake it")
         opacity = self._opacity()
         if opacity is not None:
             made.base, made.cutoff = self._masked(opacity, image, color), CUTOFF
@@ -177,15 +173,27 @@ class _Maker:
         return made
 
 
-def of_object(obj, uv_maps, double_sided, warnings):
-    """[Material] of an object's slots, in their order; one grey material if there are no slots. See _Maker."""
-    made = []
-    for slot in obj.material_slots:
-        if slot.material is None:
-            made.append(Material("none", color=(0.5, 0.5, 0.5)))
-        else:
-            made.append(_Maker(slot.material, uv_maps, warnings).make())
-    made = made or [Material(obj.name, color=(0.5, 0.5, 0.5))]
-    for material in made:
-        material.double_sided = double_sided
-    return made
+class Maker:
+    """Makes the materials of one tree. circumference: of the trunk, in metres; size: maximum side of textures in
+    texels, 0 for textures as they are and no baked bark; warnings: receives the losses."""
+
+    def __init__(self, context, circumference, size, warnings):
+        self._context, self._circumference = context, circumference
+        self.size, self.warnings = size, warnings
+
+    def bake(self, material):
+        return bark_bake.bake(self._context, material, self._circumference, self.size)
+
+    def of_object(self, obj, uv_maps, double_sided):
+        """[Material] of an object's slots, in their order; one grey material if there are no slots. uv_maps: names in
+        the order of TEXCOORD_0, _1 and so on."""
+        made = []
+        for slot in obj.material_slots:
+            if slot.material is None:
+                made.append(Material("none", color=(0.5, 0.5, 0.5)))
+            else:
+                made.append(_Maker(self, slot.material, uv_maps).make())
+        made = made or [Material(obj.name, color=(0.5, 0.5, 0.5))]
+        for material in made:
+            material.double_sided = double_sided
+        return made

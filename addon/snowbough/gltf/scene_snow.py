@@ -18,7 +18,8 @@ from ..surface.compute import read_summary
 from ..surface.mesh_file import read_mesh
 from ..surface.point_cache import read_point_cache
 from . import snow_maps
-from .tree_file import Heap
+from .thinning import clustered
+from .tree_data import Heap
 
 # Number of the TEXCOORD set of the maps.
 TEXCOORD = 1
@@ -34,9 +35,10 @@ def _baked_folder(scene, obj, warnings):
     return folder
 
 
-def surfaces(scene, objects, to_file, warnings):
+def surfaces(scene, objects, to_file, cell, warnings):
     """[Heap] of the baked surfaces of `objects` ({part's name: object}) in the current frame, or in the nearest baked
-    frame. to_file(object) -> (4, 4) from object space to the file's space in metres, Z up."""
+    frame. to_file(object) -> (4, 4) from object space to the file's space in metres, Z up; cell: see
+    thinning.clustered."""
     heaps = []
     for name, obj in objects.items():
         folder = _baked_folder(scene, obj, warnings)
@@ -56,7 +58,9 @@ def surfaces(scene, objects, to_file, warnings):
         if np.linalg.det(matrix[:3, :3]) < 0:
             triangles = triangles[:, ::-1]
         points = (points @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
-        heaps.append(Heap(f"{name}_snow", points, triangles))
+        points, triangles = clustered(points, triangles, cell)
+        if len(triangles):
+            heaps.append(Heap(f"{name}_snow", points, triangles))
     return heaps
 
 

@@ -15,7 +15,7 @@ from ..tree.import_tree import LOD_PROPERTY
 from ..tree.objects import LEVEL_ATTRIBUTE, point_levels
 from ..tree.wind_attributes import AXIS, LENGTH, PHASE, PIVOT
 from .surface import Surface, strongest
-from .tree_file import Joint
+from .tree_data import Joint
 
 # UV maps in the order of TEXCOORD_0, _1 and so on. ORIGINAL_UV exists only if the imported file had texture
 # coordinates.
@@ -70,6 +70,7 @@ def joints_of(rig, linear):
     positions of the joints, but not their axes."""
     u, _, v = np.linalg.svd(linear)
     turn = u @ np.diag((1.0, 1.0, np.linalg.det(u @ v))) @ v
+    size = abs(np.linalg.det(linear)) ** (1 / 3)
     joints, number = [], {}
     for bone in rig.data.bones:
         matrix = np.array(bone.matrix_local, dtype=np.float64)
@@ -77,7 +78,9 @@ def joints_of(rig, linear):
         rest[:3, :3] = turn @ matrix[:3, :3]
         rest[:3, 3] = linear @ matrix[:3, 3]
         number[bone.name] = len(joints)
-        joints.append(Joint(bone.name, number[bone.parent.name] if bone.parent else -1, rest))
+        parent = number[bone.parent.name] if bone.parent else -1
+        lengths = (float(bone.length * size), float(bone.head_radius * size))
+        joints.append(Joint(bone.name, parent, rest, *lengths, bool(bone.use_connect)))
     return joints
 
 

@@ -113,6 +113,15 @@ def corner_normals(surface):
     return normals.astype(np.float32)
 
 
+def point_normals(points, triangles):
+    """(V, 3): normals of a smooth mesh, weighted by the areas of its triangles."""
+    a, b, c = (points[triangles[:, k]].astype(np.float64) for k in range(3))
+    normals = np.zeros(points.shape)
+    for k in range(3):
+        np.add.at(normals, triangles[:, k], np.cross(b - a, c - a))
+    return unit(normals)
+
+
 @dataclass
 class Vertices:
     """The vertices of a glTF primitive, each with one normal and one UV per map. Row k comes from point `point[k]`."""

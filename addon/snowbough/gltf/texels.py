@@ -18,6 +18,25 @@ def resized(image, height, width):
     return image[:, low] * (1 - share)[:, None] + image[:, high] * share[:, None]
 
 
+def limited(image, size):
+    """image (H, W, channels) reduced to a maximum side of `size`, by means of whole blocks and then bilinearly.
+    Unchanged if it is smaller or size is 0."""
+    most = max(image.shape[:2])
+    if not size or most <= size:
+        return image
+    step = most // size
+    rows, columns = (side // step for side in image.shape[:2])
+    if min(rows, columns) > 0:
+        blocks = image[: rows * step, : columns * step].reshape(rows, step, columns, step, -1)
+        image = blocks.mean(axis=(1, 3), dtype=np.float32)
+    most = max(image.shape[:2])
+    return (
+        resized(image, *(max(1, round(side * size / most)) for side in image.shape[:2]))
+        if most > size
+        else image
+    )
+
+
 def _halved(image):
     """Sums of blocks of 2 x 2. The last row or column of an odd size is padded with 0."""
     padded = np.pad(image, ((0, image.shape[0] % 2), (0, image.shape[1] % 2), (0, 0)))

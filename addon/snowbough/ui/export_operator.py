@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operator ``export_scene.snowbough_tree``: exports an imported tree for game engines (gltf.export_tree)."""
+"""Operator ``export_scene.snowbough_tree``: exports an imported tree for game engines and other programs
+(gltf.export_tree)."""
 
 from pathlib import Path
 
@@ -11,17 +12,22 @@ from ..base.names import FAILURES, safe_name
 from ..base.options import options_of
 from ..gltf import export_tree, scene_tree
 from ..gltf.export_options import ExportOptions, ExportProperties
+from . import export_formats
 from .editing_lock import NotWhileBaking
 
 SECTIONS = (
-    ("Tree", ("levels", "file_per_level", "leaf_share")),
-    ("Snow", ("snow", "snow_format", "atlas_frames", "atlas_tile")),
+    ("Tree", ("levels", "file_per_level", "leaf_share", "cards", "vertices", "texture_size")),
+    ("Animation", ("motion", "loop_keys", "loop_frames", "loop_start")),
+    ("Snow", ("snow", "snow_cell", "snow_format", "atlas_frames", "atlas_tile")),
 )
 ATLAS_OPTIONS = ("atlas_frames", "atlas_tile")
+# Options that USD has no use for: it contains the finest level.
+GLTF_OPTIONS = ("levels", "file_per_level", "leaf_share", "cards", "vertices")
 
 
 class EXPORT_SCENE_OT_snowbough_tree(NotWhileBaking, ExportProperties, bpy.types.Operator, ExportHelper):
-    """Export the active tree for game engines: glTF with levels of detail, skin, branch levels and baked snow"""
+    """Export the active tree: glTF with levels of detail for game engines, or USD for Unreal and Houdini; with bones,
+    animation and baked snow"""
 
     bl_idname = "export_scene.snowbough_tree"
     bl_label = "Export Tree"
@@ -31,7 +37,7 @@ class EXPORT_SCENE_OT_snowbough_tree(NotWhileBaking, ExportProperties, bpy.types
     filter_glob: StringProperty(
         name="File Names",
         description="Pattern of the file names that the browser shows",
-        default="*.glb;*.gltf",
+        default="*.glb;*.gltf;*.usda;*.usdc;*.usd",
         options={"HIDDEN"},
     )
 
@@ -53,10 +59,22 @@ class EXPORT_SCENE_OT_snowbough_tree(NotWhileBaking, ExportProperties, bpy.types
 
     def check(self, _context):
         # ExportHelper would turn .gltf into .gltf.glb.
-        if self.filepath.lower().endswith(export_tree.SUFFIXES):
+        if self.filepath.lower().endswith(tuple(export_formats.WRITERS)):
             return False
         self.filepath += self.filename_ext
         return True
+
+    def _is_used(self, name):
+        """Whether an option has an effect with the others as they are."""
+        if name in GLTF_OPTIONS and not self.filepath.lower().endswith(tuple(export_tree.GLTF)):
+            return False
+        if name.startswith("loop_"):
+            return self.motion and (name != "loop_start" or self.loop_frames > 0)
+        if name in ATLAS_OPTIONS:
+            return self.snow == "ATLAS"
+        if name == "snow_cell":
+            return self.snow == "SURFACE"
+        return name != "snow_format" or self.snow in ("FRAME", "ATLAS")
 
     def draw(self, _context):
         layout = self.layout
@@ -66,13 +84,12 @@ class EXPORT_SCENE_OT_snowbough_tree(NotWhileBaking, ExportProperties, bpy.types
             box.label(text=title)
             for name in names:
                 row = box.row()
-                row.enabled = self.snow != "NONE" or not name.startswith(("snow_", "atlas_"))
-                row.enabled = row.enabled and (self.snow == "ATLAS" or name not in ATLAS_OPTIONS)
+                row.enabled = self._is_used(name)
                 row.prop(self, name)
 
     def execute(self, context):
         try:
-            report = export_tree.export(
+            report = export_formats.export(
                 context, context.object, self.filepath, options_of(ExportOptions, self)
             )
         except FAILURES as error:
@@ -86,7 +103,7 @@ class EXPORT_SCENE_OT_snowbough_tree(NotWhileBaking, ExportProperties, bpy.types
 
 def _draw_menu(self, _context):
     self.layout.operator(
-        EXPORT_SCENE_OT_snowbough_tree.bl_idname, text="Snowbough Tree for Engines (.glb/.gltf)"
+        EXPORT_SCENE_OT_snowbough_tree.bl_idname, text="Snowbough Tree for Engines (.glb/.gltf/.usd)"
     )
 
 

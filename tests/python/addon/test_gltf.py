@@ -6,9 +6,20 @@ import json
 from types import SimpleNamespace
 
 import glb
+import meshopt
 import numpy as np
 import pytest
-from snowbough.gltf import snow_maps, surface, texels, thinning, tree_file
+from snowbough.gltf import (
+    compression,
+    impostor,
+    quantise,
+    snow_maps,
+    surface,
+    texels,
+    thinning,
+    tree_data,
+    tree_file,
+)
 from snowbough.tree import skeleton_text
 
 # A grey PNG of one pixel.
@@ -56,6 +67,22 @@ def test_a_leafs_colour_fills_what_its_mask_hides():
 def test_a_mask_of_another_size_is_brought_to_the_larger_one():
     made = texels.masked(np.full((2, 2, 3), 0.5, np.float32), np.ones((4, 8), np.float32))
     assert made.shape == (4, 8, 4)
+
+
+def test_images_are_reduced_to_the_size_of_textures():
+    image = np.zeros((600, 300, 3), np.float32)
+    image[:300] = 1.0
+    small = texels.limited(image, 256)
+    assert small.shape == (256, 128, 3)
+    assert small[:120].min() == 1.0 and small[136:].max() == 0.0
+    assert texels.limited(image, 600) is image and texels.limited(image, 0) is image
+
+
+def test_a_cutoff_keeps_the_area_of_thin_twigs():
+    alpha = np.full((64, 64), 0.2, np.float32)
+    alpha[:, :8] = 1.0
+    kept = impostor.with_kept_area(alpha * np.linspace(0.9, 1.1, 64, dtype=np.float32)[:, None])
+    assert (kept >= 0.5).mean() == pytest.approx(0.3, abs=0.02)
 
 
 # -- a skeleton as a text -------------------------------------------------------------------------------
@@ -184,6 +211,22 @@ def test_a_leaf_grows_from_its_stem():
     assert used[:, 1].min() == 0.0 and used[:, 1].max() == pytest.approx(2.0)
 
 
+def test_points_of_a_cell_become_one():
+    side = np.arange(21) / 20
+    x, y = (grid.reshape(-1) for grid in np.meshgrid(side, side))
+    points = np.stack([x, y, 0.001 * x], axis=1).astype(np.float32)
+    first = (np.arange(20)[:, None] * 21 + np.arange(20)).reshape(-1)
+    quads = first[:, None] + (0, 1, 22, 21)
+    merged, found = thinning.clustered(points, as_triangles(quads), 0.2)
+    assert len(merged) <= 36 and len(found) < 72
+    corner = merged[found].astype(float)
+    across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    assert (across[:, 2] > 0).all()  # none is turned over
+    assert across[:, 2].sum() / 2 == pytest.approx(0.8, abs=0.25)
+    assert len({tuple(sorted(t)) for t in found.tolist()}) == len(found)
+    assert thinning.clustered(points, quads, 0.0) == (points, quads)
+
+
 # -- surfaces -------------------------------------------------------------------------------------------
 
 
@@ -250,15 +293,15 @@ def some_tree(**material):
     turned = np.eye(4)
     turned[:3, :3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
     turned[:3, 3] = (0, 0, 0.5)
-    joints = [tree_file.Joint("root", -1, np.eye(4)), tree_file.Joint("tip", 0, turned)]
-    bark = tree_file.Part("cube", [cube(uv_seam=True), cube()], [tree_file.Material("bark", **material)])
-    return tree_file.Tree("tree", joints, [bark], 3)
+    joints = [tree_data.Joint("root", -1, np.eye(4)), tree_data.Joint("tip", 0, turned)]
+    bark = tree_data.Part("cube", [cube(uv_seam=True), cube()], [tree_data.Material("bark", **material)])
+    return tree_data.Tree("tree", joints, [bark], 3)
 
 
 @pytest.mark.parametrize("suffix", [".glb", ".gltf"])
 def test_files_keep_the_rules_and_read_back(tmp_path, suffix):
     picture = PNG
-    texture = tree_file.Texture(
+    texture = tree_data.Texture(
         "a leaf", picture, "image/png", texcoord=1, scale=(2.0, 3.0), offset=(0.1, 0.2)
     )
     built = tree_file.build(some_tree(base=texture, cutoff=0.5, double_sided=True))
@@ -292,9 +335,9 @@ def test_y_points_up(tmp_path):
     read = glb.Gltf(tmp_path / "t.glb")
     world = read.world_matrices()
     tip = next(k for k, node in enumerate(read.json["nodes"]) if node["name"] == "tip")
-    assert world[tip][:3, 3] == pytest.approx((0, 0.5, 0))
+    assert world[tip][:3, 3] == pytest.approx((0, 0.5, 0), abs=1e-7)
     # Blender's X, along which the tip's Y runs backwards, stays X.
-    assert world[tip][:3, 1] == pytest.approx((-1, 0, 0))
+    assert world[tip][:3, 1] == pytest.approx((-1, 0, 0), abs=1e-7)
 
 
 def test_branch_levels_and_their_share_of_tessellation_are_on_every_vertex(tmp_path):
@@ -326,6 +369,158 @@ def test_many_vertices_take_wide_indices(tmp_path):
     (primitive,) = read.primitives(read.node("cube_LOD0"))
     assert read.json["accessors"][primitive["indices"]]["componentType"] == 5125
     assert glb.errors(tmp_path / "t.glb") == []
+
+
+# -- small vertices, motion, cards ----------------------------------------------------------------------
+
+
+def small(tmp_path, tree):
+    """The Gltf of a tree in small vertices, and of the same tree in floats."""
+    read = []
+    for name, quantised in (("small.glb", True), ("large.glb", False)):
+        tree_file.build(tree, quantised=quantised).write_glb(tmp_path / name)
+        assert glb.errors(tmp_path / name) == []
+        read.append(glb.Gltf(tmp_path / name))
+    return read
+
+
+def test_small_vertices_are_where_the_large_ones_are(tmp_path):
+    read, large = small(tmp_path, some_tree())
+    assert read.json["extensionsRequired"] == ["KHR_mesh_quantization"]
+    for name in ("cube_LOD0", "cube_LOD1"):
+        (found,), (expected,) = read.skinned(read.node(name)), large.skinned(large.node(name))
+        assert np.abs(found - expected).max() <= 0.51 / 32767  # half a step of a metre
+        _, triangles = read.welded(read.node(name))
+        assert glb.is_closed(triangles)
+    (primitive,) = read.primitives(read.node("cube_LOD0"))
+    kinds = {name: array.dtype for name, array in read.attributes(primitive).items()}
+    assert kinds["POSITION"] == np.int16 and kinds["NORMAL"] == np.int8
+    assert kinds["TEXCOORD_0"] == np.uint16 and kinds["WEIGHTS_0"] == kinds["JOINTS_0"] == np.uint8
+    assert read.array(primitive["attributes"]["WEIGHTS_0"]).sum(axis=1).tolist() == [255] * 24
+
+
+def test_the_decoder_reads_the_specifications_example():
+    data = bytes.fromhex("175ff0bc77a9210034b5")
+    codes, end = meshopt._group(data, 0, 2)
+    deltas = [~(code >> 1) if code & 1 else code >> 1 for code in codes]
+    assert deltas == [-1, -4, -3, 26, -91, 0, -6, 6, -4, -4, 5, -5, 1, -1, 0, 0] and end == 10
+
+
+@pytest.mark.parametrize("count, stride", [(1, 4), (16, 4), (257, 8), (600, 16), (300, 64), (40, 256)])
+@pytest.mark.parametrize("spread", [0, 1, 4, 40, 255])
+def test_compressed_rows_come_back(count, stride, spread):
+    rng = np.random.default_rng(count + spread)
+    rows = np.cumsum(rng.integers(0, spread + 1, (count, stride)) - spread // 2, axis=0).astype(np.uint8)
+    packed = compression.attributes(rows)
+    assert meshopt.decoded(packed, "ATTRIBUTES", count, stride) == rows.tobytes()
+    assert spread > 0 or len(packed) <= 1 + max(32, stride) + stride * (2 + count // 64)
+
+
+def same_triangles(a, b):
+    """Whether triangles (T, 3) are equal up to the corner at which they begin."""
+    turned = [np.array([np.roll(t, -t.argmin()) for t in one]) for one in (a, b)]
+    return np.array_equal(*turned)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_compressed_triangles_come_back(seed):
+    rng = np.random.default_rng(seed)
+    strip = np.array([(k, k + 1, k + 2) if k % 2 == 0 else (k + 1, k, k + 2) for k in range(500)])
+    corners = {
+        0: strip,  # one byte each
+        1: np.sort(rng.choice(2000, (800, 3)), axis=1),
+        2: rng.permutation(strip)[:, rng.permutation(3)],
+        3: np.concatenate([rng.permutation(40)[None, :3] for _ in range(900)]),
+    }[seed]
+    packed = compression.triangles(corners.astype(np.uint32).reshape(-1))
+    found = np.frombuffer(meshopt.decoded(packed, "TRIANGLES", corners.size, 4), np.uint32).reshape(-1, 3)
+    assert same_triangles(found.astype(int), corners)
+    assert seed != 0 or len(packed) < 1.1 * len(corners) + 20
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".gltf"])
+def test_a_compressed_file_has_the_same_meshes(tmp_path, suffix):
+    tree = some_tree()
+    for name, compressed in (("small", False), ("packed", True)):
+        document = tree_file.build(tree, quantised=True, compressed=compressed)
+        path = tmp_path / (name + suffix)
+        document.write_glb(path) if suffix == ".glb" else document.write_separate(path)
+        assert glb.errors(path) == []
+    small, packed = (glb.Gltf(tmp_path / (name + suffix)) for name in ("small", "packed"))
+    assert packed.json["buffers"][1]["extensions"] == {"EXT_meshopt_compression": {"fallback": True}}
+    assert "EXT_meshopt_compression" in packed.json["extensionsRequired"]
+    for name in ("cube_LOD0", "cube_LOD1"):
+        for one, other in zip(small.primitives(small.node(name)), packed.primitives(packed.node(name))):
+            given, found = small.attributes(one), packed.attributes(other)
+            assert all(np.array_equal(given[key], found[key]) for key in given)
+            corners = [g.array(p["indices"]).reshape(-1, 3) for g, p in ((small, one), (packed, other))]
+            assert same_triangles(*corners)
+
+
+def test_weights_of_eight_bits_sum_to_one():
+    shares = np.random.default_rng(1).dirichlet(np.ones(4), 1000)
+    found = quantise.weights(shares)
+    assert (found.sum(axis=1, dtype=int) == 255).all()
+    assert np.abs(found / 255 - shares).max() < 2.5 / 255
+
+
+def test_tiling_coordinates_stay_floats():
+    assert quantise.texture_coordinates(np.float32([(0, 1), (0.5, 0)])).dtype == np.uint16
+    assert quantise.texture_coordinates(np.float32([(0, 1.5)])).dtype == np.float32
+
+
+@pytest.mark.parametrize("quantised", [False, True])
+def test_motion_turns_the_joints_that_move(tmp_path, quantised):
+    tree = some_tree()
+    turns = np.zeros((5, 2, 4))
+    turns[..., 3] = 1.0
+    # The tip turns about its own Z axis, by up to 0.4 radians.
+    angle = 0.4 * np.sin(np.linspace(0, 2 * np.pi, 5))
+    turns[:, 1, 2], turns[:, 1, 3] = np.sin(angle / 2), np.cos(angle / 2)
+    tree.motion = tree_data.Motion(np.linspace(0, 2, 5), turns)
+    path = tmp_path / "t.glb"
+    tree_file.build(tree, quantised=quantised).write_glb(path)
+    assert glb.errors(path) == []
+    read = glb.Gltf(path)
+    (animation,) = read.json["animations"]
+    (channel,) = animation["channels"]  # the root does not move
+    tip = read.node("tip")
+    assert read.json["nodes"][channel["target"]["node"]] is tip
+    assert read.array(animation["samplers"][0]["input"])[:, 0].tolist() == [0, 0.5, 1, 1.5, 2]
+    keys = read.values(animation["samplers"][0]["output"])
+    for key, by in zip(keys, angle):
+        tip["rotation"] = key.tolist()
+        world = read.world_matrices()[read.json["nodes"].index(tip)]
+        # At rest its X axis is Blender's Y, which is -Z in the file; it turns towards Blender's -X.
+        assert world[:3, 0] == pytest.approx((-np.sin(by), 0, -np.cos(by)), abs=1e-4)
+
+
+def some_cards():
+    points = np.float32([(-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 1)])
+    texture = tree_data.Texture("cards", PNG, "image/png")
+    material = tree_data.Material("cards", base=texture, cutoff=0.5)
+    normals = np.tile(np.float32((0, -1, 0)), (4, 1))
+    uv, triangles = np.clip(points[:, (0, 2)], 0, 1), np.array([(0, 1, 2), (0, 2, 3)])
+    return tree_data.Cards("tree_LOD2", points, normals, uv, triangles, material)
+
+
+def test_cards_replace_the_parts_and_the_snow(tmp_path):
+    tree = some_tree()
+    tree.parts.append(tree_data.Part("leaves", [leaves_surface(4)] * 2, [tree_data.Material("leaf")]))
+    tree.heaps.append(tree_data.Heap("snow", np.eye(3, dtype=np.float32), np.array([(0, 1, 2)])))
+    tree.cards = some_cards()
+    for read in small(tmp_path, tree):
+        bark, leaves, snow = (read.lods(read.node(name)) for name in ("cube_LOD0", "leaves_LOD0", "snow"))
+        assert [node["name"] for node in bark] == ["cube_LOD0", "cube_LOD1", "tree_LOD2"]
+        assert "mesh" in bark[2] and "skin" not in bark[2]
+        assert leaves[2] == {"name": "leaves_LOD2"} and "mesh" not in snow[1]
+        # All change to the cards at the same size on the screen.
+        ends = [nodes[0]["extras"]["MSFT_screencoverage"] for nodes in (bark, leaves, snow)]
+        assert ends[0] == ends[1] and ends[0][1:] == ends[2]
+        world = read.world_matrices()[read.json["nodes"].index(bark[2])]
+        place = read.array(read.primitives(bark[2])[0]["attributes"]["POSITION"])
+        found = place @ world[:3, :3].T + world[:3, 3]
+        assert found == pytest.approx(tree.cards.points[:, (0, 2, 1)] * (1, 1, -1), abs=1e-3)
 
 
 def test_equal_input_gives_equal_bytes(tmp_path):

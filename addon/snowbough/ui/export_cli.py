@@ -13,16 +13,19 @@ from ..base import native
 from ..base.names import EXIT_FAILED, EXIT_NO_NATIVE, EXIT_OK, FAILURES
 from ..base.options import add_options, options_of
 from ..cache.files import write_report
+from ..gltf import scene_tree
+from ..gltf.export_options import ExportOptions, ExportProperties
+from ..gltf.export_tree import summary
 from ..tree.cli import checked_target
-from . import scene_tree
-from .export_options import ExportOptions, ExportProperties
-from .export_tree import export, summary
+from .export_formats import export
 
 
 def add_arguments(parser):
     """Adds the arguments of ``export``. gltf.export_options declares the options."""
     parser.add_argument(
-        "file", metavar="FILE.glb", help="output file: .glb, or .gltf with separate files beside it"
+        "file",
+        metavar="FILE.glb",
+        help="output file: .glb; .gltf, .usda or .usdc with separate files beside it",
     )
     parser.add_argument("--tree", metavar="NAME", help="name of the tree's armature (default: the only tree)")
     parser.add_argument(
