@@ -107,6 +107,8 @@ def _check_same(found, wanted, height):
 @pytest.mark.parametrize("source", [MAPLE, "tubes/AL06a.obj"])
 def test_the_skeleton_is_that_of_the_obj(way, source, addon, shared_tree, tmp_path):
     path = shared_tree(source) if isinstance(source, str) else source
+    if way is _through_gltf and source != MAPLE and bpy.app.version >= (4, 0, 0):
+        pytest.xfail("glTF with normals splits faces without area from their tubes: docs/trees.md")
     bpy.ops.import_scene.xfrog_tree(filepath=str(path), simplify="NONE")
     wanted = _skeleton(addon, bpy.data.collections[path.stem])
     height = max(branch.points[:, 2].max() for branch in wanted.branches)
