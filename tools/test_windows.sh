@@ -21,8 +21,9 @@ case "${1-}" in
 esac
 case "$layer" in
   python)
-    python_version="${version:-3.11}"
-    modules=(pytest colorama)
+    version="${version:-3.11}"
+    python_version="$version"
+    modules=(pytest colorama pillow)
     ;;
   blender)
     python_version=3.11
@@ -76,4 +77,4 @@ else
   command+=(tests/blender/run.py --bpy --zip "$(as_windows "$PWD/$zip")")
 fi
 # Use a pipe, because programs in wine cannot write their output to a file.
-PYTHONDONTWRITEBYTECODE=1 PYTHONUTF8=1 "${command[@]}" --junitxml="$(as_windows "$report")" "$@" </dev/null | cat
+PYTHONDONTWRITEBYTECODE=1 PYTHONUTF8=1 "${command[@]}" --junitxml="$(as_windows "$report")" "$@" </dev/null 2>&1 | cat
