@@ -124,6 +124,8 @@ def test_the_manifest_is_the_last_of_the_files_to_remove(tmp_path):
 def test_a_link_to_a_bake_is_not_from_this_bake(tmp_path):
     baked(tmp_path / "a")
     (tmp_path / "link").symlink_to(tmp_path / "a")
+    if not (tmp_path / "link").is_symlink():
+        pytest.skip("needs symbolic links")
     assert folder.is_foreign(tmp_path / "link") and not folder.is_foreign(tmp_path / "a")
 
 

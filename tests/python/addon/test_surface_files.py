@@ -155,7 +155,7 @@ def test_a_sample_of_another_size_is_refused_and_leaves_nothing(tmp_path):
 
 
 def test_a_point_cache_in_a_folder_that_is_not_there_names_it(tmp_path):
-    with pytest.raises(CacheError, match="gone/a.pc2 could not be written: No such file"):
+    with pytest.raises(CacheError, match="gone.a.pc2 could not be written: No such file"):
         point_cache.PointCacheWriter(tmp_path / "gone" / "a.pc2", 1)
 
 

@@ -292,6 +292,9 @@ def test_a_checkpoint_of_other_maps_takes_no_memory(bare_checkpoint):
     assert taken < 40
 
 
+@pytest.mark.skipif(
+    os.name == "nt", reason="the fuzzer limits the memory of its processes, which needs POSIX"
+)
 def test_the_fuzzer_of_the_module_knows_its_functions():
     fuzzer = Path(__file__).resolve().parents[2] / "fuzz" / "fuzz_module.py"
     done = subprocess.run(
