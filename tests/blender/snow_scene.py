@@ -90,7 +90,7 @@ def files_of(root):
     """{relative path: digest of its bytes} of everything in a cache but the logs and the name of the .blend."""
     root = Path(root)
     return {
-        str(path.relative_to(root)): hashlib.blake2b(path.read_bytes(), digest_size=8).hexdigest()
+        path.relative_to(root).as_posix(): hashlib.blake2b(path.read_bytes(), digest_size=8).hexdigest()
         for path in sorted(root.rglob("*"))
         if path.is_file() and "logs" not in path.parts and path.name != "owner.json"
     }
