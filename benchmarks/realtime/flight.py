@@ -127,7 +127,7 @@ def picture(every):
         found = changes(renderer, every)
     print(
         f"change from frame to frame, of 255: mean {found[:, 1].mean():.2f}, most {found[:, 1].max():.2f};"
-        f" largest step of it between neighbours {abs(np.diff(found[:, 1])).max():.2f}"
+        f" largest step of it between neighbours {abs(np.diff(found[:, 1])).max(initial=0.0):.2f}"
     )
     rows.append(curve(found, rows[0].shape[1]))
     return np.concatenate(rows[::-1])

@@ -101,8 +101,9 @@ class _Writer:
         """Adds the joints as nodes below a root node with the tree's name. Returns (root node, [node])."""
         document, joints = self.document, self._tree.joints
         root, nodes = document.add("nodes", {"name": self._tree.name}), []
-        self._rests = [quaternion(local[:3, :3]) for local in local_rests(joints, UPRIGHT)]
-        for joint, local, rotation in zip(joints, local_rests(joints, UPRIGHT), self._rests):
+        locals_ = local_rests(joints, UPRIGHT)
+        self._rests = [quaternion(local[:3, :3]) for local in locals_]
+        for joint, local, rotation in zip(joints, locals_, self._rests):
             node = {
                 "name": joint.name,
                 "translation": _numbers(local[:3, 3]),

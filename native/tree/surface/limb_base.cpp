@@ -15,7 +15,7 @@ const double kSideDistance = std::sqrt(0.5);
 /// Maximum shift of a child's hole along the parent, in corner radii, for any angle.
 constexpr double kLargestShift = 2.0;
 /// A hole narrower than this fraction of the parent's side gets an inset.
-constexpr double kWidestWithoutInset = 0.9;
+constexpr double kInsetHoleBelow = 0.9;
 /// Fraction of the knuckle's length for a hole with an inset. The faces before and behind it are
 /// then long enough not to show as dark lines across the limb.
 constexpr double kHoleLength = 0.55;
@@ -211,7 +211,7 @@ Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
   exit.request.width = std::min(wanted, side);
   exit.request.width *= std::pow(kNarrowingFactor, narrowing_steps);
   exit.request.width = std::max(exit.request.width, 2.0 * kSideDistance * scale.smallest_corner);
-  exit.request.length = exit.request.width < kWidestWithoutInset * side
+  exit.request.length = exit.request.width < kInsetHoleBelow * side
                             ? std::min(exit.request.width / kHoleLength, side)
                             : exit.request.width;
   return exit;

@@ -18,11 +18,6 @@ constexpr double kStandsOut = 1.5;
 /// Number of rings after a fork whose median gives the thickness of a limb.
 constexpr size_t kThicknessRings = 5;
 
-glm::dvec3 direction(const glm::dvec3& from, const glm::dvec3& to) {
-  const double length = glm::distance(from, to);
-  return length > 0.0 ? (to - from) / length : glm::dvec3(0.0);
-}
-
 /// Joins arcs to limbs.
 class Assembler {
  public:

@@ -13,11 +13,6 @@ namespace {
 /// Minimum cosine between the limb's direction and the normals of the faces that close its end.
 constexpr double kCapCosine = 0.7;
 
-glm::dvec3 direction_to(const glm::dvec3& from, const glm::dvec3& to) {
-  const double length = glm::distance(from, to);
-  return length > 0.0 ? (to - from) / length : glm::dvec3(0.0);
-}
-
 /// The vertices of the cap that closes a limb around `end`: of the faces there that face along the
 /// limb.
 std::vector<int32_t> cap_around(const LocalMesh& mesh, const std::vector<LocalTriangle>& triangles,
@@ -108,7 +103,7 @@ std::vector<int32_t> thickest_end(const LocalMesh& mesh,
     }
   }
   middle /= std::max(members, 1.0);
-  return cap_around(mesh, triangles, end, direction_to(middle, glm::dvec3(mesh.positions[end])));
+  return cap_around(mesh, triangles, end, direction(middle, glm::dvec3(mesh.positions[end])));
 }
 
 }  // namespace snowbough::tree

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 #include <span>
 #include <vector>
 
@@ -9,6 +11,12 @@
 #include "tree/welded/geodesic.h"
 
 namespace snowbough::tree {
+
+/// Unit vector from one point to another; zero if they coincide.
+inline glm::dvec3 direction(const glm::dvec3& from, const glm::dvec3& to) {
+  const double length = glm::distance(from, to);
+  return length > 0.0 ? (to - from) / length : glm::dvec3(0.0);
+}
 
 /// An arc of the Reeb graph: a stretch of surface between two forks, or from a fork to a tip, on
 /// which every level set of the distance is one closed curve.
