@@ -3,6 +3,7 @@
 
 import json
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -49,7 +50,18 @@ def _through_ply(folder):
         bpy.ops.import_mesh.ply(filepath=path)
 
 
-WAYS = [_unchanged, _through_fbx, _through_gltf, _through_ply]
+def _torn_apart(_folder):
+    """Every face has its own vertices: the most that a format splits."""
+    for obj in bpy.context.scene.objects:
+        mesh = bmesh.new()
+        mesh.from_mesh(obj.data)
+        bmesh.ops.split_edges(mesh, edges=mesh.edges)
+        mesh.to_mesh(obj.data)
+        mesh.free()
+        assert len(obj.data.vertices) == len(obj.data.loops)
+
+
+WAYS = [_unchanged, _through_fbx, _through_gltf, _through_ply, _torn_apart]
 
 
 def _build(**settings):
@@ -69,46 +81,18 @@ def _skeleton(addon, collection):
     return addon("tree.kept_skeleton").kept(rig.data)[0]
 
 
-def _with_thickness(branch):
-    """(points, radii) without those at the ends between which the limb has no thickness, and without repeated ones."""
-    thick = np.nonzero(np.asarray(branch.radii) > 1e-5)[0]
-    if not len(thick):
-        return None
-    kept = slice(max(thick[0] - 1, 0), thick[-1] + 2)
-    points, radii = np.asarray(branch.points)[kept], np.asarray(branch.radii)[kept]
-    new = np.r_[True, np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-6]
-    return points[new], radii[new]
-
-
 def _check_same(found, wanted, height):
-    """Compares what has thickness: faces without area do not hang together in glTF and are left out."""
-    limbs, others = ({i: _with_thickness(b) for i, b in enumerate(s.branches)} for s in (wanted, found))
-    limbs, others = ({i: limb for i, limb in some.items() if limb} for some in (limbs, others))
-    assert len(limbs) == len(others)
-    same = {}
-    for number, (points, radii) in limbs.items():
-        same[number] = min(
-            others,
-            key=lambda other: (
-                np.linalg.norm(others[other][0][0] - points[0])
-                + np.linalg.norm(others[other][0][-1] - points[-1])
-            ),
-        )
-        other_points, other_radii = others[same[number]]
-        assert other_points.shape == points.shape
-        assert np.abs(other_points - points).max() < 1e-5 * height
-        assert np.abs(other_radii - radii).max() < 1e-5 * height
-    for number in limbs:
-        parent = wanted.branches[number].parent
-        assert found.branches[same[number]].parent == (-1 if parent < 0 else same[parent])
+    assert len(found.branches) == len(wanted.branches)
+    for branch, other in zip(found.branches, wanted.branches):
+        assert branch.parent == other.parent
+        assert np.abs(np.asarray(branch.points) - other.points).max() < 1e-5 * height
+        assert np.abs(np.asarray(branch.radii) - other.radii).max() < 1e-5 * height
 
 
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("source", [MAPLE, "tubes/AL06a.obj"])
 def test_the_skeleton_is_that_of_the_obj(way, source, addon, shared_tree, tmp_path):
     path = shared_tree(source) if isinstance(source, str) else source
-    if way is _through_gltf and source != MAPLE and bpy.app.version >= (4, 0, 0):
-        pytest.xfail("glTF with normals splits faces without area from their tubes: docs/trees.md")
     bpy.ops.import_scene.xfrog_tree(filepath=str(path), simplify="NONE")
     wanted = _skeleton(addon, bpy.data.collections[path.stem])
     height = max(branch.points[:, 2].max() for branch in wanted.branches)

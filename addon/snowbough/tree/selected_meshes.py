@@ -16,6 +16,9 @@ from ..base.names import counted
 from . import import_tree, materials
 from .native_tree import read_polygons
 
+#: Texture coordinates are equal to one part in so many: formats store them with their V axis turned.
+UV_STEPS = 1e5
+
 
 class Polygons(NamedTuple):
     """The arguments of the native read_tree_mesh."""
@@ -58,41 +61,52 @@ def _components(count, begin, end):
         label = joined
 
 
-def _close_seams(vertices, counts, corners):
+def _numbers(columns):
+    """int64 (n,): the same number for places where all columns are equal."""
+    order = np.lexsort(columns)
+    is_other = np.zeros(len(order), dtype=bool)
+    for column in columns:
+        is_other[1:] |= np.diff(column[order]) != 0
+    number = np.empty(len(order), dtype=np.int64)
+    number[order] = np.cumsum(is_other)
+    return number
+
+
+def _close_seams(vertices, counts, corners, uvs):
     """The corners' vertices, with the seams closed at which glTF and PLY split a surface.
 
     Two open edges belong together if they lie at the same place in opposite directions and no third one lies there.
-    Open ends of tubes that touch another branch keep their vertices.
+    Edges with the same texture coordinates come first: they tell the collapsed rings of a tube apart, whose faces have
+    no area and whose edges lie at one place. Open ends of tubes that touch another branch keep their vertices.
     """
-    place = np.unique(vertices, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
+    place = _numbers(vertices.T)[corners]
+    textured_place = _numbers([place, *np.round(uvs.T * UV_STEPS)])
     end = np.cumsum(counts)
     following = np.arange(1, len(corners) + 1)
     following[end - 1] = end - counts
-    first, second = corners, corners[following]
 
-    def edge_numbers(a, b):
-        keys = np.minimum(a, b).astype(np.int64) * len(vertices) + np.maximum(a, b)
-        return np.unique(keys, return_inverse=True, return_counts=True)[1:]
+    def edges(ends, among):
+        """For each edge: the number of its pair of ends, and how many have it."""
+        one, other = ends[among], ends[following[among]]
+        number = _numbers([np.minimum(one, other), np.maximum(one, other)])
+        return number, np.bincount(number)
 
-    number, uses = edge_numbers(first, second)
-    open_edges = np.flatnonzero(uses[number.reshape(-1)] == 1)
-    without_length = place[first] == place[second]
-    with_area = np.repeat(~np.logical_or.reduceat(without_length, end - counts), counts)
-    pairs = []
-    for _ in range(2):
-        number, uses = edge_numbers(place[first[open_edges]], place[second[open_edges]])
-        order = np.argsort(number.reshape(-1), kind="stable")
+    number, uses = edges(corners, np.arange(len(corners)))
+    open_edges = np.flatnonzero(uses[number] == 1)
+    joined = np.empty((2, 0), dtype=np.int64)
+    for ends in (textured_place, place):
+        number, uses = edges(ends, open_edges)
+        order = np.argsort(number, kind="stable")
         begin = (np.cumsum(uses) - uses)[uses == 2]
-        one, other = open_edges[order[begin]], open_edges[order[begin + 1]]
-        opposite = place[first[one]] == place[second[other]]
-        pairs.append((one[opposite], other[opposite]))
-        # Where more edges lie at one place, those of faces without area do not count.
-        open_edges = open_edges[(uses[number.reshape(-1)] > 2) & with_area[open_edges]]
-    one, other = np.concatenate(pairs, axis=1)
+        pairs = open_edges[np.stack([order[begin], order[begin + 1]])]
+        pairs = pairs[:, ends[pairs[0]] == ends[following[pairs[1]]]]
+        joined = np.concatenate([joined, pairs], axis=1)
+        open_edges = np.setdiff1d(open_edges, pairs)
+    one, other = joined
     return _components(
         len(vertices),
-        np.concatenate([first[one], second[one]]),
-        np.concatenate([second[other], first[other]]),
+        corners[np.concatenate([one, following[one]])],
+        corners[np.concatenate([following[other], other])],
     )[corners]
 
 
@@ -111,10 +125,10 @@ def read(context, objects):
         local = _read_values(mesh.vertices, "co", np.float32, 3).reshape(-1, 3).astype(np.float64)
         vertices.append(local @ matrix[:3, :3].T + matrix[:3, 3])
         counts.append(_read_values(mesh.polygons, "loop_total", np.int32))
-        indices = _close_seams(local, counts[-1], _read_values(mesh.loops, "vertex_index", np.int32))
-        corners.append(indices.astype(np.int32) + first)
         uv, has_uv = _read_uv(mesh)
         uvs.append(uv)
+        indices = _close_seams(local, counts[-1], _read_values(mesh.loops, "vertex_index", np.int32), uv)
+        corners.append(indices.astype(np.int32) + first)
         textured |= has_uv
         used = [slot.material for slot in evaluated.material_slots]
         used = [material and material.original for material in used]
