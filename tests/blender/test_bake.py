@@ -396,6 +396,7 @@ def test_a_receiver_that_the_render_does_not_show_is_named(tmp_path):
     refused("'Ground' is on the list of receivers, but not rendered at frame 1")
 
 
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no EGL")
 def test_without_a_gpu_nothing_is_begun_and_nothing_is_lost(monkeypatch, tmp_path):
     s.receive(s.square("Ground"))
     s.settings(tmp_path)
