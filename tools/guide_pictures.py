@@ -13,6 +13,7 @@ viewport           Blender's window under Xvfb: direction dials, a live preview,
 scene_properties   the Scene properties in that window
 panels             the sidebar in all its states, from build/panels (tests/ui/panel_states.py)
 panels_newest      the same in Debian sid's Blender
+preferences        the extension in the preferences of that Blender, from build/panels
 windy              the sheet of tools/windy_shot.sh, from build/windy
 
 Without names it makes all. Every picture is a PNG of less than 150 KB; single renders are JPEGs.
@@ -241,6 +242,10 @@ def panels_newest():
     return panel_states(-1)
 
 
+def preferences():
+    return Image.open(sorted((ROOT / "build" / "panels").glob("*/preferences.png"))[-1])
+
+
 def panel_states(which):
     made = sorted((ROOT / "build" / "panels").glob("*/sidebars.png"))
     if len(made) < 2:
@@ -266,6 +271,7 @@ PICTURES = {
     "scene_properties": scene_properties,
     "panels": panels,
     "panels_newest": panels_newest,
+    "preferences": preferences,
     "windy": windy,
 }
 

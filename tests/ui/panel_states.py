@@ -17,6 +17,8 @@ done      baked
 stale     baked, then settings were changed
 error     what Check Scene says of a spoilt scene, and what a bake says that was refused
 tree      a tree is selected
+
+And preferences.png: the add-on in Blender's preferences.
 """
 
 import sys
@@ -108,6 +110,15 @@ rig = next(obj for obj in bpy.data.objects if obj.type == "ARMATURE")
 bpy.context.view_layer.objects.active = rig
 result = True
 """
+# The editor shows one add-on of many if a search names it.
+PREFERENCES = """
+window, area = view3d()
+area.type = "PREFERENCES"
+bpy.context.preferences.active_section = "ADDONS"
+bpy.context.window_manager.addon_search = "Snowbough"
+bpy.ops.preferences.addon_expand(module=addon)
+result = [area.x, area.y, area.width, area.height]
+"""
 
 
 class Camera:
@@ -134,6 +145,16 @@ class Camera:
     def _from_top(region):
         x, y, width, height = region
         return x, ui.HEIGHT - y - height, width, height
+
+    def shoot_preferences(self):
+        """Turns the 3D view into the preferences; the last picture of a window."""
+        area = self.window.run(PREFERENCES)
+        self.window.move(5, ui.HEIGHT - 5)
+        time.sleep(2.0)
+        screen = self.window.screenshot("panels_preferences")
+        left, top, width, height = self._from_top(area)
+        # Without the arrow that shows a hidden region at the bottom.
+        trimmed(self._crop(screen, left, top, width, height - 30)).save(self.folder / "preferences.png")
 
     @staticmethod
     def _crop(screen, left, top, width, height):
@@ -225,6 +246,9 @@ def take(window, folder, work):
     window.run(SHOW_SCENE)
     window.run(TREE.format(tree=str(ROOT / "tests" / "data" / "small_maple.obj")))
     camera.shoot("tree")
+
+    window.run("bpy.ops.wm.read_homefile(app_template='')\nresult = True")
+    camera.shoot_preferences()
     return camera.taken
 
 

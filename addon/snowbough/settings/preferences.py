@@ -53,7 +53,7 @@ class SnowboughPreferences(bpy.types.AddonPreferences):
         default="AUTO",
     )
     preview_memory: IntProperty(
-        name="Preview Memory",
+        name="Preview Memory (MB)",
         description="Memory for the frames that the live preview has played (megabytes). More memory keeps more "
         "frames for scrubbing",
         default=1024,
