@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Checks the packages that `tools/package.sh release` made in build/packages: runs auditwheel on the wheel for Linux,
-# checks the libraries and symbols of the modules, and runs Blender's own checks of extensions and repositories.
+# checks the libraries and symbols of the modules, runs Blender's own checks of extensions and repositories, and a
+# quick run of the kit of tools/gpu_kit.sh.
 #
 #   ./tools/check_packages.sh [BLENDER_EXT.py]
 #
@@ -68,3 +69,9 @@ if own != blenders:
     sys.exit(f"check_packages: the index differs from Blender's:\n{own}\n{blenders}")
 print(f"check_packages: Blender writes the same index of {len(own)} zips")
 PYTHON
+
+tools/gpu_kit.sh linux
+rm -rf "$venv/snowbough-gpu-kit"
+tar -x -f build/snowbough-gpu-kit-linux.tar.gz -C "$venv"
+env -i "$venv/snowbough-gpu-kit/measure" --quick --only trees,step | grep '^| 512 x 512 | [0-9]'
+echo "check_packages: the kit runs without an environment"

@@ -1,31 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Packs the kit that measures the real-time tables: see gpu_kit.sh.
 
-The kit is a zip that Python runs (PEP 441). Its folders are those of the checkout, so the scripts run unchanged.
-Libraries find each other by $ORIGIN, as in a wheel repaired by auditwheel.
+The folders of the kit are those of the checkout, so the scripts run unchanged.
 """
 
-import os
-import re
+import gzip
+import io
 import shutil
 import subprocess
 import sys
+import tarfile
 import tempfile
-import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-MODULE_FOLDER = Path("build/python")
-LIBRARIES = "snowbough_native.libs"
-# Used only if the machine's own are missing or too old. Drivers link these libraries, too, and may need newer ones.
-RUNTIME = "runtime"
-RUNTIME_LIBRARIES = ("libstdc++.so.6", "libgcc_s.so.1")
-# Libraries of the machine: the C library and its parts, and the driver's libraries.
-SYSTEM = re.compile(
-    r"(linux-vdso|ld-linux.*|lib(c|m|dl|rt|pthread|util|resolv)|lib(EGL|GL|GLX|OpenGL|GLdispatch|GLESv2|drm|gbm|X.*|xcb.*)"
-    r"(_.*)?)\.so(\..*)?"
-)
-CONTENTS = (
+NAME = "snowbough-gpu-kit"
+PYTHON = "3.13"
+NUMPY = "numpy==2.1.3"
+#: What pip calls the systems, and where their Python looks for packages.
+SYSTEMS = {
+    "linux": ("manylinux_2_28_x86_64", "manylinux2014_x86_64", f"lib/python{PYTHON}/site-packages"),
+    "windows": ("win_amd64", "win_amd64", "lib/site-packages"),
+}
+SCRIPTS = (
     "benchmarks/realtime/*.py",
     "benchmarks/snow/*.py",
     "blend_samples/grow_tree.py",
@@ -33,84 +30,60 @@ CONTENTS = (
     "tests/data/small_maple.obj",
     "LICENSE",
 )
-# Parts of numpy that measurements do not import.
-NUMPY_LEFT_OUT = re.compile(
-    r"(^|/)(tests|f2py|distutils|doc|include|testing|__pycache__)/|\.(pyi|a|c|h|md|rst)$"
-)
-MOST_BYTES = 60e6
+#: Folders of CPython and NumPy that no measurement imports.
+LEFT_OUT = {
+    *("test", "tests", "idlelib", "tkinter", "turtledemo", "ensurepip", "pydoc_data", "lib2to3", "pip", "setuptools"),
+    *("include", "libs", "share", "cmake", "pkgconfig", "engines-3", "ossl-modules", "f2py", "__pycache__"),
+}  # fmt: skip
+#: -I ignores the machine's Python packages and environment, -B writes nothing into the kit.
+START = {
+    "measure": f"""#!/bin/sh
+kit=$(dirname "$0")
+exec "$kit/python/python{PYTHON}" -I -B "$kit/benchmarks/realtime/tables.py" "$@"
+""",
+    "measure.bat": '@"%~dp0python\\python.exe" -I -B "%~dp0benchmarks\\realtime\\tables.py" %*\r\n',
+}
 
 
 def fail(text):
     sys.exit(f"gpu_kit: {text}")
 
 
-def run(*command):
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
-    if done.returncode:
-        fail(f"{' '.join(map(str, command))}: {done.stderr.strip()}")
-    return done.stdout
+def copy_python(source, kit):
+    """Copies CPython, without the folders in LEFT_OUT, to the kit."""
+
+    def left_out(_folder, names):
+        return LEFT_OUT.intersection(names)
+
+    shutil.copytree(source, kit / "python", ignore=left_out)
 
 
-def linked(path):
-    """{soname: file} of all libraries that a library links directly or indirectly and that the kit must contain."""
-    found = {}
-    for line in run("ldd", path).splitlines():
-        named = re.match(r"\s*(\S+) => (\S+|not found)", line)
-        if named and not SYSTEM.fullmatch(named[1]):
-            if named[2] == "not":
-                fail(f"{path.name} links {named[1]}, which is not on this machine")
-            found[named[1]] = Path(named[2])
-    return found
+def install(system, wheel, kit):
+    """Installs the native module and NumPy into the kit's Python, with this machine's pip."""
+    *platforms, site = SYSTEMS[system]
+    command = [sys.executable, "-m", "pip", "--disable-pip-version-check", "install", "--quiet", "--no-deps"]
+    command += [
+        "--no-compile",
+        "--only-binary",
+        ":all:",
+        "--python-version",
+        PYTHON,
+        "--implementation",
+        "cp",
+    ]
+    for platform in platforms:
+        command += ["--platform", platform]
+    with tempfile.TemporaryDirectory(prefix="snowbough-kit-") as folder:
+        done = subprocess.run([*command, "--target", folder, str(wheel), NUMPY], check=False)
+        if done.returncode:
+            fail(f"pip cannot install {wheel.name} and {NUMPY}")
+        copy_python(folder, kit / "packages")
+        shutil.copytree(kit / "packages" / "python", kit / "python" / site, dirs_exist_ok=True)
+        shutil.rmtree(kit / "packages")
 
 
-def needs(path):
-    """Sonames of the libraries that a library links directly."""
-    return re.findall(r"\(NEEDED\).*\[(.*)\]", run("readelf", "-d", path))
-
-
-def point_to(path, folder):
-    """Sets a library's search path to `folder`, relative to the library."""
-    way = os.path.relpath(folder, path.parent)
-    path.chmod(0o755)
-    run("patchelf", "--force-rpath", "--set-rpath", "$ORIGIN" if way == "." else f"$ORIGIN/{way}", path)
-
-
-def copy_module(kit):
-    """Copies the native module, numpy and all their libraries. Returns the file name of the module."""
-    import numpy
-
-    target = kit / MODULE_FOLDER
-    libraries = target / LIBRARIES
-    (libraries / RUNTIME).mkdir(parents=True)
-    built = sorted((ROOT / MODULE_FOLDER).glob("snowbough_native*.so"))
-    if not built:
-        fail(f"no snowbough_native in {MODULE_FOLDER}: run ./tools/setup.sh first")
-    binaries = [Path(shutil.copy2(path, target)) for path in built]
-    source = Path(numpy.__file__).parent
-    for path in sorted(source.rglob("*")):
-        inside = path.relative_to(source.parent)
-        if path.is_file() and not NUMPY_LEFT_OUT.search(inside.as_posix()):
-            (target / inside).parent.mkdir(parents=True, exist_ok=True)
-            copied = Path(shutil.copy2(path, target / inside))
-            if ".so" in path.suffixes:
-                binaries.append(copied)
-    wanted = {}
-    for path in binaries:
-        wanted.update(linked(path))
-    for soname, path in sorted(wanted.items()):
-        own = libraries / RUNTIME if soname in RUNTIME_LIBRARIES else libraries
-        copied = Path(shutil.copy2(path.resolve(), own / soname))
-        if soname not in RUNTIME_LIBRARIES:
-            binaries.append(copied)
-    for path in binaries:
-        run("strip", "--strip-debug", path)
-        if set(needs(path)) & set(wanted):
-            point_to(path, libraries)
-    return built[0].name
-
-
-def copy_scripts(kit, module):
-    for pattern in CONTENTS:
+def copy_scripts(kit):
+    for pattern in SCRIPTS:
         paths = sorted(ROOT.glob(pattern))
         if not paths:
             fail(f"there is no file {pattern} in the checkout")
@@ -118,43 +91,49 @@ def copy_scripts(kit, module):
             to = kit / path.relative_to(ROOT)
             to.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(path, to)
-    shutil.copy2(ROOT / "tools" / "gpu_kit_main.py", kit / "__main__.py")
-    (kit / "module.txt").write_text(module + "\n")
+
+
+def start_script(system, kit):
+    name = "measure.bat" if system == "windows" else "measure"
+    path = kit / name
+    path.write_bytes(START[name].encode())
+    path.chmod(0o755)
 
 
 def pack(kit, target):
-    """Writes the kit to `target` and returns its size in bytes. Equal contents give equal bytes."""
-    target.parent.mkdir(parents=True, exist_ok=True)
+    """Writes the kit as a .tar.gz and returns its size in bytes. Equal contents give equal bytes."""
     partial = target.with_name(target.name + ".part")
-    with open(partial, "wb") as stream:
-        stream.write(b"#!/usr/bin/env python3.11\n")
-        with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+    with open(partial, "wb") as stream, gzip.GzipFile("", "wb", 9, stream, mtime=0) as packed:
+        with tarfile.open(fileobj=packed, mode="w", format=tarfile.GNU_FORMAT) as archive:
             for path in sorted(path for path in kit.rglob("*") if path.is_file()):
-                entry = zipfile.ZipInfo(path.relative_to(kit).as_posix(), date_time=(1980, 1, 1, 0, 0, 0))
-                entry.external_attr = (path.stat().st_mode & 0o777) << 16
-                entry.compress_type = zipfile.ZIP_DEFLATED
-                archive.writestr(entry, path.read_bytes())
-    size = partial.stat().st_size
-    if size > MOST_BYTES:
-        partial.unlink()
-        fail(f"the kit has {size / 1e6:.0f} MB, more than {MOST_BYTES / 1e6:.0f}")
-    partial.chmod(0o755)
+                entry = tarfile.TarInfo(f"{NAME}/{path.relative_to(kit).as_posix()}")
+                content = path.read_bytes()
+                entry.size = len(content)
+                entry.mode = 0o755 if path.stat().st_mode & 0o100 else 0o644
+                archive.addfile(entry, io.BytesIO(content))
     partial.replace(target)
-    return size
+    return target.stat().st_size
 
 
-def main():
-    target = Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "build" / "snowbough-gpu-kit.pyz").resolve()
-    for tool in ("patchelf", "readelf", "strip", "ldd"):
-        if shutil.which(tool) is None:
-            fail(f"{tool} is missing: run ./tools/setup.sh")
+def main(system):
+    if system not in SYSTEMS:
+        fail("pass linux or windows")
+    python = ROOT / "build" / "third_party" / "python" / PYTHON / f"{system}-x86_64"
+    wheels = list((ROOT / "build" / "packages").glob(f"snowbough_native-*{SYSTEMS[system][0]}.whl"))
+    if not python.is_dir() or len(wheels) != 1:
+        fail(
+            f"there is no wheel for {system} in build/packages: run ./tools/package.sh release {system} first"
+        )
+    target = ROOT / "build" / f"{NAME}-{system}.tar.gz"
     with tempfile.TemporaryDirectory(prefix="snowbough-kit-") as folder:
-        kit = Path(folder) / "kit"
-        module = copy_module(kit)
-        copy_scripts(kit, module)
+        kit = Path(folder)
+        copy_python(python, kit)
+        install(system, wheels[0], kit)
+        copy_scripts(kit)
+        start_script(system, kit)
         size = pack(kit, target)
     print(f"{target}: {size / 1e6:.1f} MB")
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1] if len(sys.argv) > 1 else "")

@@ -1,17 +1,15 @@
 #!/usr/bin/env bash
-# Packs the scripts for the real-time tables into one file, build/snowbough-gpu-kit.pyz, for machines that have only
-# Python 3.11 and a graphics driver.
+# Packs the scripts for the real-time tables with a Python of their own, for machines that have only a graphics driver.
 #
-#   ./tools/gpu_kit.sh [FILE]
+#   ./tools/gpu_kit.sh linux|windows       writes build/snowbough-gpu-kit-<system>.tar.gz
 #
-# On that machine, one command prints the tables (--quick: a short run; --keep FOLDER: unpack there and keep the files;
-# --only: see --help):
+# Uses the wheel in build/packages: run `./tools/package.sh release` first. On the other machine, in a terminal:
 #
-#   python3.11 snowbough-gpu-kit.pyz > tables.md
+#   tar xf snowbough-gpu-kit-linux.tar.gz
+#   snowbough-gpu-kit/measure > tables.md          Windows: snowbough-gpu-kit\measure.bat > tables.md
 #
-# The kit contains the native module, the libraries that it links, numpy, the scripts of benchmarks/ and the measured
-# tree. It does not contain libEGL, libGL and other libraries of the driver, libc and its parts. The other machine's
-# glibc must be at least as new as this machine's. Needs patchelf and readelf (tools/setup.sh installs them).
+# --quick: a short run; --only: see --help. The kit contains CPython and NumPy. It uses the machine's OpenGL driver and
+# needs, on Linux, a glibc of version 2.28 or later.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 exec /usr/bin/python3 tools/gpu_kit.py "$@"

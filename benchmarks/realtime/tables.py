@@ -5,7 +5,7 @@
 
 Each section is a script of this folder or of benchmarks/snow, in a process of its own. If a script fails on a machine,
 its section ends with the reason, and the exit code is 1. tools/gpu_kit.sh packs all scripts for machines that have only
-Python and a graphics driver.
+a graphics driver.
 """
 
 import argparse
@@ -119,9 +119,11 @@ def machine():
     )
     done = subprocess.run([sys.executable, "-c", program], env=environment(), capture_output=True, text=True)
     said = done.stdout.split("\n") if done.returncode == 0 else ["?", done.stderr.strip().split("\n")[-1]]
+    # Windows has no load average.
+    load = f", load {os.getloadavg()[0]:.1f} at the start" if hasattr(os, "getloadavg") else ""
     return [
         f"- OpenGL: {said[1]}",
-        f"- Processor: {os.cpu_count()} threads, {platform.machine()}, load {os.getloadavg()[0]:.1f} at the start",
+        f"- Processor: {os.cpu_count()} threads, {platform.machine()}{load}",
         f"- Snowbough {said[0]}, Python {platform.python_version()}, {platform.system()} {platform.release()}",
         f"- {time.strftime('%Y-%m-%d %H:%M UTC', time.gmtime())}",
     ]

@@ -60,7 +60,7 @@ def line(*cells):
 
 
 def head(title, *cells):
-    print(f"\n{title}  (load {os.getloadavg()[0]:.1f})\n")
+    print(f"\n{title}\n")
     line(*cells)
     line(*("---" for _ in cells))
 
