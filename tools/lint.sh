@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Checks the form of the sources; changes nothing.
 #
-#   ./tools/lint.sh         ruff over Python, clang-format over C++, shellcheck over scripts where it is installed
+#   ./tools/lint.sh         ruff over Python, clang-format over C++, shellcheck over scripts and
+#                           actionlint over workflows where they are installed
 #   ./tools/lint.sh tidy    clang-tidy over C++ (compiles everything: about an hour)
 #
 # Needs clang-format and python3-venv, for tidy clang-tidy. ruff comes from PyPI into build/lint.
@@ -24,5 +25,8 @@ git ls-files 'native/*.cpp' 'native/*.h' 'tests/*.cpp' 'tests/*.h' 'benchmarks/*
   xargs clang-format --dry-run -Werror
 if command -v shellcheck >/dev/null; then
   git ls-files '*.sh' .ci/run | xargs shellcheck --severity warning
+fi
+if command -v actionlint >/dev/null; then
+  actionlint
 fi
 echo "lint: no complaints"
