@@ -9,7 +9,8 @@ namespace {
 /// shortening. Rounding limbs and blending forks spread a detailed surface's texel density by
 /// another third, and the total from its 5th to its 95th percentile is limited to a factor of two.
 constexpr double kMaxDensityRatio = 1.5;
-constexpr double kMinShortening = 0.35;
+/// Twigs of a fifth of a texel in width keep kMaxDensityRatio; thinner ones get more texels.
+constexpr double kMinShortening = 0.1;
 /// Minimum length in texels of rows of zero length (coincident rings), for a positive area.
 constexpr double kMinRowLength = 1.0 / 32.0;
 /// Minimum fraction of the perimeter for a side in the map.

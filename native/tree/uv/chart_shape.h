@@ -47,7 +47,7 @@ inline constexpr double kMinChartWidth = 2.0;
 inline constexpr double kWideChart = 4.0;
 
 /// Factor by which a chart widened from `own_width` to `width` texels is shortened: as little as
-/// needed to keep its texels per m2 near the rest's, and by half at most.
+/// needed to keep its texels per m2 near the rest's, and to a tenth at most.
 double shortening(double own_width, double width);
 
 /// Length in texels of each row of a strip at `scale` texels per metre: long enough for the row's

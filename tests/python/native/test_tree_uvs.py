@@ -103,6 +103,14 @@ def test_a_real_trees_texels_are_even_at_every_detail(path, _least_fill, detail)
     assert result["density_p95"] < 2 * result["density_p5"]
 
 
+@needs(BL02A)
+def test_texels_are_even_with_48_of_them_for_each_branch():
+    mesh = native.build_tree_mesh(native.read_tree(str(BL02A)), snow_resolution=256)
+    result = measure(mesh, 256)
+    assert result["density_p95"] < 2 * result["density_p5"]
+    assert result["overlap_texels"] == result["narrow_gutter_texels"] == 0
+
+
 @pytest.mark.parametrize("path, least_fill", REAL_TREES)
 def test_real_tree_by_sampling(path, least_fill):
     """The same as above found another way, with nothing of the project's in it."""
