@@ -12,8 +12,7 @@ namespace snowbough::tree {
 /// that faces the ground most, unrolled into a strip as wide as its perimeter, and packed into the
 /// unit square, tapered strips head to tail, for a map of `snow_resolution` squared texels:
 /// - charts are at least two texels wide: thinner limbs are widened, and shortened to a tenth at
-/// most
-///   so that their texels per m2 stay near those of the rest, which are uniform;
+///   most, so that their texels per m2 stay near those of the rest, which are uniform;
 /// - between two charts at least one texel is free, two if one of them is wider than four; one
 ///   texel is free along the border of the map (textures repeat by default);
 /// - no texel is touched by two charts, and every face has positive area, including caps and

@@ -46,9 +46,9 @@ TEST(Charts, ARowIsAsLongAsItsAreaOverItsWidth) {
   EXPECT_THAT(lengths_of(even_strip(3), 10.0), Each(20.0));
 }
 
-TEST(Charts, ARowWidenedToTwoTexelsIsShortenedToAThirdAtMost) {
-  // Ten times too thin: its 20 texels become 7.
-  EXPECT_THAT(lengths_of(even_strip(1, 0.02), 10.0), Each(testing::DoubleEq(7.0)));
+TEST(Charts, ARowWidenedToTwoTexelsIsShortenedToATenthAtMost) {
+  // Twenty times too thin: its 20 texels become 2.
+  EXPECT_THAT(lengths_of(even_strip(1, 0.01), 10.0), Each(testing::DoubleEq(2.0)));
 }
 
 TEST(Charts, AWidenedRowTakesHalfAsManyTexelsAgainAsItsShare) {
