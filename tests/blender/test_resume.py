@@ -463,6 +463,11 @@ def test_two_slashes_stand_for_the_folder_of_the_blend(addon, undisturbed, tmp_p
     assert s.files_of(tmp_path / "farm" / "snow") == undisturbed
 
 
+def as_printed(path):
+    """A path in the command's lines, which escape backslashes."""
+    return json.dumps(str(path))[1:-1]
+
+
 @pytest.mark.parametrize("name", ["height_0004.exr", "surface.pc2", "object.json"])
 def test_a_damaged_file_of_a_finished_bake_is_made_again(addon, undisturbed, tmp_path, name):
     s.bake()
@@ -470,9 +475,9 @@ def test_a_damaged_file_of_a_finished_bake_is_made_again(addon, undisturbed, tmp
     path.write_bytes(path.read_bytes()[:-20])
     done = run_blender(addon, tmp_path / "shot.blend", "--resume", "yes")
     if name == "height_0004.exr":  # the first checkpoint lies behind it
-        assert done.returncode == 5 and f"{path} is missing or damaged" in done.stderr
+        assert done.returncode == 5 and f"{as_printed(path)} is missing or damaged" in done.stderr
     else:
-        assert done.returncode == 0 and f'repaired="{path} was' in done.stderr, done.stderr
+        assert done.returncode == 0 and f'repaired="{as_printed(path)} was' in done.stderr, done.stderr
         assert s.files_of(tmp_path / "cache") == undisturbed
 
 
@@ -484,7 +489,7 @@ def test_a_damaged_file_has_the_caches_code_and_says_what_to_do(addon, undisturb
         later.unlink()
     path.write_bytes(path.read_bytes()[:-20])
     done = run_blender(addon, tmp_path / "shot.blend", "--resume", "yes")
-    assert done.returncode == 5 and str(path) in done.stderr and "Traceback" not in done.stderr
+    assert done.returncode == 5 and as_printed(path) in done.stderr and "Traceback" not in done.stderr
     assert "is damaged" in done.stderr and "elete " in done.stderr
 
 
