@@ -23,6 +23,10 @@ file(GLOB zlib_files "${sources}/zlib/*.c")
 list(FILTER zlib_files EXCLUDE REGEX "/gz[a-z]*\\.c$")
 add_library(zlib STATIC ${zlib_files})
 target_compile_options(zlib PRIVATE -w)
+if(APPLE)
+  # Otherwise zutil.h takes macOS for the Mac OS of the 1990s and replaces fdopen by nothing.
+  target_compile_definitions(zlib PRIVATE fdopen=fdopen)
+endif()
 target_include_directories(zlib SYSTEM PUBLIC "${sources}/zlib")
 add_library(ZLIB::ZLIB ALIAS zlib)
 
