@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes docs/engines/snow_rule.glsl and .hlsl: the look of snow, from the headers that Snowbough compiles.
+"""Writes docs/engines/snow_rule and snow_shading, .glsl and .hlsl: the shape of snow and its light, from the headers
+that Snowbough compiles.
 
     python3 tools/engine_rule.py
 
@@ -19,15 +20,46 @@ RIMS = (
     ("// At rims. Lengths", "/// Smooth step from 0"),
     ("/// A quarter of a superellipse", "#ifndef SNOWBOUGH_GLSL\n}"),
 )
+SHADING = ("relief.glsl", "snow_shading.glsl")
 HEAD = """// SPDX-License-Identifier: GPL-3.0-or-later
-// The look of snow of a known thickness. tools/engine_rule.py writes this file from shaders/lib: change it there.
-// Lengths are in metres; `up` is the upward component of a normal, whichever axis is up.
+// {}. tools/engine_rule.py writes this file from shaders/{}: change it there.
+// Lengths are in metres; {}
+
 """
+RULE_HEAD = HEAD.format(
+    "The look of snow of a known thickness",
+    "lib",
+    "`up` is the upward component of a normal, whichever axis is up.",
+)
+SHADING_HEAD = (
+    HEAD.format("The light of snow", "glsl", "z is up.")
+    + """/// The camera and the light. The caller sets `view`.
+struct SnowView {
+  /// w: pixels that a metre covers at one metre's distance.
+  vec4 eye;
+  /// Unit vector towards the sun.
+  vec3 sun_direction;
+  /// Linear light of the sun, and from straight above and straight below.
+  vec3 sun_color;
+  vec3 sky_color;
+  vec3 ground_color;
+};
+SnowView view;
+
+/// Fraction of the sun's light that reaches a point: put your engine's shadows in its place.
+float sunlit(vec3 position, vec3 normal, float reach) { return 1.0; }
+
+"""
+)
 HLSL_WORDS = (
     (r"\bvec([234])\(([^(),]+)\)", r"((float\1)(\2))"),
     (r"\bvec([234])\b", r"float\1"),
+    (r"\bivec3\b", "int3"),
     (r"\bmix\b", "lerp"),
-    (r"^const float", "static const float"),
+    (r"\bdFd([xy])\b", r"dd\1"),
+    (r"= float\[\w+\]\((.*)\);", r"= {\1};"),
+    (r"^const (float|int)", r"static const \1"),
+    (r"^SnowView view", "static SnowView view"),
     # A reserved word of HLSL.
     (r"\bpoint\b", "place_of"),
     (r"return (SnowEdge)\((.*?)\);", r"const \1 made = {\2};\n  return made;"),
@@ -60,14 +92,24 @@ def _hlsl(line):
     return line
 
 
+def _written(head, text, language):
+    text = head + text
+    return text if language == "glsl" else "".join(map(_hlsl, text.splitlines(keepends=True)))
+
+
 def rule(language):
     """The text of the rule, in GLSL or in HLSL."""
-    text = "\n".join(_glsl((ROOT / "shaders" / "lib" / name).read_text()) for name in HEADERS)
-    if language == "hlsl":
-        text = "".join(map(_hlsl, text.splitlines(keepends=True)))
-    return HEAD + "\n" + text
+    texts = (_glsl((ROOT / "shaders" / "lib" / name).read_text()) for name in HEADERS)
+    return _written(RULE_HEAD, "\n".join(texts), language)
+
+
+def shading(language):
+    """The text of the light on snow, in GLSL or in HLSL."""
+    texts = (_glsl((ROOT / "shaders" / "glsl" / name).read_text()) for name in SHADING)
+    return _written(SHADING_HEAD, "\n".join(texts), language)
 
 
 if __name__ == "__main__":
     for language in ("glsl", "hlsl"):
         (FOLDER / f"snow_rule.{language}").write_text(rule(language))
+        (FOLDER / f"snow_shading.{language}").write_text(shading(language))

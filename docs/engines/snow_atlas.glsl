@@ -10,12 +10,10 @@ layout(std140, binding = 0) uniform SnowAtlas {
   float frame;         // which frame, counted from 0 in the list; between two of them both are mixed
   float open_depth;    // openDepths of that frame
   float last_depth;    // lastDepth
-  float limb_width;    // how thick the limbs are that carry snow, in metres; 0: not known, most of it shows
 };
 #include "snow_rule.glsl"
 
 layout(binding = 0) uniform sampler2D snow_heights;
-layout(binding = 1) uniform sampler2D snow_normals;
 
 /// Where TEXCOORD_1 lies in the atlas. Half a texel inside its tile, or its neighbours would be mixed in.
 vec2 atlas_place(vec2 uv, int number) {
@@ -32,12 +30,6 @@ float snow_height(vec2 uv) {
   return height_offset + height_scale * mix(before, after, clamp(frame - float(first), 0.0, 1.0));
 }
 
-/// The snow's normal in the tangent space of TEXCOORD_1.
-vec3 snow_tangent_normal(vec2 uv) {
-  int number = clamp(int(frame + 0.5), 0, frame_count - 1);
-  return textureLod(snow_normals, atlas_place(uv, number), 0.0).rgb * 2.0 - 1.0;
-}
-
 const SnowStyle kUsualStyle = SnowStyle(1.0, 1.0, 1.0, 1.0);
 
 /// The snow on a place of the tree: the way to its surface, and its height there.
@@ -46,16 +38,22 @@ struct ShownSnow {
   float height;
 };
 
-/// `rest`: POSITION, which noise stays with; `normal`: the world's.
-ShownSnow shown_snow(vec2 uv, vec3 rest, vec3 normal) {
+/// POSITION with z up, as the noise counts.
+vec3 z_up(vec3 place) { return vec3(place.x, -place.z, place.y); }
+
+/// The noise of a point: patches, hem, relief and bumps of a SnowPoint. `rest`: its POSITION, with which noise stays.
+vec4 limb_noise(vec3 rest) {
+  vec3 place = z_up(rest) / max(last_depth, 1e-4);
+  SnowPoint point = point_noise(place);
+  return vec4(point.patches, point.hem, point.relief, bump_noise(place));
+}
+
+/// `limb_width`: _LIMB_WIDTH; 0, as on leaves: most of the snow shows. `normal`: the world's.
+ShownSnow shown_snow(vec4 noise, float limb_width, vec2 uv, vec3 normal) {
   float held = snow_height(uv);
   float thickness = abs(held);
   vec3 out_of = held < 0.0 ? -normal : normal;
-  float depth = max(last_depth, 1e-4);
-  // Noise counts z upwards.
-  vec3 place = vec3(rest.x, -rest.z, rest.y) / depth;
-  SnowPoint point = on_limb(point_noise(place), limb_width, depth);
-  point.bumps = bump_noise(place);
+  SnowPoint point = on_limb(SnowPoint(noise.x, noise.y, noise.z, noise.w, 0.0, 0.0, 0.0), limb_width, last_depth);
   SnowEdge edge = snow_edge(point, thickness, open_depth, out_of.y);
   float height = limb_height(point, kUsualStyle, edge, thickness, open_depth);
   vec3 down = out_of * out_of.y - vec3(0.0, 1.0, 0.0);

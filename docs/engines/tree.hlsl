@@ -3,6 +3,7 @@
 // Matrices are column-major, as Direct3D's default has them.
 
 #include "snow_rule.hlsl"
+#include "snow_shading.hlsl"
 
 cbuffer SnowAtlas : register(b0) {
   int2 tiles;           // columns, rows
@@ -13,28 +14,29 @@ cbuffer SnowAtlas : register(b0) {
   float frame;          // which frame, counted from 0 in the list; between two of them both are mixed
   float open_depth;     // openDepths of that frame
   float last_depth;     // lastDepth
-  float limb_width;     // how thick the limbs are that carry snow, in metres; 0: not known, most of it shows
 };
 cbuffer Tessellation : register(b1) {
-  float3 eye;
-  float branch_levels;        // branch_levels in the scene's extras
-  float pixels_at_one_metre;  // height of the picture / (2 tan(field of view / 2))
-  float target_pixels;        // what a part of an edge shall cover
-  float highest;              // at most so many parts, up to 64
-  float snow_share;           // 0: no snow; 1: what faces up is as fine as the trunk
+  float branch_levels;  // branch_levels in the scene's extras
+  float target_pixels;  // what a part of an edge shall cover
+  float highest;        // at most so many parts, up to 64
+  float snow_share;     // 0: no snow; 1: what faces up is as fine as the trunk
 };
-cbuffer View : register(b2) { float4x4 view_projection; };
+cbuffer View : register(b2) {
+  float4x4 view_projection;
+  float3 eye;
+  float pixels_at_one_metre;  // height of the picture / (2 tan(field of view / 2))
+};
 cbuffer Light : register(b3) {
   float3 to_sun;
   float sun;
-  float3 sky;
+  float3 sky;          // from straight above
   float alpha_cutoff;  // alphaCutoff of leaves; 0: bark
+  float3 ground;       // from straight below
 };
 /// A joint's world matrix times its inverse bind matrix.
 StructuredBuffer<float4x4> palette : register(t0);
 Texture2D<float> snow_heights : register(t1);
-Texture2D<float4> snow_normals : register(t2);
-Texture2D<float4> bark_color : register(t3);
+Texture2D<float4> bark_color : register(t2);
 SamplerState linear_clamp : register(s0);
 SamplerState linear_repeat : register(s1);
 
@@ -46,6 +48,7 @@ struct Vertex {
   float level : TEXCOORD2;  // _BRANCH_LEVEL; or level / levels = 1 - the vertex colour's alpha
   uint4 joints : BLENDINDICES;
   float4 weights : BLENDWEIGHT;
+  float width : TEXCOORD3;  // _LIMB_WIDTH
 };
 struct Corner {
   float3 position : POSITION;
@@ -54,6 +57,7 @@ struct Corner {
   float2 snow_uv : TEXCOORD1;
   float level : TEXCOORD2;
   float3 rest : TEXCOORD3;
+  float width : TEXCOORD4;
 };
 struct Factors {
   float edges[3] : SV_TessFactor;
@@ -65,7 +69,9 @@ struct Surface {
   float3 normal : NORMAL;
   float2 bark_uv : TEXCOORD0;
   float2 snow_uv : TEXCOORD1;
-  float snow : TEXCOORD2;
+  float3 rest : TEXCOORD2;
+  float4 noise : TEXCOORD3;
+  float width : TEXCOORD4;
 };
 
 /// Where TEXCOORD_1 lies in the atlas. Half a texel inside its tile, or its neighbours would be mixed in.
@@ -89,17 +95,24 @@ struct ShownSnow {
   float height;
 };
 
-/// `rest`: POSITION, which noise stays with; `normal`: the world's.
-ShownSnow shown_snow(float2 uv, float3 rest, float3 normal) {
+/// POSITION with z up, as the noise counts.
+float3 z_up(float3 at) { return float3(at.x, -at.z, at.y); }
+
+/// The noise of a point: patches, hem, relief and bumps of a SnowPoint. `rest`: its POSITION, with which noise stays.
+float4 limb_noise(float3 rest) {
+  float3 at = z_up(rest) / max(last_depth, 1e-4);
+  SnowPoint here = point_noise(at);
+  return float4(here.patches, here.hem, here.relief, bump_noise(at));
+}
+
+/// `limb_width`: _LIMB_WIDTH; 0, as on leaves: most of the snow shows. `normal`: the world's.
+ShownSnow shown_snow(float4 noise, float limb_width, float2 uv, float3 normal) {
   const SnowStyle usual = {1.0, 1.0, 1.0, 1.0};
   float held = snow_height(uv);
   float thickness = abs(held);
   float3 out_of = held < 0.0 ? -normal : normal;
-  float depth = max(last_depth, 1e-4);
-  // Noise counts z upwards.
-  float3 at = float3(rest.x, -rest.z, rest.y) / depth;
-  SnowPoint here = on_limb(point_noise(at), limb_width, depth);
-  here.bumps = bump_noise(at);
+  const SnowPoint noises = {noise.x, noise.y, noise.z, noise.w, 0.0, 0.0, 0.0};
+  SnowPoint here = on_limb(noises, limb_width, last_depth);
   SnowEdge edge = snow_edge(here, thickness, open_depth, out_of.y);
   float height = limb_height(here, usual, edge, thickness, open_depth);
   float3 down = out_of * out_of.y - float3(0.0, 1.0, 0.0);
@@ -120,6 +133,7 @@ Corner vertex_main(Vertex v) {
   corner.snow_uv = v.snow_uv;
   corner.level = v.level;
   corner.rest = v.position;
+  corner.width = v.width;
   return corner;
 }
 
@@ -166,39 +180,40 @@ Surface domain_main(Factors factors, float3 t : SV_DomainLocation, const OutputP
   surface.normal = normalize(t.x * c[0].normal + t.y * c[1].normal + t.z * c[2].normal);
   surface.bark_uv = t.x * c[0].bark_uv + t.y * c[1].bark_uv + t.z * c[2].bark_uv;
   surface.snow_uv = t.x * c[0].snow_uv + t.y * c[1].snow_uv + t.z * c[2].snow_uv;
-  float3 rest = t.x * c[0].rest + t.y * c[1].rest + t.z * c[2].rest;
-  ShownSnow snow = shown_snow(surface.snow_uv, rest, surface.normal);
-  surface.snow = snow.height;
+  surface.rest = t.x * c[0].rest + t.y * c[1].rest + t.z * c[2].rest;
+  surface.noise = limb_noise(surface.rest);
+  surface.width = t.x * c[0].width + t.y * c[1].width + t.z * c[2].width;
+  ShownSnow snow = shown_snow(surface.noise, surface.width, surface.snow_uv, surface.normal);
   surface.position = lerp(flat_point, round_point, 0.75) + snow.offset;
   surface.clip = mul(view_projection, float4(surface.position, 1.0));
   return surface;
 }
 
-/// The world's normal from one in the tangent space of UVs, without tangents in the mesh.
-/// M. S. Mikkelsen, Bump Mapping Unparametrized Surfaces on the GPU, JGT 15 (1), 2010.
-float3 from_tangent_space(float3 tangent_normal, float3 normal, float3 place, float2 uv) {
-  float3 across = cross(ddy(place), normal);
-  float3 along = cross(normal, ddx(place));
-  float3 tangent = across * ddx(uv).x + along * ddy(uv).x;
-  float3 bitangent = -(across * ddx(uv).y + along * ddy(uv).y);
-  // Where the screen's y runs downwards, both gradients point backwards.
-  float turned = dot(cross(ddx(place), ddy(place)), normal) < 0.0 ? -1.0 : 1.0;
-  float size = turned * rsqrt(max(max(dot(tangent, tangent), dot(bitangent, bitangent)), 1e-20));
-  return normalize(tangent * size * tangent_normal.x + bitangent * size * tangent_normal.y + normal * tangent_normal.z);
-}
+/// Fraction of the light that a leaf transmits.
+static const float kThrough = 0.4;
+/// Fraction of the snow's own slopes that shows: twigs are only a few texels wide.
+static const float kTwigRelief = 0.6;
 
 float4 pixel_main(Surface surface, bool front : SV_IsFrontFace) : SV_Target {
-  // Leaves are seen from both sides, and carry snow on that which is up.
-  float3 normal = normalize(surface.normal) * (front ? 1.0 : -1.0);
-  float covered = smoothstep(0.0, 0.004, surface.snow);
-  int number = clamp(int(frame + 0.5), 0, frame_count - 1);
-  float3 flake = snow_normals.SampleLevel(linear_clamp, atlas_place(surface.snow_uv, number), 0).rgb * 2.0 - 1.0;
-  float3 snow = from_tangent_space(flake, normal, surface.position, surface.snow_uv);
-  normal = normalize(lerp(normal, snow, covered));
   float4 texel = bark_color.Sample(linear_repeat, surface.bark_uv);
   if (texel.a < alpha_cutoff) discard;
-  float3 base = lerp(texel.rgb, float3(0.86, 0.89, 0.93), covered);
-  float lit = max(dot(normal, normalize(to_sun)), 0.0);
-  float wrapped = max((dot(normal, normalize(to_sun)) + 0.4) / 1.4, 0.0);
-  return float4(base * (sun * lerp(lit, wrapped, covered) + sky * (0.5 + 0.5 * normal.y)), 1.0);
+  view.eye = float4(z_up(eye), pixels_at_one_metre);
+  view.sun_direction = z_up(normalize(to_sun));
+  view.sun_color = (float3)sun;
+  view.sky_color = sky;
+  view.ground_color = ground;
+  float3 at = z_up(surface.position);
+  float3 rest = z_up(surface.rest);
+  float3 outside = normalize(surface.normal);
+  // Leaves are seen from both sides.
+  float3 normal = z_up(front ? outside : -outside);
+  float facing = dot(normal, view.sun_direction);
+  float through = alpha_cutoff > 0.0 ? kThrough : 0.0;
+  float lit = sun * (max(facing, 0.0) + through * max(-facing, 0.0));
+  float3 bare = texel.rgb * (lit + lerp(ground, sky, 0.5 + 0.5 * normal.z));
+  float height = shown_snow(surface.noise, surface.width, surface.snow_uv, outside).height;
+  float3 snow_normal = normalize(lerp(normal, with_relief(at, normal, height), kTwigRelief));
+  float pixel = distance(view.eye.xyz, at) / pixels_at_one_metre;
+  float3 snow = lit_snow(at, snow_normal, height, rest);
+  return float4(lerp(bare, snow, snow_cover(height, rest, pixel)), 1.0);
 }

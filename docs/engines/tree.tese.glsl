@@ -3,6 +3,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 layout(triangles, fractional_odd_spacing, ccw) in;
+#include "view.glsl"
 #include "snow_atlas.glsl"
 
 layout(location = 0) in vec3 patch_position[];
@@ -10,14 +11,15 @@ layout(location = 1) in vec3 patch_normal[];
 layout(location = 2) in vec2 patch_bark_uv[];
 layout(location = 3) in vec2 patch_snow_uv[];
 layout(location = 4) in vec3 patch_rest[];
-
-layout(std140, binding = 2) uniform View { mat4 view_projection; };
+layout(location = 5) in float patch_width[];
 
 layout(location = 0) out vec3 surface_position;
 layout(location = 1) out vec3 surface_normal;
 layout(location = 2) out vec2 surface_bark_uv;
 layout(location = 3) out vec2 surface_snow_uv;
-layout(location = 4) out float surface_snow;
+layout(location = 4) out vec3 surface_rest;
+layout(location = 5) out vec4 surface_noise;
+layout(location = 6) out float surface_width;
 
 /// How far a flat point goes towards the corners' tangent planes. T. Boubekeur, M. Alexa, Phong Tessellation, 2008.
 const float kRoundness = 0.75;
@@ -33,9 +35,10 @@ void main() {
   surface_normal = normalize(t.x * patch_normal[0] + t.y * patch_normal[1] + t.z * patch_normal[2]);
   surface_bark_uv = t.x * patch_bark_uv[0] + t.y * patch_bark_uv[1] + t.z * patch_bark_uv[2];
   surface_snow_uv = t.x * patch_snow_uv[0] + t.y * patch_snow_uv[1] + t.z * patch_snow_uv[2];
-  vec3 rest = t.x * patch_rest[0] + t.y * patch_rest[1] + t.z * patch_rest[2];
-  ShownSnow snow = shown_snow(surface_snow_uv, rest, surface_normal);
-  surface_snow = snow.height;
+  surface_rest = t.x * patch_rest[0] + t.y * patch_rest[1] + t.z * patch_rest[2];
+  surface_noise = limb_noise(surface_rest);
+  surface_width = t.x * patch_width[0] + t.y * patch_width[1] + t.z * patch_width[2];
+  ShownSnow snow = shown_snow(surface_noise, surface_width, surface_snow_uv, surface_normal);
   surface_position = mix(flat_point, round_point, kRoundness) + snow.offset;
   gl_Position = view_projection * vec4(surface_position, 1.0);
 }

@@ -46,23 +46,28 @@ def test_a_mistake_is_an_error(tmp_path):
     assert compiled("-l", str(tmp_path / "tree.tesc.glsl"))[0] != 0
 
 
-def test_the_rule_of_how_snow_looks_is_that_of_the_renderer():
+def test_the_look_of_snow_is_that_of_the_renderer():
     sys.path.insert(0, str(FOLDER.parents[1] / "tools"))
     import engine_rule
 
     for language in ("glsl", "hlsl"):
         written = (FOLDER / f"snow_rule.{language}").read_text()
+        shading = (FOLDER / f"snow_shading.{language}").read_text()
         assert written == engine_rule.rule(language), "run tools/engine_rule.py"
+        assert shading == engine_rule.shading(language), "run tools/engine_rule.py"
         for name in ("snow_edge", "thin_snow", "surface_relief", "sagging", "point_noise"):
             assert f" {name}(" in written
+        for name in ("with_relief", "snow_cover", "lit_snow"):
+            assert f" {name}(" in shading
 
 
 def test_both_languages_have_the_same_inputs():
     glsl = "".join(
-        (FOLDER / name).read_text() for name in ("snow_atlas.glsl", "tree.tesc.glsl", "tree.frag.glsl")
+        (FOLDER / name).read_text()
+        for name in ("snow_atlas.glsl", "view.glsl", "tree.tesc.glsl", "tree.frag.glsl")
     )
     hlsl = (FOLDER / "tree.hlsl").read_text()
-    for block in ("SnowAtlas", "Tessellation", "Light"):
+    for block in ("SnowAtlas", "Tessellation", "View", "Light"):
         names = [
             re.findall(
                 r"^\s+\w+ (\w+);",

@@ -30,6 +30,7 @@ ATTRIBUTES = (
     ("branch_level", "_BRANCH_LEVEL", "1f", 1),
     ("joints", "JOINTS_0", "4u2", 4),
     ("weights", "WEIGHTS_0", "4f", 4),
+    ("limb_width", "_LIMB_WIDTH", "1f", 1),
 )
 
 # A line lies a little before the faces that it bounds.
@@ -78,16 +79,22 @@ def _look_at(eye, target):
 class EngineView:
     """One window's worth of OpenGL. Y up, metres, as in the file."""
 
-    def __init__(self, size):
+    def __init__(self, size, changes=()):
+        """changes: (text, other text) that are exchanged in the shaders."""
         self.size = size
         self.context = moderngl.create_standalone_context(backend="egl", require=450)
-        self.program = self.context.program(**{name: source(stage) for name, stage in STAGES.items()})
+        sources = {name: source(stage) for name, stage in STAGES.items()}
+        for text, other in changes:
+            assert any(text in one for one in sources.values()), text
+            sources = {name: one.replace(text, other) for name, one in sources.items()}
+        self.program = self.context.program(**sources)
         self._edges = self.context.program(vertex_shader=EDGE_VERTEX, fragment_shader=EDGE_FRAGMENT)
         self.target = self.context.framebuffer(
             [self.context.texture((size, size), 4)], self.context.depth_texture((size, size))
         )
         self._counted = self.context.query(primitives=True)
-        self._blank = self._texture(np.full((1, 1, 3), (0.5, 0.5, 1.0)))
+        self._blank = self._texture(np.zeros((1, 1, 1)))
+        self.light()
         self.primitives = 0  # that the tessellator has made since the last clear()
 
     def _texture(self, values):
@@ -124,32 +131,32 @@ class EngineView:
         """Where from, and how fine: see tree.tesc.glsl."""
         eye, target = np.asarray(eye, float), np.asarray(target, float)
         away = np.linalg.norm(eye - target)
-        matrix = _perspective(field_of_view, 1.0, away / 50, away * 100) @ _look_at(eye, target)
+        self._planes = away / 50, away * 100
+        matrix = _perspective(field_of_view, 1.0, *self._planes) @ _look_at(eye, target)
         at_one_metre = self.size / (2 * np.tan(field_of_view / 2))
-        self._uniforms(1, eye, float(levels), at_one_metre, target_pixels, highest, snow_share)
-        self._uniforms(2, matrix.T.reshape(-1))
+        self._uniforms(1, float(levels), target_pixels, highest, snow_share)
+        self._uniforms(2, matrix.T.reshape(-1), eye, at_one_metre)
+
+    def light(self, to_sun=(0.45, 0.7, 0.6), sun=1.5, sky=(0.55, 0.6, 0.68), ground=(0.0, 0.0, 0.0)):
+        """See tree.frag.glsl."""
+        self._light = np.array(to_sun), sun, np.array(sky), np.array(ground)
 
     def snow(self, said=None, folder=None, frame=0.0):
         """What the file says of an object's snow; None: no snow."""
         if said is None:
-            self._uniforms(0, np.array([1, 1]), 1.0, np.array([1]), *(0.0,) * 6)
-            heights, normals = self._blank, self._blank  # of which a height takes 0 times red
+            self._uniforms(0, np.array([1, 1]), 1.0, np.array([1]), *(0.0,) * 5)
+            heights = self._blank
         else:
             tiles = np.array([said["columns"], said["rows"]])
             height = said["height"]
             count = np.array([len(said["frames"])])
             open_depth = np.interp(frame, np.arange(len(said["frames"])), said["openDepths"])
-            numbers = (height["scale"], height["offset"], float(frame), open_depth, said["lastDepth"], 0.0)
+            numbers = (height["scale"], height["offset"], float(frame), open_depth, said["lastDepth"])
             self._uniforms(0, tiles, float(said["tile"]), count, *numbers)
             samples = np.asarray(Image.open(folder / height["uri"])).astype(np.float32) / 65535
             heights = self._texture(samples[..., None])
-            flat = np.full((1, 1, 3), (0.5, 0.5, 1.0), np.float32)
-            if "normal" in said:
-                flat = np.asarray(Image.open(folder / said["normal"]["uri"])).astype(np.float32) / 255
-            normals = self._texture(flat)
         heights.use(0)
-        normals.use(1)
-        self._kept = heights, normals
+        self._heights = heights
 
     def _material(self, read, material):
         """Binds a material's colour; returns its cutoff, 0 without."""
@@ -188,7 +195,8 @@ class EngineView:
             else:
                 self.context.enable(moderngl.CULL_FACE)
             cutoff = self._material(read, material)
-            self._uniforms(3, np.array((0.45, 0.7, 0.6)), 1.5, np.array((0.55, 0.6, 0.68)), cutoff)
+            to_sun, sun, sky, ground = self._light
+            self._uniforms(3, to_sun, sun, sky, cutoff, ground)
             count = len(given["POSITION"])
             buffers = []
             for name, stored, kind, width in ATTRIBUTES:
@@ -216,6 +224,14 @@ class EngineView:
             points = self.context.buffer(np.ascontiguousarray(given[edges], np.float32).tobytes())
             self.target.use()
             self.context.vertex_array(self._edges, [(points, "3f", "position")]).render(moderngl.LINES)
+
+    def depth(self):
+        """(H, W) float32, row 0 at the top: metres along the view's axis to what was drawn; NaN where nothing was."""
+        data = np.frombuffer(self.target.depth_attachment.read(), np.float32).reshape(self.size, self.size)[
+            ::-1
+        ]
+        near, far = self._planes
+        return np.where(data < 1, near * far / (far - data * (far - near)), np.nan)
 
     def picture(self):
         """(H, W, 4) uint8, row 0 at the top; sRGB, alpha 255 where something was drawn."""

@@ -122,6 +122,19 @@ def point_normals(points, triangles):
     return unit(normals)
 
 
+def limb_widths(surface):
+    """float32 (V,): the width of the limb at each point, in metres. TEXCOORD_0 goes once around a limb and keeps its
+    aspect, so an area on the limb is the square of the circumference times the area in TEXCOORD_0."""
+    points, uv = surface.corner_point[surface.triangles], surface.corner_uvs[0].astype(np.float64)
+    sides = np.diff(surface.points.astype(np.float64)[points], axis=1)
+    turns = np.diff(uv[surface.triangles], axis=1)
+    areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1), np.abs(np.linalg.det(turns))
+    on_limb, on_map = (
+        np.bincount(points.reshape(-1), np.repeat(area, 3), len(surface.points)) for area in areas
+    )
+    return (np.sqrt(on_limb / np.maximum(on_map, 1e-30)) / np.pi).astype(np.float32)
+
+
 @dataclass
 class Vertices:
     """The vertices of a glTF primitive, each with one normal and one UV per map. Row k comes from point `point[k]`."""

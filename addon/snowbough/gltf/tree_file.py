@@ -11,7 +11,7 @@ import numpy as np
 from ..tree.wind_attributes import AXIS, LENGTH, PHASE, PIVOT
 from . import quantise
 from .document import INDICES, VERTICES, Document
-from .surface import point_normals, split
+from .surface import limb_widths, point_normals, split
 from .tree_data import SNOW_COLOR, SNOW_ROUGHNESS, STILL, Material, local_rests, quaternion, times
 
 GENERATOR = "Snowbough"
@@ -188,6 +188,8 @@ class _Writer:
             color = level_color(level, self._tree.branch_levels)
             attributes["COLOR_0"] = add(color, VERTICES, normalized=True)
             attributes["_BRANCH_LEVEL"] = add(level.astype(np.float32), VERTICES)
+            if "snow" in self._tree.extras:
+                attributes["_LIMB_WIDTH"] = add(limb_widths(surface)[vertices.point], VERTICES)
         if surface.wind is not None:
             pivot, axis, length, phase = (
                 values[vertices.point].astype(np.float32) for values in surface.wind

@@ -3,6 +3,7 @@
 specification's rules (tests/support/glb.py reads them back)."""
 
 import json
+from dataclasses import replace
 from types import SimpleNamespace
 
 import glb
@@ -273,6 +274,26 @@ def test_a_mirrored_surface_stays_outside_out():
     mirrored = surface.transformed(cube(), np.diag((-2.0, 1.0, 1.0)))
     triangles = mirrored.corner_point[mirrored.triangles].astype(np.int64)
     assert glb.volume(mirrored.points, triangles) == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("scale", [1.0, 2.0])
+def test_the_width_of_a_limb_is_that_of_a_circle_with_its_circumference(scale):
+    turns = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], np.float32) / 4  # once around the walls: 4 m
+    uv = turns + np.array([(k / 4, 0) for k in range(4)], np.float32)[:, None]
+    given = cube()
+    walls = surface.from_quads(
+        given.points, TOWER[:4], [uv, uv], given.joints, given.weights, np.zeros(4), given.level
+    )
+    widths = surface.limb_widths(surface.transformed(walls, scale * np.eye(3)))
+    assert widths == pytest.approx(np.full(8, scale * 4 / np.pi), rel=1e-6)
+
+
+def test_files_with_a_map_tell_the_width_of_limbs(tmp_path):
+    for name, extras in (("plain", {}), ("snowy", {"snow": {"cube": {}}})):
+        tree_file.build(replace(some_tree(), extras=extras)).write_glb(tmp_path / f"{name}.glb")
+        read = glb.Gltf(tmp_path / f"{name}.glb")
+        (primitive,) = read.primitives(read.node("cube_LOD0"))
+        assert ("_LIMB_WIDTH" in primitive["attributes"]) == bool(extras)
 
 
 def test_what_wind_needs_is_scaled_and_turned_with_the_surface():
