@@ -43,6 +43,8 @@ class Sheet:
         self.bark = next(stem for stem in self.parts if stem.endswith("_bark"))
         self.height = max(places[:, 1].max() for places in self.read.skinned(self.parts[self.bark][0]))
         self.view = EngineView(2 * SIZE)
+        # Sunlit snow stays below white.
+        self.view.light(sun=0.75, sky=(0.24, 0.28, 0.34), ground=(0.06, 0.06, 0.06))
 
     def triangles(self, level):
         nodes = [levels[level] for levels in self.parts.values()]
