@@ -51,45 +51,6 @@ def test_a_bake_that_stopped_at_any_frame_resumes_to_the_same_bytes(addon, undis
         bpy.ops.snowbough.free_bake()
 
 
-def test_a_scene_that_cannot_be_read_any_more_leaves_a_checkpoint(addon, undisturbed, tmp_path, monkeypatch):
-    reader = addon("scene.reader").SceneReader
-    read = reader.read
-
-    def read_until_seven(self, depsgraph, frame):
-        if frame >= 7:
-            raise AttributeError("'Scene' object has no attribute 'snowbough'")
-        return read(self, depsgraph, frame)
-
-    with monkeypatch.context() as broken:
-        broken.setattr(reader, "read", read_until_seven)
-        assert isinstance(run_part(addon, 1, 12).error, AttributeError)
-    assert any(name.endswith("state_0006") for name in s.files_of(tmp_path / "cache"))
-    s.bake(resume=True)
-    assert s.files_of(tmp_path / "cache") == undisturbed
-
-
-def test_nothing_is_baked_after_a_frame_that_broke_off(addon, undisturbed, tmp_path, monkeypatch):
-    registry = addon("bake.simulation").Registry
-    register_changes, poses = registry.register_changes, []
-
-    def register_but_for_one(self, added):
-        poses.append(added)
-        if len(poses) == 11:
-            raise RuntimeError("the driver went away for a moment")
-        register_changes(self, added)
-
-    with monkeypatch.context() as broken:
-        broken.setattr(registry, "register_changes", register_but_for_one)
-        running = run_part(addon, 1, 12)
-    assert str(running.error) == "the driver went away for a moment"
-    last = running.job.results[-1].frame
-    assert last == 5
-    maps = [name for name in s.files_of(tmp_path / "cache") if "/height_" in name]
-    assert maps and all(f"height_{frame:04d}.exr" not in name for name in maps for frame in range(6, 13))
-    s.bake(resume=True)
-    assert s.files_of(tmp_path / "cache") == undisturbed
-
-
 def test_esc_stops_between_frames_and_keeps_what_is_done(addon, undisturbed, tmp_path):
     from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
     running = from_scene.prepare_bake(bpy.context.scene, from_scene.make_request(bpy.context.scene))

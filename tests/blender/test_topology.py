@@ -226,25 +226,3 @@ def test_faces_without_any_place_on_the_map_are_named_with_the_frame(tmp_path):
     keyed(mask, "show_render", (1, False), (3, True))
     s.settings(tmp_path)
     refused("The faces of 'Ground' change at frame 3, and do not lie on its UV map")
-
-
-def test_a_failure_in_the_middle_of_a_frame_spoils_no_checkpoint(addon, tmp_path, monkeypatch):
-    s.receive(s.square("Ground"))
-    subdivided(s.square("Roof", 1.0, z=1.0), (2.9, 0), (3, 2))
-    s.settings(tmp_path / "cache", substeps=2)
-    registry = addon("bake.simulation").Registry
-    register_changes, changes = registry.register_changes, []
-
-    def register_once(self, added):
-        changes.extend([added] if added else [])
-        if len(changes) > 1:  # at frame 3: the snow of frame 2.5 has fallen by then
-            raise ValueError("no room")
-        register_changes(self, added)
-
-    with monkeypatch.context() as broken:
-        broken.setattr(registry, "register_changes", register_once)
-        refused("no room")
-    s.bake(resume=True)
-    bpy.context.scene.snowbough.cache_directory = str(tmp_path / "fresh")
-    s.bake()
-    assert s.files_of(tmp_path / "cache") == s.files_of(tmp_path / "fresh")

@@ -91,9 +91,10 @@ def request(cache, **changes):
     return BakeRequest(**{**whole, **changes})
 
 
-def bake(cache, evaluate=pose, **changes):
-    """Bakes into `cache` as the file shot.blend beside it; returns the BakeJob. Raises the errors of BakeJob.run."""
-    job = BakeJob(request(cache, **changes), native_loader.load())
+def bake(cache, evaluate=pose, native=None, **changes):
+    """Bakes into `cache` as the file shot.blend beside it; returns the BakeJob. Raises the errors of BakeJob.run.
+    native: the module; None: that of the add-on."""
+    job = BakeJob(request(cache, **changes), native or native_loader.load())
     if not owner.is_owner(job.root, job.request.blend):  # bake.cache_place asks this first, too
         raise CacheBusy(f"{job.root} belongs to another file")
     job.run(evaluate)
