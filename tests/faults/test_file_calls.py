@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 import shot
+from snowbough.cache import versions
 
 HERE = Path(__file__).resolve().parent
 # Number of calls of each kind of bake that are tried, seeded; 0 for all.
@@ -96,6 +97,49 @@ def tried(count):
     numbers = range(1, count + 1)
     moments = random.Random(seed)
     return moments, sorted(moments.sample(numbers, min(TRIED or count, count)))
+
+
+# Frees the bake in a scene's folder.
+FREE = """
+import sys
+sys.path.insert(0, sys.argv[1])
+import shot
+from snowbough.cache import errors, versions
+try:
+    versions.free(versions.find_bakes(sys.argv[2], (sys.argv[3],)))
+except errors.CacheError as error:
+    sys.exit(str(error))
+"""
+
+
+def test_a_removal_that_is_interrupted_goes_on_the_next_time(library, stopped, tmp_path):
+    identity = shot.request(stopped).cache_id
+
+    def free(fault):
+        """Frees a copy of the stopped bake with a fault: (scene's folder, the error)."""
+        root = shutil.copytree(stopped, tmp_path / fault.replace("/", "-") / "cache") / scene
+        environment = {
+            **os.environ,
+            "LD_PRELOAD": str(library),
+            "SNOWBOUGH_FAULT_ROOT": str(root),
+            "SNOWBOUGH_FAULT": fault,
+        }
+        command = [sys.executable, "-c", FREE, HERE, root, identity]
+        return root, subprocess.run(command, env=environment, capture_output=True, text=True).stderr
+
+    (scene,) = (path.name for path in stopped.glob("Scene-*"))
+    log = tmp_path / "calls.log"
+    assert free(f"log:{log}")[1] == ""
+    calls = [line.split(" ", 1) for line in log.read_text().splitlines()]
+    of_frames = [
+        k + 1 for k, (name, path) in enumerate(calls) if name == "unlink" and "_0" in Path(path).name
+    ]
+    assert len(of_frames) > 10
+    for number in (of_frames[0], of_frames[len(of_frames) // 2], of_frames[-1]):
+        root, said = free(f"fail:{number}:{errno.EIO}")
+        assert "could not be removed: Input/output error" in said, number
+        versions.free(versions.find_bakes(root, (identity,)))
+        assert not [path for path in root.rglob("*") if path.is_file() and path.name != "owner.json"]
 
 
 def test_every_file_is_flushed_before_it_is_renamed(bake, memory_folder):

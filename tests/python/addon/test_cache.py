@@ -93,11 +93,13 @@ def test_checkpoints_between_the_regular_ones_go_once_passed(tmp_path):
     assert folder.checkpoints(tmp_path) == [5, 10, 12]
 
 
-def test_a_checkpoint_is_removed_in_the_order_that_leaves_none_that_looks_complete(tmp_path, monkeypatch):
-    removed = []
-    monkeypatch.setattr(Path, "unlink", lambda path, **_: removed.append(path.name))
-    folder.remove_checkpoint(tmp_path, 4)
-    assert removed == ["state_0004", "state_0004.json"]
+def test_a_state_without_its_sidecar_is_never_left(tmp_path):
+    """Such a checkpoint would be damaged; a sidecar alone is none."""
+    (tmp_path / "state_0004").mkdir()  # which is no file and cannot be removed
+    (tmp_path / "state_0004.json").touch()
+    with pytest.raises(OSError):
+        folder.remove_checkpoint(tmp_path, 4)
+    assert (tmp_path / "state_0004.json").exists()
 
 
 def test_the_frames_after_a_checkpoint_go_and_no_others(tmp_path):

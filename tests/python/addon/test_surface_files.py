@@ -159,16 +159,22 @@ def test_a_point_cache_in_a_folder_that_is_not_there_names_it(tmp_path):
         point_cache.PointCacheWriter(tmp_path / "gone" / "a.pc2", 1)
 
 
-def test_a_full_disk_leaves_no_point_cache(tmp_path, monkeypatch):
-    def refuse(descriptor):
-        raise OSError(28, "No space left on device")
+@pytest.fixture
+def small_files():
+    """Files cannot grow beyond 64 bytes."""
+    resource = pytest.importorskip("resource", reason="needs limits of processes")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (64, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
+
+def test_a_point_cache_that_cannot_grow_is_removed(tmp_path, small_files):
     with (
-        pytest.raises(CacheError, match="a.pc2 could not be written: No space"),
-        point_cache.PointCacheWriter(tmp_path / "a.pc2", 1) as cache,
+        pytest.raises(CacheError, match="a.pc2 could not be written: File too large"),
+        point_cache.PointCacheWriter(tmp_path / "a.pc2", 3) as cache,
     ):
-        cache.add(np.zeros((1, 3)))
-        monkeypatch.setattr(os, "fsync", refuse)
+        cache.add(np.zeros((3, 3)))  # 32 and 36 bytes, written at the end
         cache.publish()
     assert os.listdir(tmp_path) == []
 

@@ -86,11 +86,16 @@ def test_two_shapes_are_two_prototypes():
     assert sorted(len(kind.scales) for kind in kinds) == [20, 30] and not left.any()
 
 
-def test_leaves_beyond_the_limit_of_shapes_are_left(monkeypatch):
-    monkeypatch.setattr(instances, "MOST_KINDS", 2)
-    shapes = [leaves(5, LEAF * (1, factor, 1), seed=factor) for factor in (1, 2, 4)]
-    kinds, left = instances.kinds_of(quads_surface(np.concatenate(shapes)), JOINTS)
-    assert len(kinds) == 2 and left.sum() == 10 and left[20:].all()
+def many_shapes(count):
+    """Five leaves of each shape."""
+    shapes = np.random.default_rng(1).uniform(size=(count, 4, 3))
+    return np.concatenate([leaves(5, shape, seed) for seed, shape in enumerate(shapes)])
+
+
+def test_leaves_beyond_the_limit_of_shapes_are_left():
+    most = instances.MOST_KINDS
+    kinds, left = instances.kinds_of(quads_surface(many_shapes(most + 1)), JOINTS)
+    assert len(kinds) == most and left.sum() == 10 and left[10 * most :].all()
 
 
 def test_a_prototype_begins_at_the_point_nearest_to_its_bone():
@@ -218,18 +223,17 @@ def test_leaves_are_where_the_scene_has_them(written):
     assert list(joints) == ["trunk1_001/trunk1_001_1/twig"] * 40
 
 
-def test_leaves_that_are_no_instances_are_skinned(tmp_path, monkeypatch):
+def test_leaves_that_are_no_instances_are_skinned(tmp_path):
     pxr = pytest.importorskip("pxr", reason="usd-core reads USD (pip install usd-core)")
     from pxr import Usd, UsdGeom
 
-    monkeypatch.setattr(instances, "MOST_KINDS", 1)
-    tree, other = some_tree(), leaves(10, LEAF * (1, 3, 1), seed=2)
-    tree.parts[1].levels[0] = quads_surface(np.concatenate([leaves(40), other]))
+    tree = some_tree()
+    tree.parts[1].levels[0] = quads_surface(many_shapes(instances.MOST_KINDS + 1))
     stage.write(tree, tmp_path / "t.usda")
     opened = Usd.Stage.Open(str(tmp_path / "t.usda"))
     counts = len(UsdGeom.PointInstancer.Get(opened, "/a_tree/leaves").GetPositionsAttr().Get())
     skinned = np.array(UsdGeom.Mesh.Get(opened, "/a_tree/Skin/leaves").GetPointsAttr().Get())
-    assert (counts, len(skinned)) in ((40, 40), (10, 160))
+    assert (counts, len(skinned)) == (5 * instances.MOST_KINDS, 5 * 4)
     assert complaints(pxr, tmp_path / "t.usda") == []
 
 
