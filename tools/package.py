@@ -12,8 +12,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 ADDON = ROOT / "addon" / "snowbough"
-PACKAGES = ROOT / "build" / "packages"
-LIBRARIES = ROOT / "build" / "third_party" / "sources"
+BUILD = ROOT / "build"
 
 # For each system: Blender's name, the wheel's tag, and the suffix of its modules.
 SYSTEMS = {
@@ -89,8 +88,8 @@ def below(folder, files):
     return {f"{folder}/{name}": content for name, content in files.items()}
 
 
-def modules_of(system, version):
-    folder = ROOT / "build" / system / "modules"
+def modules_of(system, version, build):
+    folder = build / system / "modules"
     found = sorted(folder.glob(f"snowbough_native_{version.replace('.', '_')}.*{SYSTEMS[system][2]}"))
     if not found:
         sys.exit(
@@ -99,8 +98,10 @@ def modules_of(system, version):
     return {path.name: path.read_bytes() for path in found}
 
 
-def wheel_files(system, version, modules):
-    """The files of one wheel for all Python versions: each version imports the module with its own suffix."""
+def wheel_files(system, version, modules, libraries):
+    """The files of one wheel for all Python versions: each version imports the module with its own suffix.
+
+    libraries: the folder with the sources of the libraries in LICENCES."""
     module = f"snowbough_native_{version.replace('.', '_')}"
     info = f"snowbough_native-{version}.dist-info"
     readme = (ROOT / "README.md").read_text(encoding="utf-8").partition("\n## ")[0]
@@ -117,7 +118,7 @@ def wheel_files(system, version, modules):
     ).encode()
     files[f"{info}/licenses/LICENSE"] = (ROOT / "LICENSE").read_bytes()
     for library, name in LICENCES.items():
-        files[f"{info}/licenses/{library}.txt"] = (LIBRARIES / library / name).read_bytes()
+        files[f"{info}/licenses/{library}.txt"] = (libraries / library / name).read_bytes()
     record = []
     for name in sorted(files):
         digest = base64.urlsafe_b64encode(hashlib.sha256(files[name]).digest()).rstrip(b"=").decode()
@@ -139,21 +140,24 @@ def develop(folder, target):
         sys.exit(f"package: no snowbough_native in {folder}; run ./tools/setup.sh first")
     files = addon_files() | below("lib", {path.name: path.read_bytes() for path in native})
     write_zip(
-        Path(target).resolve() if target else ROOT / "build" / f"snowbough-{version}.zip",
+        Path(target).resolve() if target else BUILD / f"snowbough-{version}.zip",
         below("snowbough", files),
     )
 
 
-def release(systems):
+def release(systems, build=BUILD):
+    """Writes the packages of these systems to build/packages. Their modules are in build/SYSTEM/modules, the libraries'
+    sources in build/third_party/sources."""
+    packages, libraries = build / "packages", build / "third_party" / "sources"
     manifest = (ADDON / "blender_manifest.toml").read_text(encoding="utf-8")
     version = version_of(manifest)
     legacy, listed = addon_files(), []
     for system in systems:
         blender, tag, _ = SYSTEMS[system]
-        modules = modules_of(system, version)
+        modules = modules_of(system, version, build)
         legacy |= below("lib", {name: modules[name] for name in modules if re.search(LEGACY_PYTHONS, name)})
-        wheel = PACKAGES / f"snowbough_native-{version}-py3-none-{tag}.whl"
-        write_zip(wheel, wheel_files(system, version, modules))
+        wheel = packages / f"snowbough_native-{version}-py3-none-{tag}.whl"
+        write_zip(wheel, wheel_files(system, version, modules, libraries))
         own = re.sub(
             r"^platforms = .*$",
             f'platforms = ["{blender}"]\nwheels = ["./wheels/{wheel.name}"]',
@@ -165,12 +169,12 @@ def release(systems):
             "blender_manifest.toml": own.encode(),
             f"wheels/{wheel.name}": wheel.read_bytes(),
         }
-        write_zip(PACKAGES / "repository" / name, files)
-        listed.append(entry(manifest, blender, PACKAGES / "repository" / name))
-    write_zip(PACKAGES / f"snowbough-{version}-legacy.zip", below("snowbough", legacy))
+        write_zip(packages / "repository" / name, files)
+        listed.append(entry(manifest, blender, packages / "repository" / name))
+    write_zip(packages / f"snowbough-{version}-legacy.zip", below("snowbough", legacy))
     index = {"version": "v1", "blocklist": [], "data": listed}
-    (PACKAGES / "repository" / "index.json").write_text(json.dumps(index, indent=2) + "\n", encoding="utf-8")
-    say_made(PACKAGES / "repository" / "index.json")
+    (packages / "repository" / "index.json").write_text(json.dumps(index, indent=2) + "\n", encoding="utf-8")
+    say_made(packages / "repository" / "index.json")
 
 
 def entry(manifest, platform, archive):

@@ -20,37 +20,49 @@ SUFFIXES = {
 }
 
 
-@pytest.fixture
-def package(tmp_path, monkeypatch):
-    """tools/package.py, with modules that hold the name of their system and Python."""
+@pytest.fixture(scope="module")
+def package():
+    """tools/package.py"""
     spec = importlib.util.spec_from_file_location("package", ROOT / "tools" / "package.py")
     package = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(package)
-
-    def modules_of(system, version):
-        name = f"snowbough_native_{version.replace('.', '_')}" + SUFFIXES[system]
-        return {name.format(python): f"{system} {python}".encode() for python in PYTHONS}
-
-    monkeypatch.setattr(package, "modules_of", modules_of)
-    monkeypatch.setattr(package, "PACKAGES", tmp_path)
-    monkeypatch.setattr(package, "LICENCES", {})
     return package
+
+
+@pytest.fixture
+def release(package, tmp_path):
+    """release(systems): the folder of their packages. The modules hold the name of their system and Python."""
+    version = package.version_of((package.ADDON / "blender_manifest.toml").read_text()).replace(".", "_")
+    for system, suffix in SUFFIXES.items():
+        modules = tmp_path / system / "modules"
+        modules.mkdir(parents=True)
+        for python in PYTHONS:
+            name = f"snowbough_native_{version}" + suffix.format(python)
+            (modules / name).write_text(f"{system} {python}")
+    for library, name in package.LICENCES.items():
+        licence = tmp_path / "third_party" / "sources" / library / name
+        licence.parent.mkdir(parents=True)
+        licence.write_text(f"licence of {library}")
+
+    def made(systems):
+        package.release(systems, tmp_path)
+        return tmp_path / "packages"
+
+    return made
 
 
 def bytes_below(folder):
     return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def test_equal_input_gives_equal_bytes(package):
-    package.release(["linux", "windows"])
-    first = bytes_below(package.PACKAGES)
-    package.release(["linux", "windows"])
-    assert bytes_below(package.PACKAGES) == first and len(first) == 6
+def test_equal_input_gives_equal_bytes(release):
+    first = bytes_below(release(["linux", "windows"]))
+    assert bytes_below(release(["linux", "windows"])) == first and len(first) == 6
 
 
-def test_the_legacy_zip_holds_the_modules_of_the_pythons_before_blender_4_2(package):
-    package.release(["linux", "windows", "macos"])
-    (legacy,) = package.PACKAGES.glob("*-legacy.zip")
+def test_the_legacy_zip_holds_the_modules_of_the_pythons_before_blender_4_2(release):
+    packages = release(["linux", "windows", "macos"])
+    (legacy,) = packages.glob("*-legacy.zip")
     with zipfile.ZipFile(legacy) as archive:
         lib = [
             archive.read(name).decode() for name in archive.namelist() if name.startswith("snowbough/lib/")
@@ -58,9 +70,9 @@ def test_the_legacy_zip_holds_the_modules_of_the_pythons_before_blender_4_2(pack
     assert sorted(lib) == sorted(f"{system} {python}" for system in SUFFIXES for python in ("310", "311"))
 
 
-def test_an_extension_names_its_system_and_the_wheel_it_holds(package):
-    package.release(["linux", "windows"])
-    (extension,) = (package.PACKAGES / "repository").glob("*windows_x64.zip")
+def test_an_extension_names_its_system_and_the_wheel_it_holds(release):
+    packages = release(["linux", "windows"])
+    (extension,) = (packages / "repository").glob("*windows_x64.zip")
     with zipfile.ZipFile(extension) as archive:
         manifest = archive.read("blender_manifest.toml").decode()
         names = archive.namelist()
@@ -70,9 +82,9 @@ def test_an_extension_names_its_system_and_the_wheel_it_holds(package):
     assert not [name for name in names if name.startswith("lib/")]
 
 
-def test_a_wheel_records_what_it_holds(package):
-    package.release(["macos"])
-    (wheel,) = package.PACKAGES.glob("*.whl")
+def test_a_wheel_records_what_it_holds(release):
+    packages = release(["macos"])
+    (wheel,) = packages.glob("*.whl")
     with zipfile.ZipFile(wheel) as archive:
         (record,) = [name for name in archive.namelist() if name.endswith("/RECORD")]
         lines = [line.split(",") for line in archive.read(record).decode().splitlines()]
@@ -84,9 +96,9 @@ def test_a_wheel_records_what_it_holds(package):
                 assert (digest, int(size)) == (f"sha256={known}", len(content))
 
 
-def test_the_index_lists_each_zip_with_its_checksum(package):
-    package.release(["linux", "macos"])
-    repository = package.PACKAGES / "repository"
+def test_the_index_lists_each_zip_with_its_checksum(release):
+    packages = release(["linux", "macos"])
+    repository = packages / "repository"
     data = json.loads((repository / "index.json").read_text())["data"]
     assert [entry["platforms"] for entry in data] == [["linux-x64"], ["macos-arm64"]]
     for entry in data:
