@@ -1,7 +1,7 @@
 """Tests of what snow does run on both engines."""
 
 import pytest
-import snowbough_native as native
+from snow_fall import ENGINE
 
 ON_BOTH_ENGINES = {
     "test_snow",
@@ -23,12 +23,8 @@ def pytest_generate_tests(metafunc):
 
 
 @pytest.fixture
-def engine(request, monkeypatch):
+def engine(request):
     """Simulations of the test have this engine where they ask for none."""
-    make = native.SnowSimulation
-    monkeypatch.setattr(
-        native,
-        "SnowSimulation",
-        lambda *args, **settings: make(*args, **{"engine": request.param, **settings}),
-    )
-    return request.param
+    before = ENGINE.set(request.param)
+    yield request.param
+    ENGINE.reset(before)

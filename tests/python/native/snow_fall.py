@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Snow on one mesh, for the tests of how much lies where."""
 
+from contextvars import ContextVar
+
 import numpy as np
 import snowbough_native as native
 from snow_meshes import STAYS
@@ -8,8 +10,16 @@ from snow_meshes import STAYS
 DOWN = (0.0, 0.0, -1.0)
 
 
+# The engine of simulations that ask for none.
+ENGINE = ContextVar("engine", default="AUTO")
+
+
+def new_simulation(**settings):
+    return native.SnowSimulation(**{"engine": ENGINE.get(), **settings})
+
+
 def simulation(pixel_size=0.02, max_depth=100.0, repose=STAYS, **settings):
-    return native.SnowSimulation(pixel_size=pixel_size, max_depth=max_depth, repose=repose, **settings)
+    return new_simulation(pixel_size=pixel_size, max_depth=max_depth, repose=repose, **settings)
 
 
 def snow_on(

@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-import snowbough_native as native
+from snow_fall import new_simulation
 from snow_meshes import STAYS, grid
 
 
@@ -36,7 +36,7 @@ RING = np.pad(np.zeros((2, 2)), 1, constant_values=255)
 def snow(leaf_alpha, leaf_receives=False, steps=4, **settings):
     """Maps of the ground and, where it has one, of the leaf 0.5 m above it; and the statistics."""
     ground, leaf = card(0.0, 2.0), card(0.5)
-    with native.SnowSimulation(repose=STAYS, pixel_size=0.01, max_depth=100.0, **settings) as sim:
+    with new_simulation(repose=STAYS, pixel_size=0.01, max_depth=100.0, **settings) as sim:
         sim.add_object("ground", ground[1], ground[2], resolution=128)
         sim.add_object("leaf", leaf[1], leaf[2], resolution=128, receive=leaf_receives, alpha=leaf_alpha)
         for _ in range(steps):
@@ -92,7 +92,7 @@ def test_memory_counts_an_image_that_many_objects_show_once():
     image = np.zeros((1024, 1024), np.uint8)
 
     def taken(alphas):
-        with native.SnowSimulation(repose=STAYS) as sim:
+        with new_simulation(repose=STAYS) as sim:
             for number, alpha in enumerate(alphas):
                 sim.add_object(f"leaf{number}", mesh[1], mesh[2], receive=False, alpha=alpha)
             return sim.memory_estimate()["total"]
@@ -120,7 +120,7 @@ def test_memory_counts_an_image_that_many_objects_show_once():
 def test_what_does_not_fit_is_named(change, message):
     mesh = card(0.0)
     with (
-        native.SnowSimulation(repose=STAYS) as sim,
+        new_simulation(repose=STAYS) as sim,
         pytest.raises(ValueError, match=f"object 'leaf': .*{message}"),
     ):
         sim.add_object("leaf", mesh[1], mesh[2], alpha={**alpha_of(mesh, RING), **change})
@@ -131,7 +131,7 @@ def test_alpha_must_be_whole():
     alpha = alpha_of(mesh, RING)
     del alpha["images"]
     with (
-        native.SnowSimulation(repose=STAYS) as sim,
+        new_simulation(repose=STAYS) as sim,
         pytest.raises(ValueError, match="must have an entry 'images'"),
     ):
         sim.add_object("leaf", mesh[1], mesh[2], alpha=alpha)

@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-import snowbough_native as native
+from snow_fall import new_simulation
 from snow_meshes import STAYS, box, chart_of_box, grid, rotated, sphere, wind
 from snow_rays import outline_area
 
@@ -21,7 +21,7 @@ def bent(positions, degrees):
 
 def test_a_bending_limb_keeps_its_snow_and_gathers_by_its_new_outline():
     positions, triangles, uv = grid(0.4, 2.0, 16)
-    with native.SnowSimulation(repose=STAYS, pixel_size=0.005, max_depth=1e6) as sim:
+    with new_simulation(repose=STAYS, pixel_size=0.005, max_depth=1e6) as sim:
         sim.add_object("limb", triangles, uv, resolution=64)
         sim.step({"limb": positions}, 0.05, DOWN, 0.0)
         before = sim.height("limb")
@@ -35,7 +35,7 @@ def test_a_bending_limb_keeps_its_snow_and_gathers_by_its_new_outline():
 
 def test_a_ball_that_turns_over_sheds_and_the_books_balance():
     positions, triangles, uv = sphere()
-    with native.SnowSimulation(repose=STAYS, pixel_size=0.01, max_depth=0.3, slide_half_life=0.5) as sim:
+    with new_simulation(repose=STAYS, pixel_size=0.01, max_depth=0.3, slide_half_life=0.5) as sim:
         sim.add_object("ball", triangles, uv, resolution=128)
         for _ in range(12):
             sim.step({"ball": positions}, 0.01)
@@ -58,7 +58,7 @@ def test_extreme_wind_packs_the_windward_wall_and_leaves_a_clean_shadow(angle, p
     ground, post = grid(2.0, 3.0), box(0.2, top)
     standing = post[0] + np.float32((0.0, -1.0, 0.0))
     resolution = 256
-    with native.SnowSimulation(repose=STAYS, pixel_size=pixel_size, max_depth=1e6) as sim:
+    with new_simulation(repose=STAYS, pixel_size=pixel_size, max_depth=1e6) as sim:
         sim.add_object("ground", ground[1], ground[2], resolution=resolution)
         sim.add_object("post", post[1], post[2], resolution=128)
         for step in range(8):

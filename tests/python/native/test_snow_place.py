@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 import snowbough_native as native
+from snow_fall import new_simulation
 from snow_meshes import STAYS, box, grid, rotated, sphere, wind
 from snow_rays import first_hits, lit_shares, near_any, outline_area, sees_the_fall, texel_points
 
@@ -12,7 +13,7 @@ RESOLUTION = 256
 
 
 def snow_under(meshes, receiver, direction, pixel_size, steps=12):
-    with native.SnowSimulation(repose=STAYS, pixel_size=pixel_size, max_depth=1e6) as sim:
+    with new_simulation(repose=STAYS, pixel_size=pixel_size, max_depth=1e6) as sim:
         for name, (_, triangles, uv) in meshes.items():
             sim.add_object(name, triangles, uv, resolution=RESOLUTION, receive=name == receiver)
         for step in range(steps):
@@ -78,7 +79,7 @@ def folded_strip(resolution=64, edge=20.3):
 
 def test_a_texel_round_an_edge_takes_snow_by_the_part_that_faces_the_fall():
     mesh = folded_strip()
-    with native.SnowSimulation(repose=STAYS, pixel_size=0.003, max_depth=1e6) as sim:
+    with new_simulation(repose=STAYS, pixel_size=0.003, max_depth=1e6) as sim:
         sim.add_object("it", mesh[1], mesh[2], resolution=64)
         for step in range(8):
             sim.step({"it": mesh[0]} if step == 0 else {}, 0.01)
@@ -96,7 +97,7 @@ def test_a_texel_round_an_edge_lies_on_the_back_where_that_is_outside():
     positions, triangles, uv = folded_strip()
     maps = []
     for faces, corners in ((triangles, uv), (triangles[:, ::-1].copy(), uv[:, ::-1].copy())):
-        with native.SnowSimulation(pixel_size=0.003, max_depth=1e6, repose=STAYS) as sim:
+        with new_simulation(pixel_size=0.003, max_depth=1e6, repose=STAYS) as sim:
             sim.add_object("it", faces, corners, resolution=64)
             for step in range(8):
                 sim.step({"it": positions} if step == 0 else {}, 0.01)
@@ -135,7 +136,7 @@ def test_a_sphere_gathers_the_same_on_every_layout(layout):
     else:
         cell = np.stack(np.divmod(np.arange(len(triangles)), 24), axis=1)[:, None, :] / 24.0
         uv = np.array([[0.1, 0.1], [0.9, 0.1], [0.1, 0.9]]) / 24.0 + cell
-    with native.SnowSimulation(repose=STAYS, pixel_size=0.01, max_depth=1e6) as sim:
+    with new_simulation(repose=STAYS, pixel_size=0.01, max_depth=1e6) as sim:
         sim.add_object("ball", triangles, uv.astype(np.float32), resolution=128)
         for step in range(12):
             sim.step({"ball": positions} if step == 0 else {}, 0.01)
@@ -150,7 +151,7 @@ def test_a_pixel_of_ten_texels_and_one_of_a_tenth_gather_the_same():
     positions, triangles, uv = sphere()
     volumes = []
     for pixel_size in (0.0028, 0.28):  # a texel of the 128 map is about 28 mm
-        with native.SnowSimulation(repose=STAYS, pixel_size=pixel_size, max_depth=1e6) as sim:
+        with new_simulation(repose=STAYS, pixel_size=pixel_size, max_depth=1e6) as sim:
             sim.add_object("ball", triangles, uv, resolution=128)
             for step in range(48):
                 sim.step({"ball": positions} if step == 0 else {}, 0.01)

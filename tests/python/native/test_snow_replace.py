@@ -4,11 +4,12 @@
 import numpy as np
 import pytest
 import snowbough_native as native
+from snow_fall import new_simulation
 from snow_meshes import STAYS, grid
 
 
 def simulation(**settings):
-    return native.SnowSimulation(repose=STAYS, pixel_size=0.01, max_depth=100.0, **settings)
+    return new_simulation(repose=STAYS, pixel_size=0.01, max_depth=100.0, **settings)
 
 
 def mean(heights):

@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 import snowbough_native as native
+from snow_fall import new_simulation
 from snow_meshes import STAYS, box, chart_of_box, grid, rotated, smooth, sphere, wind
 
 DOWN = (0.0, 0.0, -1.0)
@@ -14,7 +15,7 @@ def snow_on(
 ):
     """Height for a depth of 1, texel area and statistics."""
     positions, triangles, uv = mesh
-    with native.SnowSimulation(pixel_size=0.008, max_depth=max_depth, flutter=flutter, repose=STAYS) as sim:
+    with new_simulation(pixel_size=0.008, max_depth=max_depth, flutter=flutter, repose=STAYS) as sim:
         sim.add_object("it", triangles, uv, resolution=resolution, shading=shading)
         for _ in range(steps):
             sim.step({"it": positions}, 0.05 / steps, direction, dt)
@@ -118,5 +119,5 @@ def test_what_a_smooth_ball_holds_is_not_terraced_either():
 
 def test_shading_of_another_shape_is_refused():
     positions, triangles, uv = grid()
-    with native.SnowSimulation() as sim, pytest.raises(ValueError, match=r"'it'.*shading.*\(T, 3\), T = 2"):
+    with new_simulation() as sim, pytest.raises(ValueError, match=r"'it'.*shading.*\(T, 3\), T = 2"):
         sim.add_object("it", triangles, uv, shading=np.zeros((1, 3), np.int32))

@@ -3,8 +3,8 @@
 
 import numpy as np
 import pytest
-import snowbough_native as native
 from checkpoints import restore, save
+from snow_fall import new_simulation
 from snow_meshes import STAYS, box, grid, rotated, smooth, sphere, turned_over, wind
 
 DOWN = (0.0, 0.0, -1.0)
@@ -12,7 +12,7 @@ DOWN = (0.0, 0.0, -1.0)
 
 def snow_on(mesh, depth=0.1, direction=DOWN, resolution=64, **options):
     positions, triangles, uv = mesh
-    with native.SnowSimulation(pixel_size=0.02, repose=STAYS, max_depth=100.0) as sim:
+    with new_simulation(pixel_size=0.02, repose=STAYS, max_depth=100.0) as sim:
         sim.add_object("it", triangles, uv, resolution=resolution, **options)
         sim.step({"it": positions}, depth, direction, 0.0)
         return sim.height("it"), sim.texel_area("it"), sim.statistics()
@@ -121,7 +121,7 @@ def balanced(statistics):
 
 def test_what_lies_on_a_flag_slides_off_when_it_turns_over():
     positions, triangles, uv = grid()
-    with native.SnowSimulation(pixel_size=0.02, repose=STAYS, max_depth=0.5, slide_half_life=0.1) as sim:
+    with new_simulation(pixel_size=0.02, repose=STAYS, max_depth=0.5, slide_half_life=0.1) as sim:
         sim.add_object("flag", triangles, uv, resolution=64)
         sim.step({"flag": positions}, 0.1)
         assert lying(sim.height("flag")).min() == pytest.approx(0.1)
@@ -136,7 +136,7 @@ def test_what_lies_on_a_flag_slides_off_when_it_turns_over():
 
 def test_new_snow_on_the_upper_side_throws_off_at_once_what_hangs_below():
     positions, triangles, uv = grid()
-    with native.SnowSimulation(pixel_size=0.02, repose=STAYS, max_depth=0.5, slide_half_life=100.0) as sim:
+    with new_simulation(pixel_size=0.02, repose=STAYS, max_depth=0.5, slide_half_life=100.0) as sim:
         sim.add_object("flag", triangles, uv, resolution=64)
         sim.step({"flag": positions}, 0.1)
         sim.step({"flag": rotated(positions, "x", 180.0)}, 0.02, dt=0.01)
@@ -151,7 +151,7 @@ def test_new_snow_on_the_upper_side_throws_off_at_once_what_hangs_below():
 def test_wind_from_below_takes_nothing_from_the_upper_side():
     positions, triangles, uv = grid()
     card = rotated(positions, "x", 60.0)  # its front looks up and to -y
-    with native.SnowSimulation(pixel_size=0.01, repose=STAYS, max_depth=0.5, slide_half_life=2.0) as sim:
+    with new_simulation(pixel_size=0.01, repose=STAYS, max_depth=0.5, slide_half_life=2.0) as sim:
         sim.add_object("card", triangles, uv, resolution=64)
         sim.step({"card": card}, 0.02, DOWN, 0.0)
         before = sim.height("card")
@@ -167,7 +167,7 @@ def test_snow_finds_its_repose_below_as_above():
     positions, triangles, uv = grid(0.5, 0.5, cells=4)
     maps = []
     for mesh in ((positions, triangles, uv), turned_over((positions, triangles, uv))):
-        with native.SnowSimulation(pixel_size=0.01, max_depth=1.0) as sim:
+        with new_simulation(pixel_size=0.01, max_depth=1.0) as sim:
             sim.add_object("card", mesh[1], mesh[2], resolution=64)
             for step in range(12):
                 sim.step({"card": mesh[0]} if step == 0 else {}, 0.01, dt=0.2)
@@ -181,7 +181,7 @@ def test_snow_finds_its_repose_below_as_above():
 def test_a_card_shelters_what_is_below_whichever_way_it_faces():
     ground = grid(2.0, 2.0)
     for leaf in (grid(), turned_over(grid())):
-        with native.SnowSimulation(pixel_size=0.02, repose=STAYS, max_depth=100.0) as sim:
+        with new_simulation(pixel_size=0.02, repose=STAYS, max_depth=100.0) as sim:
             sim.add_object("ground", ground[1], ground[2], resolution=64)
             sim.add_object("leaf", leaf[1], leaf[2], resolution=64)
             sim.step({"ground": ground[0], "leaf": leaf[0] + np.float32((0, 0, 0.5))}, 0.1, DOWN, 0.0)
@@ -224,7 +224,7 @@ def test_smoothing_normals_and_seams_work_below_as_above():
     shelter = grid(0.5, 0.5)
     outputs = []
     for leaf in (mesh, (mesh[0], mesh[1][:, ::-1].copy(), mesh[2][:, ::-1].copy())):
-        with native.SnowSimulation(pixel_size=0.02, repose=STAYS, max_depth=100.0, blur_radius=0.03) as sim:
+        with new_simulation(pixel_size=0.02, repose=STAYS, max_depth=100.0, blur_radius=0.03) as sim:
             sim.add_object("leaf", leaf[1], leaf[2], resolution=64)
             sim.add_object("shelter", shelter[1], shelter[2], receive=False)
             sim.step({"leaf": leaf[0], "shelter": shelter[0] + np.float32((0.2, 0, 0.5))}, 0.1, DOWN, 0.0)
@@ -242,7 +242,7 @@ def test_seams_are_level_below_as_above():
     bowl = mesh[0], mesh[1][lower], mesh[2][lower]
     outputs = []
     for positions, triangles, uv in (turned_over(bowl), bowl):
-        with native.SnowSimulation(pixel_size=0.02, repose=STAYS, max_depth=100.0, blur_radius=0.02) as sim:
+        with new_simulation(pixel_size=0.02, repose=STAYS, max_depth=100.0, blur_radius=0.02) as sim:
             sim.add_object("bowl", triangles, uv, resolution=64)
             sim.step({"bowl": positions}, 0.1, DOWN, 0.0)
             outputs.append(sim.output("bowl", normal=False)["height"])
@@ -253,13 +253,13 @@ def test_seams_are_level_below_as_above():
 def test_a_checkpoint_keeps_what_lies_on_the_back(tmp_path):
     positions, triangles, uv = turned_over(grid())
     path = str(tmp_path / "state")
-    with native.SnowSimulation(pixel_size=0.02, repose=STAYS) as sim:
+    with new_simulation(pixel_size=0.02, repose=STAYS) as sim:
         sim.add_object("card", triangles, uv, resolution=64)
         sim.step({"card": positions}, 0.1)
         save(sim, path)
         sim.step({}, 0.1)
         whole = sim.height("card")
-    with native.SnowSimulation(pixel_size=0.02, repose=STAYS) as sim:
+    with new_simulation(pixel_size=0.02, repose=STAYS) as sim:
         sim.add_object("card", triangles, uv, resolution=64)
         sim.step({"card": positions}, 0.0)
         restore(sim, path)
@@ -274,7 +274,7 @@ def test_tiles_change_nothing_on_either_side():
     positions = rotated(positions, "y", 75.0)
     maps = []
     for tile_size in (64, 2048):
-        with native.SnowSimulation(
+        with new_simulation(
             pixel_size=0.005, repose=STAYS, max_depth=1.0, flutter=np.radians(3.0), tile_size=tile_size
         ) as sim:
             sim.add_object("it", triangles, uv, resolution=128, shading=smooth(positions, triangles))

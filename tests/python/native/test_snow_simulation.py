@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import snowbough_native as native
 from checkpoints import restore, save
-from snow_fall import simulation, snow_on, volume
+from snow_fall import new_simulation, simulation, snow_on, volume
 from snow_meshes import grid, sphere, wind
 
 # Determinism and formulations
@@ -193,9 +193,9 @@ def test_bad_input_is_refused_by_name():
             sim.height("missing")
         assert sim.statistics()["held_volume"] == pytest.approx(0.1, rel=0.01)
     with pytest.raises(ValueError, match="pixel_size"):
-        native.SnowSimulation(pixel_size=0.0)
+        new_simulation(pixel_size=0.0)
     with pytest.raises(ValueError, match="mapping"):
-        native.SnowSimulation(mapping="MAGIC")
+        new_simulation(mapping="MAGIC")
 
 
 def test_a_scene_that_spans_too_many_pixels_is_refused():

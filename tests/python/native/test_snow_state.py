@@ -3,8 +3,8 @@
 
 import numpy as np
 import pytest
-import snowbough_native as native
 from checkpoints import restore, save
+from snow_fall import new_simulation
 from snow_meshes import sphere
 
 
@@ -13,7 +13,7 @@ def saved(tmp_path):
     positions, triangles, uv = sphere(around=16, rings=8)
 
     def start(resolution=64, name="it"):
-        sim = native.SnowSimulation(pixel_size=0.02, noise_density=0.5)
+        sim = new_simulation(pixel_size=0.02, noise_density=0.5)
         sim.add_object(name, triangles, uv, resolution=resolution)
         return sim
 
