@@ -111,12 +111,16 @@ def test_the_preference_is_described_and_drawn(addon):
     assert drawn == ["engine", "preview_resolution", "preview_memory"]
 
 
-def test_without_preferences_it_is_automatic(addon, engine, monkeypatch):
+def test_without_preferences_it_is_automatic(addon, engine):
     engine("CPU")
-    preferences = addon("settings.preferences")
-    assert preferences.preferred_engine() == "CPU"
-    monkeypatch.setattr(preferences, "ADDON", "snowbough_from_a_checkout")
-    assert preferences.preferred_engine() == "AUTO"
+    preferred_engine = addon("settings.preferences").preferred_engine
+    assert preferred_engine() == "CPU"
+    enabled = bpy.context.preferences.addons
+    enabled.remove(enabled[PACKAGE])
+    try:
+        assert preferred_engine() == "AUTO"
+    finally:
+        enabled.new().module = PACKAGE
 
 
 def start_preview(addon):

@@ -293,12 +293,24 @@ def test_bad_input_gets_one_message_and_leaves_nothing(tmp_path):
     assert "leaves.obj" in _refused(tmp_path / "leaves.obj")
 
 
-def test_an_error_while_objects_are_made_leaves_nothing(addon, monkeypatch):
-    def fail(*_arguments):
-        raise RuntimeError("no room")
+@pytest.mark.parametrize("before", [0, 1])
+def test_an_error_while_objects_are_made_leaves_nothing(addon, before):
+    """In the first tree of two, or in the second."""
+    import_tree, materials = addon("tree.import_tree"), addon("tree.materials")
+    left = iter(range(before))
 
-    monkeypatch.setattr(addon("tree.objects"), "bind", fail)
-    assert "no room" in _refused(MAPLE)
+    class Failing(materials.OwnMaterials):
+        def copy(self, source, uv_map):
+            if next(left, None) is None:
+                raise RuntimeError("no room")
+
+    options = addon("tree.import_options").ImportOptions(detail="DRAFT")
+    trees, failures = import_tree.read_files([MAPLE, MAPLE], options)
+    assert len(trees) == 2 and failures == []
+    names = _data_names()
+    with pytest.raises(RuntimeError, match="no room"):
+        import_tree.create_trees(bpy.context, trees, options, Failing())
+    assert _data_names() == names
 
 
 @pytest.mark.parametrize("lod, chain", [(0, False), (3, False), (0, True)])

@@ -165,24 +165,6 @@ def test_where_nothing_is_a_tree_all_are_told_and_nothing_is_made(forest):
     assert _trees() == []
 
 
-def test_an_error_with_the_second_tree_leaves_no_first(forest, addon, monkeypatch):
-    made, bind = [], addon("tree.objects").bind
-
-    def fail(obj, rig):
-        made.append(obj)
-        if len(made) > 1:
-            raise RuntimeError("no room")
-        bind(obj, rig)
-
-    monkeypatch.setattr(addon("tree.objects"), "bind", fail)
-    with pytest.raises(RuntimeError, match="no room"):
-        bpy.ops.import_scene.xfrog_tree(filepath=str(forest / "more"), directory="")
-        bpy.ops.import_scene.xfrog_tree(
-            directory=str(forest), files=[{"name": "one.obj"}, {"name": "two.OBJ"}]
-        )
-    assert not {"one", "two"} & set(_trees())
-
-
 def test_the_command_line_takes_several_files_and_folders(forest):
     if getattr(bpy.app, "module", False) or not bpy.app.binary_path:
         pytest.skip("the command line needs the Blender program; this is the bpy module")

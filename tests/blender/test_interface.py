@@ -157,17 +157,24 @@ def test_greyed_buttons_say_why_in_an_empty_scene():
     assert [idname for idname, text in refused.items() if "context is incorrect" in text] == []
 
 
-def test_nothing_that_changes_the_scene_can_be_pressed_while_a_bake_runs(addon, monkeypatch, tmp_path):
+def test_nothing_that_changes_the_scene_can_be_pressed_while_a_bake_runs(addon, tmp_path):
     settings(tmp_path)
     ground = square("Ground")
     receive(ground)
     ground.select_set(True)
     bpy.context.view_layer.objects.active = ground
-    monkeypatch.setattr(addon("base.session"), "bake", object())
-    for idname in operators():
-        if idname in {"snowbough.stop_bake", "snowbough.lock_editing"} or "import" in idname:
-            continue
-        assert "A bake is running" in (refusal(idname) or "nothing"), idname
+    from_scene, refused = addon("bake.from_scene"), {}
+
+    def press_all(_result):
+        for idname in operators():
+            if idname not in {"snowbough.stop_bake", "snowbough.lock_editing"} and "import" not in idname:
+                refused[idname] = refusal(idname)
+
+    request = from_scene.make_request(bpy.context.scene)
+    running = from_scene.prepare_bake(bpy.context.scene, request, press_all)
+    addon("bake.engine").run(bpy.context, running)
+    assert running.error is None and "snowbough.bake" in refused
+    assert [idname for idname, text in refused.items() if "A bake is running" not in (text or "")] == []
 
 
 def test_sway_is_greyed_without_a_tree():

@@ -3,8 +3,6 @@
 
 import argparse
 import json
-import shutil
-from types import SimpleNamespace
 
 import bpy
 import pytest
@@ -75,13 +73,14 @@ def test_one_without_a_map_does_not_stop_the_others_and_still_gives_shelter(addo
     assert s.texel(height, 0.5, 0.5) == 0.0 and s.texel(height, 0.1, 0.1) > 0.09
 
 
-def test_the_command_line_has_what_the_check_finds(addon, tmp_path, monkeypatch, capfd):
-    s.receive(s.square("Ground"))
+def test_the_command_line_has_what_the_check_finds(addon, tmp_path, capfd):
+    uv = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    points = [(x, y, z) for z in (0, 1) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    s.receive(s.mesh_object("Stack", points, [(0, 1, 2, 3), (4, 5, 6, 7)], uv * 2))
     s.settings(tmp_path / "cache")
-    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=1))
     code, report = run_cli(addon, tmp_path)
-    assert code == 0 and report["warnings"][0].startswith("Only 1 KiB are free in ")
-    assert 'SNOWBOUGH warning="Only 1 KiB are free in ' in capfd.readouterr().err
+    assert code == 0 and report["warnings"][0].startswith("100% of 'Stack's UV map 'snow' overlaps")
+    assert "SNOWBOUGH warning=\"100% of 'Stack's UV map 'snow' overlaps" in capfd.readouterr().err
     assert report["notes"][0].startswith("1 map, up to 64 texels a side: at most about 32 KiB on disk")
 
 

@@ -464,14 +464,22 @@ ERRORS = [
 
 @pytest.mark.parametrize("error", ERRORS, ids=lambda error: type(error).__name__)
 @pytest.mark.parametrize("when", ["frame", "edit", "setting"])
-def test_any_error_ends_it_and_is_shown(ground, preview, addon, monkeypatch, error, when):
+def test_any_error_ends_it_and_is_shown(ground, preview, addon, error, when):
     running = preview()
+    simulated = running.simulated
 
-    def fail(*_arguments):
-        raise error
+    class Failing:
+        """The simulated shot, which does nothing more."""
 
-    for name in ("go_to", "apply_scene", "apply_settings"):
-        monkeypatch.setattr(running.simulated, name, fail)
+        def go_to(self, *_arguments):
+            raise error
+
+        apply_scene = apply_settings = go_to
+
+        def __getattr__(self, name):
+            return getattr(simulated, name)
+
+    running.simulated = Failing()
     if when == "frame":
         bpy.context.scene.frame_set(3)
     elif when == "edit":

@@ -522,11 +522,10 @@ def test_a_resumed_bake_writes_the_same_surfaces(addon, undisturbed, tmp_path, l
     assert s.files_of(tmp_path / "cache") == undisturbed
 
 
-def test_a_stopped_bake_has_surfaces_of_what_is_done(addon, undisturbed, tmp_path, monkeypatch):
+def test_a_stopped_bake_has_surfaces_of_what_is_done(addon, undisturbed, tmp_path):
     from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
-    # However busy the machine is.
-    monkeypatch.setattr(addon("bake.job"), "STOPPING_SECONDS", 1e6)
     running = from_scene.prepare_bake(bpy.context.scene, from_scene.make_request(bpy.context.scene))
+    running.job.stopping_seconds = 1e6  # however busy the machine is
     running.on_frame = lambda result: engine.stop() if result.frame == 2 else None
     engine.run(bpy.context, running)
     addon("bake.outcome").conclude(bpy.context.scene, running)

@@ -37,16 +37,17 @@ from .map_writer import MapWriter, WriteFailed
 from .request import BakeCancelled
 from .snow_engine import driver_text, engine_info
 
-# After a bake was stopped, surfaces are computed only if they take at most this long, in seconds.
 STOPPING_SECONDS = 4.0
 
 
 class BakeJob:
-    """One bake. `native` is the module snowbough_native, or a substitute in tests."""
+    """One bake. `native` is the module snowbough_native, or a substitute in tests. stopping_seconds: after a bake was
+    stopped, surfaces are computed only if they take at most this long."""
 
-    def __init__(self, request, native):
+    def __init__(self, request, native, stopping_seconds=STOPPING_SECONDS):
         self.request = request
         self.native = native
+        self.stopping_seconds = stopping_seconds
         self.root = versions.scene_folder(request.cache, request.known_as, request.cache_id)
         self.version = None
         self.receivers = []
@@ -139,7 +140,7 @@ class BakeJob:
             except BakeCancelled:
                 # Make surfaces of the finished frames while the user waits; Update Surface makes the rest.
                 with contextlib.suppress(BakeCancelled):
-                    self._make_surfaces(settings, shaping, takes_longer_than(STOPPING_SECONDS))
+                    self._make_surfaces(settings, shaping, takes_longer_than(self.stopping_seconds))
                 raise
             if request.last < request.frame_end:
                 baker.stop()
