@@ -62,11 +62,10 @@ TEST(SeamLeveller, staysBetweenNothingAndTheHighestAround) {
   EXPECT_GT(map[1], 2.0f);
 }
 
-/// Snow that ends on a straight seam: texels 0 to 15 of the one side lie half a texel beside 16 to
-/// 31 of the other, the first eight of each hold snow, and the points are a quarter of a texel
-/// apart.
-TEST(SeamLeveller, sidesAreEvenJustBeyondTheSnowsEndToo) {
-  SeamLevelling levelling{{}, 32, {}, 1e-4f};
+/// A straight seam: texels 0 to 15 of the one side lie half a texel beside 16 to 31 of the other,
+/// and the points are a quarter of a texel apart.
+SeamLevelling straight_seam(int32_t unknowns) {
+  SeamLevelling levelling{{}, unknowns, {}, 1e-4f};
   for (int32_t texel = 0; texel < 32; ++texel) levelling.texel.push_back(texel);
   for (float at = 0.625f; at < 15.0f; at += 0.25f) {
     const auto a = static_cast<int32_t>(at);
@@ -76,6 +75,12 @@ TEST(SeamLeveller, sidesAreEvenJustBeyondTheSnowsEndToo) {
     levelling.points.push_back(
         row({{a, of_a - 1.0f}, {a + 1, -of_a}, {16 + b, 1.0f - of_b}, {17 + b, of_b}}, 32));
   }
+  return levelling;
+}
+
+/// The first eight texels of each side hold snow.
+TEST(SeamLeveller, sidesAreEvenJustBeyondTheSnowsEndToo) {
+  const SeamLevelling levelling = straight_seam(32);
   std::vector<float> map(32, 0.0f);
   for (const size_t texel : {0, 1, 2, 3, 4, 5, 6, 7}) map[texel] = map[16 + texel] = 0.1f;
   SeamLeveller(levelling).run(map);
@@ -88,6 +93,22 @@ TEST(SeamLeveller, sidesAreEvenJustBeyondTheSnowsEndToo) {
     const bool had_snow = point.source[0] < 8 || point.source[2] < 24;
     EXPECT_LE(std::fabs(gap), had_snow ? 5e-3f : 1e-4f) << point.source[0];
   }
+}
+
+TEST(SeamLeveller, aMapDoesNotDependOnTheOneBefore) {
+  // The second side belongs to another chart.
+  SeamLeveller leveller(straight_seam(16));
+  std::vector<float> deep;
+  for (int32_t texel = 0; texel < 32; ++texel) {
+    deep.push_back(0.1f + 0.05f * static_cast<float>(7 * texel % 5));
+  }
+  leveller.run(deep);
+  std::vector<float> bare(32, 0.0f);
+  bare[3] = 0.1f;
+  std::vector<float> fresh = bare;
+  leveller.run(bare);
+  SeamLeveller(straight_seam(16)).run(fresh);
+  EXPECT_EQ(bare, fresh);
 }
 
 TEST(SeamLeveller, countsWhatItKeeps) {
