@@ -41,6 +41,14 @@ def stand_in(monkeypatch):
     return put
 
 
+@pytest.fixture
+def leafy(tmp_path, addon):
+    """See exported_tree.leafy_file."""
+    from exported_tree import leafy_file
+
+    return leafy_file(tmp_path, addon("base.native").load())
+
+
 @pytest.fixture(autouse=True)
 def empty_scene():
     """Every test starts in an empty file, with the add-on enabled."""

@@ -1,77 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Trees for game engines (export_scene.snowbough_tree): what is written is read back (tests/support/glb.py) and
+"""Trees for game engines (export_scene.snowbough_tree) as glTF: what is written is read back (tests/support/glb.py) and
 compared with the scene."""
 
 import json
-import sys
 
 import bpy
 import numpy as np
 import pytest
-from conftest import ROOT
+from exported_tree import LEAVES, PLAIN, export, glb, import_tree, rest_points, rows, y_up
 from synthetic_tree import evaluated_vertices
-
-sys.path.insert(0, str(ROOT / "tests" / "support"))
-import glb  # noqa: E402
-
-MAPLE = ROOT / "tests" / "data" / "small_maple.obj"
-LEAVES = 40
-# Vertices as in the scene, and nothing that takes time.
-PLAIN = {"vertices": "FLOAT", "cards": False, "texture_size": 0, "snow_cell": 0.0}
-
-
-@pytest.fixture
-def leafy(tmp_path, addon):
-    """Path of the maple with leaves: 40 cards on its branches, textured, with a mask of its own."""
-    native = addon("base.native").load()
-    green = np.full((8, 8, 3), (40, 120, 20), np.uint8)
-    green[:, 4:] = 255  # white where the mask is 0
-    mask = np.zeros((8, 8), np.uint8)
-    mask[:, :4] = 255
-    native.write_png(str(tmp_path / "green.png"), green)
-    native.write_png(str(tmp_path / "mask.png"), mask)
-    (tmp_path / "leafy.mtl").write_text("newmtl leaf\nKd 1 1 1\nmap_Kd green.png\nmap_d mask.png\n")
-    text = MAPLE.read_text()
-    places = [line.split()[1:] for line in text.splitlines() if line.startswith("v ")]
-    places = np.array(places, float)[:, :3]
-    points, cards = len(places), []
-    for k, at in enumerate(places[np.linspace(400, points - 1, LEAVES).astype(int)]):
-        corners = at + np.array([(0, 0, 0), (0.04, 0, 0), (0.04, 0.04, 0), (0, 0.04, 0)])
-        cards += ["v %.6f %.6f %.6f" % tuple(corner) for corner in corners]
-        first = points + 4 * k + 1
-        cards.append("f " + " ".join(f"{first + c}/{c - 4}" for c in range(4)))
-    head = ["mtllib leafy.mtl", "vt 0 0", "vt 1 0", "vt 1 1", "vt 0 1"]
-    path = tmp_path / "leafy.obj"
-    path.write_text("\n".join([text, *head, "g leaves", "usemtl leaf", *cards, ""]))
-    return path
-
-
-def import_tree(path=MAPLE, **options):
-    """(armature, finest bark) of an imported tree."""
-    bpy.ops.import_scene.xfrog_tree(filepath=str(path), **{"max_bones": 120, **options})
-    bark = bpy.context.object
-    return bark.find_armature(), bark
-
-
-def export(path, **options):
-    options = {**PLAIN, **options}
-    assert bpy.ops.export_scene.snowbough_tree(filepath=str(path), **options) == {"FINISHED"}
-    assert glb.errors(path) == []
-    return glb.Gltf(path)
-
-
-def y_up(points):
-    return np.asarray(points)[:, (0, 2, 1)] * (1, 1, -1)
-
-
-def rest_points(obj):
-    return np.array([vertex.co for vertex in obj.data.vertices])
-
-
-def rows(*arrays):
-    """A set of rows, rounded: for comparing corners that are in another order."""
-    return set(map(tuple, np.round(np.concatenate(arrays, axis=1).astype(float), 4).tolist()))
-
 
 # -- levels of detail -----------------------------------------------------------------------------------
 
@@ -351,130 +288,7 @@ def test_a_leaf_follows_one_joint(tmp_path, leafy):
     assert len(np.unique(given["JOINTS_0"][:, 0])) > 3
 
 
-# -- snow -----------------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def snowy(tmp_path, addon):
-    """(bark, its folder, the native module): a bake of three frames at 64 texels, normals too."""
-    import snow_scene
-
-    _rig, bark = import_tree(snow_resolution=256)
-    snow_scene.receive(bark, resolution=256)
-    bpy.context.scene.snowbough.receivers[0].uv_map = "snow"
-    snow_scene.settings(tmp_path / "cache", (1, 3), write_normals=True)
-    snow_scene.bake()
-    return bark, snow_scene.folder_of(tmp_path / "cache", bark.name), addon("base.native").load()
-
-
-def png_samples(path):
-    """(H, W) or (H, W, 3) of a PNG's own numbers, row 0 at the bottom, as Blender reads it."""
-    image = bpy.data.images.load(str(path))
-    image.colorspace_settings.name = "Non-Color"
-    width, height = image.size
-    pixels = np.array(image.pixels[:]).reshape(height, width, image.channels)
-    return pixels, image
-
-
-def snow_of(read, part="small_maple_bark"):
-    return read.json["scenes"][0]["extras"]["snowbough"]["snow"][part]
-
-
-def test_heights_of_a_frame_come_back_in_metres(tmp_path, snowy):
-    _bark, folder, native = snowy
-    bpy.context.scene.frame_set(3)
-    read = export(tmp_path / "tree.glb", snow="FRAME")
-    said = snow_of(read)
-    assert (said["texCoord"], said["frames"], said["columns"], said["rows"], said["tile"]) == (
-        1,
-        [3],
-        1,
-        1,
-        256,
-    )
-    baked = native.read_exr(str(folder / "height_0003.exr"))[0]
-    assert baked.max() > 0.01
-    pixels, image = png_samples(tmp_path / said["height"]["uri"])
-    assert image.depth == 16 or image.is_float or len(np.unique(pixels[..., 0])) > 256
-    metres = said["height"]["offset"] + said["height"]["scale"] * pixels[..., 0]
-    assert np.abs(metres - baked).max() < 1e-5
-
-
-def test_normals_of_a_frame_come_back(tmp_path, snowy):
-    _bark, folder, native = snowy
-    bpy.context.scene.frame_set(2)
-    said = snow_of(export(tmp_path / "tree.glb", snow="FRAME"))
-    baked = native.read_exr(str(folder / "normal_0002.exr"))[0]
-    pixels, _image = png_samples(tmp_path / said["normal"]["uri"])
-    assert np.abs(pixels[..., :3] - baked).max() < 0.01
-    assert np.ptp(baked[..., 0]) > 0.1
-
-
-def test_heights_can_go_out_as_exr(tmp_path, snowy):
-    _bark, folder, native = snowy
-    bpy.context.scene.frame_set(3)
-    said = snow_of(export(tmp_path / "tree.glb", snow="FRAME", snow_format="EXR"))
-    assert (said["height"]["scale"], said["height"]["offset"]) == (1.0, 0.0)
-    written = native.read_exr(str(tmp_path / said["height"]["uri"]))[0]
-    assert np.array_equal(written, native.read_exr(str(folder / "height_0003.exr"))[0])
-
-
-def test_an_atlas_holds_frames_from_the_top_left_on(tmp_path, snowy):
-    _bark, folder, native = snowy
-    said = snow_of(export(tmp_path / "tree.gltf", snow="ATLAS", atlas_frames=3, atlas_tile=128))
-    assert (said["frames"], said["columns"], said["rows"], said["tile"]) == ([1, 2, 3], 2, 2, 128)
-    pixels, _image = png_samples(tmp_path / said["height"]["uri"])
-    metres = said["height"]["offset"] + said["height"]["scale"] * pixels[..., 0]
-    for number, (top, left) in enumerate([(128, 0), (128, 128), (0, 0)]):
-        baked = native.read_exr(str(folder / f"height_{number + 1:04d}.exr"))[0]
-        tile = baked.reshape(128, 2, 128, 2).mean(axis=(1, 3))
-        assert np.abs(metres[top : top + 128, left : left + 128] - tile).max() < 1e-5
-    assert said["openDepths"] == pytest.approx([0.1 / 3, 0.2 / 3, 0.1], rel=0.01)
-    assert said["lastDepth"] == pytest.approx(0.1)
-
-
-def test_the_surface_of_a_frame_goes_out_as_a_mesh_of_snow(tmp_path, snowy):
-    import snow_scene
-
-    bark, _folder, _native = snowy
-    bpy.ops.snowbough.setup_displacement(mode="SHELL")
-    snow_scene.settings(tmp_path / "with_surface", (1, 3))
-    snow_scene.bake()
-    bark.find_armature().location = (3.0, -2.0, 1.0)
-    bark.find_armature().rotation_euler.z = 0.5
-    for frame in (1, 3):
-        bpy.context.scene.frame_set(frame)
-        shown = bpy.data.objects["small_maple_bark Snow"].evaluated_get(bpy.context.evaluated_depsgraph_get())
-        # Where the armature stands is not in the file, its turn is.
-        to_file = bark.find_armature().matrix_world.copy()
-        to_file.translation = (0.0, 0.0, 0.0)
-        to_file = to_file @ bark.find_armature().matrix_world.inverted() @ shown.matrix_world
-        expected = np.array([to_file @ vertex.co for vertex in shown.data.vertices])
-        read = export(tmp_path / f"tree{frame}.glb", snow="SURFACE")
-        node = read.node("small_maple_bark_snow")
-        assert node["name"] in [read.json["nodes"][n]["name"] for n in read.json["scenes"][0]["nodes"]]
-        (primitive,) = read.json["meshes"][node["mesh"]]["primitives"]
-        assert read.json["materials"][primitive["material"]]["name"] == "Snow"
-        found = read.array(primitive["attributes"]["POSITION"])
-        assert found == pytest.approx(y_up(expected), abs=1e-5)
-        assert len(read.array(primitive["indices"])) > 3000
-
-
-def test_a_tree_whose_bake_has_no_surface_says_what_to_do(tmp_path, snowy, addon):
-    bark, _folder, _native = snowy
-    options = addon("gltf.export_options").ExportOptions(**PLAIN, snow="SURFACE")
-    report = addon("gltf.export_tree").export(bpy.context, bark, tmp_path / "tree.glb", options)
-    assert report["heaps"] == {} and any("Update Surface" in text for text in report["warnings"])
-
-
-def test_a_tree_without_a_bake_says_so(tmp_path, addon):
-    _rig, bark = import_tree()
-    options = addon("gltf.export_options").ExportOptions(**PLAIN, snow="FRAME")
-    report = addon("gltf.export_tree").export(bpy.context, bark, tmp_path / "tree.glb", options)
-    assert report["snow"] == {} and any("has no baked snow" in text for text in report["warnings"])
-
-
-# -- small vertices, textures, motion, cards, USD -------------------------------------------------------
+# -- small vertices, textures, motion, cards ------------------------------------------------------------
 
 
 def test_small_vertices_take_less_than_two_thirds_and_are_where_the_large_are(tmp_path, leafy):
@@ -589,27 +403,6 @@ def test_the_cards_have_a_file_of_their_own_if_levels_have(tmp_path):
         assert glb.errors(tmp_path / f"tree_LOD{level}.glb") == []
     read = glb.Gltf(tmp_path / "tree_LOD1.glb")
     assert "skins" not in read.json and len(read.json["nodes"]) == 3  # a joint, its root, the cards
-
-
-def test_usd_has_the_tree_of_the_scene_or_says_what_is_missing(tmp_path, leafy):
-    rig, bark = import_tree(leafy)
-    path = tmp_path / "tree.usda"
-    try:
-        from pxr import Usd, UsdGeom
-    except ImportError:
-        with pytest.raises(RuntimeError, match="pip install --target .* usd-core"):
-            bpy.ops.export_scene.snowbough_tree(filepath=str(path), **PLAIN)
-        assert not path.exists()
-        return
-    assert bpy.ops.export_scene.snowbough_tree(filepath=str(path), **PLAIN) == {"FINISHED"}
-    stage = Usd.Stage.Open(str(path))
-    points = np.array(UsdGeom.Mesh.Get(stage, "/leafy/Skin/leafy_bark").GetPointsAttr().Get())
-    assert rows(points) == rows(rest_points(bark))
-    assert len(stage.GetPrimAtPath("/leafy/Skin/Skeleton").GetAttribute("joints").Get()) == len(
-        rig.data.bones
-    )
-    instancer = UsdGeom.PointInstancer.Get(stage, "/leafy/leafy_leaves")
-    assert len(instancer.GetPositionsAttr().Get()) == LEAVES
 
 
 # -- calls ----------------------------------------------------------------------------------------------
