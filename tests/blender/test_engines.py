@@ -111,16 +111,17 @@ def test_the_preference_is_described_and_drawn(addon):
     assert drawn == ["engine", "preview_resolution", "preview_memory"]
 
 
-def test_without_preferences_it_is_automatic(addon, engine):
-    engine("CPU")
-    preferred_engine = addon("settings.preferences").preferred_engine
+def test_without_preferences_it_is_automatic(addon):
+    preferred_engine, enabled = addon("settings.preferences").preferred_engine, bpy.context.preferences.addons
+    before = enabled[PACKAGE].preferences.engine
+    enabled[PACKAGE].preferences.engine = "CPU"
     assert preferred_engine() == "CPU"
-    enabled = bpy.context.preferences.addons
     enabled.remove(enabled[PACKAGE])
     try:
         assert preferred_engine() == "AUTO"
     finally:
         enabled.new().module = PACKAGE
+        enabled[PACKAGE].preferences.engine = before
 
 
 def start_preview(addon):
