@@ -8,10 +8,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from engine_hlsl import ENTRIES
 
 FOLDER = Path(__file__).resolve().parents[2] / "docs" / "engines"
 STAGES = ("vert", "tesc", "tese", "frag")
-HLSL = {"vert": "vertex_main", "tesc": "hull_main", "tese": "domain_main", "frag": "pixel_main"}
 needs_glslang = pytest.mark.skipif(
     not shutil.which("glslangValidator"), reason="glslangValidator is not installed (package glslang-tools)"
 )
@@ -33,7 +33,7 @@ def test_the_glsl_stages_compile_and_link():
 @pytest.mark.parametrize("stage", STAGES)
 def test_the_hlsl_stages_compile(stage, tmp_path):
     code, said = compiled(
-        "-D", "-V", "-S", stage, "-e", HLSL[stage], "-o", str(tmp_path / "out.spv"), "tree.hlsl"
+        "-D", "-V", "-S", stage, "-e", ENTRIES[stage], "-o", str(tmp_path / "out.spv"), "tree.hlsl"
     )
     assert code == 0, said
 

@@ -79,15 +79,12 @@ def _look_at(eye, target):
 class EngineView:
     """One window's worth of OpenGL. Y up, metres, as in the file."""
 
-    def __init__(self, size, changes=()):
-        """changes: (text, other text) that are exchanged in the shaders."""
+    def __init__(self, size, sources=None):
+        """sources: {stage: text}, other shaders than those of docs/engines in GLSL."""
         self.size = size
         self.context = moderngl.create_standalone_context(backend="egl", require=450)
-        sources = {name: source(stage) for name, stage in STAGES.items()}
-        for text, other in changes:
-            assert any(text in one for one in sources.values()), text
-            sources = {name: one.replace(text, other) for name, one in sources.items()}
-        self.program = self.context.program(**sources)
+        sources = sources or {stage: source(stage) for stage in STAGES.values()}
+        self.program = self.context.program(**{name: sources[stage] for name, stage in STAGES.items()})
         self._edges = self.context.program(vertex_shader=EDGE_VERTEX, fragment_shader=EDGE_FRAGMENT)
         self.target = self.context.framebuffer(
             [self.context.texture((size, size), 4)], self.context.depth_texture((size, size))
