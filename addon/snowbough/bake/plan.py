@@ -19,8 +19,10 @@ simulation counts the steps and picks the direction by the count, so resumed and
 """
 
 import functools
+import itertools
 import math
 from dataclasses import dataclass
+from fractions import Fraction
 
 from ..base.names import MAX_FALL_ANGLE
 
@@ -97,8 +99,9 @@ def plan_snowfall(frame_start, frame_end, start_depth, end_depth, rates):
             "end depth to the start depth"
         )
     totals = []
-    for index in range(1, count + 1):
-        share = math.fsum(rates[:index]) / falling if falling else 0.0
+    # Fractions add without error, so equal rates share the depth equally.
+    for fallen in itertools.accumulate(map(Fraction, rates)):
+        share = float(fallen) / falling if falling else 0.0
         totals.append(start_depth + (end_depth - start_depth) * share)
     totals[-1] = end_depth
     depths = [max(0.0, after - before) for before, after in zip([start_depth] + totals, totals)]
