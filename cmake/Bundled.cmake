@@ -91,7 +91,8 @@ endif()
 file(CONFIGURE OUTPUT "${epoxy_built}/src/config.h" CONTENT
   "#define ENABLE_EGL @has_egl@\n#define ENABLE_GLX 0\n#define ENABLE_X11 0\n#define EPOXY_PUBLIC extern\n" @ONLY)
 add_library(epoxy STATIC ${epoxy_files})
-target_compile_options(epoxy PRIVATE -w -fno-strict-aliasing)
+# libepoxy casts Apple's GLhandleARB, a pointer, to an integer, which Clang takes for an error.
+target_compile_options(epoxy PRIVATE -w -fno-strict-aliasing $<$<PLATFORM_ID:Darwin>:-Wno-int-conversion>)
 target_compile_definitions(epoxy PUBLIC EGL_NO_X11 EPOXY_PUBLIC=extern)
 target_include_directories(epoxy SYSTEM PUBLIC "${sources}/libepoxy/include" "${epoxy_built}/include"
   PRIVATE "${sources}/libepoxy/src" "${epoxy_built}/src")
