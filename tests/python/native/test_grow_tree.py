@@ -110,5 +110,10 @@ def test_the_reader_takes_every_leaf_for_foliage_and_no_wood(grow_tree, tmp_path
 
 def test_the_small_tree_in_the_repository_is_what_the_script_grows(grow_tree, tmp_path):
     grow_tree.main(["--seed", "5", "--height", "3", "--levels", "2", str(tmp_path / "small_maple.obj")])
-    kept = ROOT / "tests" / "data" / "small_maple.obj"
-    assert (tmp_path / "small_maple.obj").read_text() == kept.read_text()
+    grown, kept = (
+        (folder / "small_maple.obj").read_text().split() for folder in (tmp_path, ROOT / "tests" / "data")
+    )
+    # Another system's sines and cosines differ in their last bits, so that 0 may be -0.
+    assert [word.replace("-0.000000", "0.000000") for word in grown] == [
+        word.replace("-0.000000", "0.000000") for word in kept
+    ]
