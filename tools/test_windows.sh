@@ -61,7 +61,9 @@ as_windows() {
 }
 export WINEPREFIX="$PWD/build/wine/prefix" WINEARCH=win64 WINEDEBUG=-all
 # A .pth file, not PYTHONPATH, which the tests take away from Blenders that they start.
-as_windows "$site" >"$(dirname "$python")/lib/site-packages/snowbough.pth"
+# Wine does not implement what _wmi calls, and Python's module platform does without it.
+printf '%s\nimport sys; sys.modules["_wmi"] = None\n' "$(as_windows "$site")" \
+  >"$(dirname "$python")/lib/site-packages/snowbough.pth"
 # OpenGL on Windows needs a window, and a window needs a screen.
 command=(wine "$python")
 if command -v xvfb-run >/dev/null; then
