@@ -5,8 +5,8 @@ import sample
 
 sample.run(
     lambda: sample.tree("maple", "--leaves"),
-    eye=(1.5, -9.4, 2.4),
-    target=(0.0, 0.0, 2.7),
+    eye=(1.9, -12.0, 2.6),
+    target=(0.0, 0.0, 2.85),
     depth=0.05,
     resolution=1024,
 )
