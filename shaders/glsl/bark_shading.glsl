@@ -11,9 +11,9 @@ float bark_relief(vec3 position, vec4 bark) {
   return bark_height(bark.xy, bark.z * view.eye.w / away);
 }
 
-/// Interpolates between the colours of furrows and ridges.
-vec3 bark_color(float height) {
-  return mix(view.bark_dark.rgb, view.bark_light.rgb, clamp(0.5 + 0.6 * height, 0.0, 1.0));
+/// Position of a pixel's colour between those of furrows, 0, and ridges, 1.
+float bark_share(float height) {
+  return clamp(0.5 + 0.6 * height, 0.0, 1.0);
 }
 
 /// Linear light of a pixel of this height and colour.

@@ -1,6 +1,6 @@
 // A pixel of the tree, plain or tessellated.
 //
-// SNOW: adds the snow of its map. IMAGE: uses the bark's image. SHADOW: depth only. WIRE: the lines of a wireframe, or
+// SNOW: adds the snow of trees that have some. IMAGE: uses the bark's image. SHADOW: depth only. WIRE: the lines of a wireframe, or
 // the background that hides the lines behind it.
 #ifndef SHADOW
 layout(location = 0) out vec4 color;
@@ -14,10 +14,15 @@ in vec4 bark;
 #ifdef IMAGE
 uniform sampler2DArray bark_images;
 in vec3 image_place;
+#else
+flat in vec3 furrow_color;
+flat in vec3 ridge_color;
 #endif
 #ifdef SNOW
 #include "glsl/tree_snow.glsl"
 #include "glsl/snow_shading.glsl"
+flat in ivec4 snow_map;
+flat in vec4 snow_depths;
 in vec2 snow_place;
 in vec3 rest_place;
 in vec4 snow_noises;
@@ -48,11 +53,15 @@ void main() {
 #ifdef IMAGE
   const vec3 albedo = texture(bark_images, image_place).rgb;
 #else
-  const vec3 albedo = bark_color(height);
+  const vec3 albedo = mix(furrow_color, ridge_color, bark_share(height));
 #endif
   vec3 light = shaded_bark(world, smooth_normal, bark, height, albedo);
 #ifdef SNOW
-  light = with_snow(light);
+  tree.map = snow_map;
+  tree.snow = snow_depths;
+  if (has_snow()) {
+    light = with_snow(light);
+  }
 #endif
   color = encoded(light);
 #endif

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "render/tree/patch_bounds.h"
+#include "render/tree/patch_order.h"
 #include "shaders/lib/limb_section.h"
 
 namespace snowbough::render {
@@ -96,6 +97,7 @@ class PatchBuilder {
     limit_bark();
     list_snow();
     bound_patches(made_);
+    order_patches(made_);
     made_.has_snow_places = !source_.snow_uv.empty();
     made_.bone_count = source_.bone_count;
     made_.levels = 1 + *std::max_element(source_.branch_level.begin(), source_.branch_level.end());
