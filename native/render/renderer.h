@@ -21,15 +21,6 @@ namespace snowbough::render {
 
 class SceneObjects;
 
-/// Appearance of a tree's bark.
-struct TreeLook {
-  /// Amplitude of the bark as a fraction of the limb's radius, 0 to 1.
-  float bark_depth = 0.06f;
-  /// Linear colours of furrows and ridges.
-  glm::vec3 bark_dark{0.045f, 0.03f, 0.02f};
-  glm::vec3 bark_light{0.24f, 0.18f, 0.13f};
-};
-
 /// Pixels of a picture: height x width x 4 (sRGB, alpha 1 where something was drawn), row 0 at the
 /// bottom.
 struct Picture {

@@ -11,7 +11,6 @@
 #include "render/data/sources.h"
 #include "render/draw/arena.h"
 #include "render/draw/posed_bounds.h"
-#include "render/renderer.h"
 #include "render/tree/tree_patches.h"
 
 namespace snowbough::render {
