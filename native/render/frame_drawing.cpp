@@ -213,6 +213,7 @@ Picture FrameDrawing::render(const Camera& camera, const RenderSettings& setting
       std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   const gpu::CallCounts now = gpu::call_counts();
   statistics_->calls = {now.dispatches - calls.dispatches, now.draws - calls.draws};
+  statistics_->buffer_bytes = gpu::buffer_bytes();
   statistics_->passes = timer_.take();
   for (const gpu::PassTime& pass : statistics_->passes) {
     if (pass.name != "shadow") statistics_->triangles += static_cast<int64_t>(pass.primitives);

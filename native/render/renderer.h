@@ -55,6 +55,8 @@ struct FrameStatistics {
   int64_t triangles = 0;
   /// Calls to OpenGL. A draw of many instances or of many indirect commands is one call.
   gpu::CallCounts calls;
+  /// Size of all buffers of the process on GPUs, without textures.
+  int64_t buffer_bytes = 0;
   /// GPU times of the passes, in the order of a frame.
   std::vector<gpu::PassTime> passes;
   /// Time from the call to the picture, including the read back.

@@ -92,6 +92,7 @@ py::dict statistics(const Renderer& renderer) {
   dict["triangles"] = frame.triangles;
   dict["dispatches"] = frame.calls.dispatches;
   dict["draws"] = frame.calls.draws;
+  dict["buffer_bytes"] = frame.buffer_bytes;
   dict["wall_seconds"] = frame.wall_seconds;
   py::dict passes;
   double gpu_seconds = 0.0;
@@ -182,7 +183,8 @@ red, green and blue of a byte each: 255 * (c / (1 + c))^(1 / 2.2) of linear ligh
                              "Whether `driver` returns without waiting.")
       .def("statistics", &statistics,
            R"(Statistics of the last picture: patches 'dropped', 'plain' and 'tessellated',
-'triangles' drawn (without the shadow map), 'wall_seconds' including read-back, 'gpu_seconds', and
+'triangles' drawn (without the shadow map), calls of OpenGL ('dispatches' and 'draws') with the
+shadow map's, 'buffer_bytes' of all buffers on the GPU, 'wall_seconds' including read-back, 'gpu_seconds', and
 'passes': by name 'gpu_seconds', 'wall_seconds' and 'primitives'.)")
       .def("triangles", &triangles, "name"_a, "camera"_a, "settings"_a = RenderSettings{},
            "World positions (T, 3, 3) of the triangles that the camera would be shown of a tree.")
