@@ -1,6 +1,7 @@
 // Moves the tessellator's vertices onto the limbs' round surface and their bark.
 #include "glsl/tree_surface.glsl"
 #include "glsl/tree_outputs.glsl"
+#include "glsl/inset_normal.glsl"
 
 layout(quads, fractional_odd_spacing, ccw) in;
 patch in ivec2 drawn_patch;
@@ -15,7 +16,7 @@ void main() {
 #else
 #ifndef SHADOW
   world = point.position;
-  smooth_normal = point.normal;
+  smooth_normal = shading_normal(of, at, point.normal);
   bark = vec4(patch_bark_uv(of, at), point.limb);
 #ifdef IMAGE
   const BarkPlace place = bark_places[tree.lists.y + drawn_patch.y];

@@ -6,7 +6,9 @@
 layout(std430) readonly buffer TreePatches { TreePatch patches[]; };
 layout(std430) readonly buffer PlainPatches { ivec2 plain_patches[]; };
 layout(std430) readonly buffer PatchGrowths { PatchGrowth growths[]; };
+layout(std430) readonly buffer TreeSections { TreeSection sections[]; };
 #include "glsl/limb_reach.glsl"
+#include "glsl/inset_normal.glsl"
 #ifdef SNOW
 #ifndef CAPTURE
 #ifndef SHADOW
@@ -45,7 +47,7 @@ void main() {
 #else
 #ifndef SHADOW
   world = position;
-  smooth_normal = at.normal.xyz;
+  smooth_normal = shading_normal(of, vec2(corner == 1 || corner == 2, corner > 1), at.normal.xyz);
   bark = vec4(corner_uv(of.bark_uv_01, of.bark_uv_23, corner), at.normal.w, at.position.w);
 #ifdef IMAGE
   const BarkPlace place = bark_places[tree.lists.y + drawn.y];

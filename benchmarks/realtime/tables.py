@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """All tables of real time in one markdown document, with the measurements of others beside them.
 
-    /usr/bin/python3 benchmarks/realtime/tables.py [--quick] [--size WIDTH HEIGHT] [--only trees,forest,step,snow] > tables.md
+    /usr/bin/python3 benchmarks/realtime/tables.py [--quick] [--size WIDTH HEIGHT] [--only NAMES] > tables.md
 
 Each section is a script of this folder or of benchmarks/snow, in a process of its own. If a script fails on a machine,
 its section ends with the reason, and the exit code is 1. tools/gpu_kit.sh packs all scripts for machines that have only

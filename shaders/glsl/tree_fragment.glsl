@@ -49,13 +49,13 @@ void main() {
 #ifdef WIRE
   color = wire_color;
 #else
-  const float height = bark_relief(world, bark);
+  const vec3 relief = pixel_relief(world, bark);
 #ifdef IMAGE
   const vec3 albedo = texture(bark_images, image_place).rgb;
 #else
-  const vec3 albedo = mix(furrow_color, ridge_color, bark_share(height));
+  const vec3 albedo = mix(furrow_color, ridge_color, bark_share(relief.x));
 #endif
-  vec3 light = shaded_bark(world, smooth_normal, bark, height, albedo);
+  vec3 light = shaded_bark(world, smooth_normal, bark, relief, albedo);
 #ifdef SNOW
   tree.map = snow_map;
   tree.snow = snow_depths;

@@ -137,7 +137,7 @@ vec2 patch_snow_uv(TreePatch of, vec2 at) {
 
 /// A point within a patch, not on its edges.
 SurfacePoint inner_point(TreePatch of, vec2 at) {
-  const float round_share = of.place.w == 0 ? 0.0 : of.place.w == 1 ? 1.0 : 1.0 - at.y;
+  const float round_share = of.place.w == kWallPatch ? 1.0 : of.place.w == kRoundInset ? 1.0 - at.y : 0.0;
   const vec2 s = vec2(mix(at.x, chord_share(at.x), round_share), at.y);
   const ivec4 v = tree.base.x + of.vertices;
   const ivec4 w = tree.own.x + of.vertices;

@@ -71,12 +71,19 @@ struct TreeEdge {
 };
 SNOWBOUGH_SHARED_SIZE(TreeEdge, 112)
 
+/// Kinds of patches: ends, walls, where u runs around the limb, and insets beside a child's hole, whose v = 1 lies on
+/// the hole's rim; u runs around the limb at v = 0 or not at all.
+const int kCapPatch = 0;
+const int kWallPatch = 1;
+const int kRoundInset = 2;
+const int kFlatInset = 3;
+
 /// Four control points, anticlockwise seen from outside: (u, v) = (0, 0), (1, 0), (1, 1), (0, 1).
 struct TreePatch {
   ivec4 vertices;
   /// Twice the edge from corner k to k + 1, plus one if it runs the other way.
   ivec4 edges;
-  /// Section (-1: flat), branch level, branch, 1 if u runs around the limb, 2 if only at v = 0.
+  /// Section (-1: flat), branch level, branch, kind: kCapPatch and so on.
   ivec4 place;
   /// The bark's coordinates of corners 0 and 1, 2 and 3.
   vec4 bark_uv_01;

@@ -103,6 +103,7 @@ void TreePasses::draw_plain(const TreeChain& chain, const PatchList& list, const
         begin_bark(captures ? plain_capture_ : plain_, chain, style, view, images);
     program.bind("PlainPatches", list.plain());
     program.bind("PatchGrowths", chain.growths);
+    program.bind("TreeSections", chain.store->sections.buffer());
     if (style.kind == DrawKind::kShaded && chain.has_snow) {
       program.bind_texture("snow_pages", chain.all->snow.texture());
     }
