@@ -23,10 +23,7 @@ void main() {
   image_place = vec3(patch_uv(place.uv_01, place.uv_23, at), place.layer.x);
 #endif
 #ifndef WIRE
-#ifndef IMAGE
-  furrow_color = tree.bark_dark.rgb;
-  ridge_color = tree.bark_light.rgb;
-#endif
+  drawn_tree = drawn_patch.x;
 #ifdef SNOW
   snow_map = tree.map;
   snow_depths = tree.snow;

@@ -41,28 +41,29 @@ void main() {
   const TreePatch of = patches[tree.base.z + drawn.y];
   const int corner = kCorners[gl_VertexID % 6];
   const PosedVertex at = posed_of(of.vertices[corner]);
-  const vec3 position = grown(at, vertex_of(of.vertices[corner]), growths[tree.own.z + drawn.y]);
+  const TreeVertex vertex = vertex_of(of.vertices[corner]);
+  const vec3 position = grown(at, vertex, growths[tree.own.z + drawn.y]);
 #ifdef CAPTURE
   captured = position;
 #else
 #ifndef SHADOW
   world = position;
-  smooth_normal = shading_normal(of, vec2(corner == 1 || corner == 2, corner > 1), at.normal.xyz);
+  smooth_normal = at.normal.xyz;
+  if (corner > 1 && is_inset(of)) {
+    smooth_normal = normalize(smooth_normal + turn_at(of, vertex, at));
+  }
   bark = vec4(corner_uv(of.bark_uv_01, of.bark_uv_23, corner), at.normal.w, at.position.w);
 #ifdef IMAGE
   const BarkPlace place = bark_places[tree.lists.y + drawn.y];
   image_place = vec3(corner_uv(place.uv_01, place.uv_23, corner), place.layer.x);
 #endif
 #ifndef WIRE
-#ifndef IMAGE
-  furrow_color = tree.bark_dark.rgb;
-  ridge_color = tree.bark_light.rgb;
-#endif
+  drawn_tree = drawn.x;
 #ifdef SNOW
   snow_map = tree.map;
   snow_depths = tree.snow;
   snow_place = corner_uv(of.snow_uv_01, of.snow_uv_23, corner);
-  rest_place = vertex_of(of.vertices[corner]).position.xyz;
+  rest_place = vertex.position.xyz;
   snow_noises = has_snow() ? limb_noise(rest_place) : vec4(0.0);
 #endif
 #endif

@@ -8,15 +8,14 @@ layout(location = 0) out vec4 color;
 uniform vec4 wire_color;
 #else
 #include "glsl/bark_shading.glsl"
+#include "glsl/tree_instance.glsl"
+flat in int drawn_tree;
 in vec3 world;
 in vec3 smooth_normal;
 in vec4 bark;
 #ifdef IMAGE
 uniform sampler2DArray bark_images;
 in vec3 image_place;
-#else
-flat in vec3 furrow_color;
-flat in vec3 ridge_color;
 #endif
 #ifdef SNOW
 #include "glsl/tree_snow.glsl"
@@ -53,7 +52,7 @@ void main() {
 #ifdef IMAGE
   const vec3 albedo = texture(bark_images, image_place).rgb;
 #else
-  const vec3 albedo = mix(furrow_color, ridge_color, bark_share(relief.x));
+  const vec3 albedo = mix(instances[drawn_tree].bark_dark.rgb, instances[drawn_tree].bark_light.rgb, bark_share(relief.x));
 #endif
   vec3 light = shaded_bark(world, smooth_normal, bark, relief, albedo);
 #ifdef SNOW

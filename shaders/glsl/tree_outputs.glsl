@@ -17,12 +17,9 @@ layout(std430) readonly buffer BarkPlaces { BarkPlace bark_places[]; };
 out vec3 image_place;
 #endif
 #ifndef WIRE
-#ifndef IMAGE
-/// Of the TreeInstance: pixels outside of a triangle, which derivatives use, cannot read its buffer.
-flat out vec3 furrow_color;
-flat out vec3 ridge_color;
-#endif
+flat out int drawn_tree;
 #ifdef SNOW
+/// Of the TreeInstance: pixels outside of a triangle, which derivatives use, cannot read its buffer.
 flat out ivec4 snow_map;
 flat out vec4 snow_depths;
 /// Coordinates on the snow map, and the position in the rest pose without bark.
