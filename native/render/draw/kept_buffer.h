@@ -19,7 +19,8 @@ class KeptBuffer {
  public:
   void update(const std::vector<Element>& elements) {
     const size_t bytes = elements.size() * sizeof(Element);
-    if (elements.size() == kept_.size() && std::memcmp(elements.data(), kept_.data(), bytes) == 0) {
+    if (elements.size() == kept_.size() &&
+        (bytes == 0 || std::memcmp(elements.data(), kept_.data(), bytes) == 0)) {
       return;
     }
     make_room(buffer_, static_cast<int64_t>(bytes));
