@@ -72,7 +72,7 @@ def test_what_the_module_links_is_the_kits_and_the_driver_is_the_machines(printe
 
 def test_a_section_that_is_not_there_is_refused(kit, tmp_path):
     done = run_kit(kit, tmp_path, "--only", "stars")
-    assert done.returncode == 2 and "there is no section stars; there are trees, step" in done.stderr
+    assert done.returncode == 2 and "there is no section stars; there are trees, forest, step" in done.stderr
 
 
 def test_no_library_of_the_system_or_the_driver_is_packed(kit):
