@@ -4,8 +4,7 @@
 #include "glsl/tree_view.glsl"
 #include "glsl/leaf_growth.glsl"
 
-layout(std430) readonly buffer PlainPatches { uint plain_patches[]; };
-uniform int first_vertex;
+layout(std430) readonly buffer PlainPatches { ivec2 plain_patches[]; };
 out vec2 image_uv;
 #ifndef SHADOW
 out vec3 world;
@@ -13,21 +12,21 @@ out vec3 card_normal;
 #endif
 
 void main() {
-  const uint triangle = plain_patches[gl_VertexID / 3];
-  const LeafVertex at = leaf_vertices[first_vertex + 3 * int(triangle) + gl_VertexID % 3];
-  vec3 position = posed_leaf(at, at.position.xyz);
-  const vec3 middle = posed_leaf(at, at.middle.xyz);
+  const ivec2 drawn = plain_patches[gl_VertexID / 3];
+  tree = instances[drawn.x];
+  const LeafVertex at = leaf_vertices[3 * drawn.y + gl_VertexID % 3];
+  const LeafRows rows = leaf_rows(at);
+  vec3 position = posed_leaf(rows, at.position.xyz);
+  const vec3 middle = posed_leaf(rows, at.middle.xyz);
   const float growth = leaf_growth(at, middle);
   if (growth != 1.0) {
     position = middle + growth * (position - middle);
   }
   image_uv = vec2(at.normal.w, at.middle.w);
 #ifndef SHADOW
-  const int bone = 3 * floatBitsToInt(at.position.w);
   const vec3 n = at.normal.xyz;
   world = position;
-  card_normal =
-      vec3(dot(bone_rows[bone].xyz, n), dot(bone_rows[bone + 1].xyz, n), dot(bone_rows[bone + 2].xyz, n));
+  card_normal = vec3(dot(rows.x.xyz, n), dot(rows.y.xyz, n), dot(rows.z.xyz, n));
 #endif
   gl_Position = view.clip_from_world * vec4(position, 1.0);
 }

@@ -1,19 +1,19 @@
-// Positions of the work groups' plain and tessellated patches in the lists, and the lists' draws, in one work group.
+// Positions of the work groups' plain and tessellated patches in the lists, and the batches' draws, in one work group.
 #include "lib/tree_shared.h"
 
 layout(local_size_x = 64) in;
-/// Replaced by the sums over earlier work groups.
+/// Replaced by the sums over earlier work groups, and at the end over all.
 layout(std430) buffer GroupCounts { uvec2 group_counts[]; };
-/// Draws of the plain patches (`plain_vertices` each), then of the tessellated ones (one control point each) in `draws`
-/// parts.
+layout(std430) readonly buffer DrawBatches { DrawBatch batches[]; };
+/// A draw of each batch's plain patches (`plain_vertices` each), then draws of the batches' tessellated ones (one
+/// control point each).
 layout(std430) writeonly buffer DrawCommands { TreeDrawCommand commands[]; };
 uniform int count;
-uniform int draws;
+uniform int batch_count;
 uniform int plain_vertices;
 uniform int patches_a_draw;
 
 shared uvec2 sums[64];
-shared uvec2 total;
 
 void main() {
   const int each = (count + 63) / 64;
@@ -36,15 +36,21 @@ void main() {
     before += here;
   }
   if (self == 63) {
-    total = before;
+    group_counts[count] = before;
   }
+  memoryBarrierBuffer();
   barrier();
-  if (self == 0) {
-    commands[0] = TreeDrawCommand(uint(plain_vertices) * total.x, 1u, 0u, 0u);
-  }
-  for (int i = self; i < draws; i += 64) {
-    const int first = i * patches_a_draw;
-    const int left = clamp(int(total.y) - first, 0, patches_a_draw);
-    commands[1 + i] = TreeDrawCommand(uint(left), 1u, uint(first), 0u);
+  for (int b = 0; b < batch_count; ++b) {
+    const DrawBatch batch = batches[b];
+    const ivec2 from = ivec2(group_counts[batch.first_group]);
+    const ivec2 to = ivec2(group_counts[batch.end_group]);
+    if (self == 0) {
+      commands[b] = TreeDrawCommand(uint(plain_vertices * (to.x - from.x)), 1u, uint(plain_vertices * from.x), 0u);
+    }
+    for (int i = self; i < batch.draws; i += 64) {
+      const int first = from.y + i * patches_a_draw;
+      const int left = clamp(to.y - first, 0, patches_a_draw);
+      commands[batch.first_draw + i] = TreeDrawCommand(uint(left), 1u, uint(first), 0u);
+    }
   }
 }

@@ -1,27 +1,32 @@
 // Moves the tessellator's vertices onto the limbs' round surface and their bark.
 #include "glsl/tree_surface.glsl"
 #include "glsl/tree_outputs.glsl"
+#include "glsl/inset_normal.glsl"
 
 layout(quads, fractional_odd_spacing, ccw) in;
-patch in uint patch_index;
+patch in ivec2 drawn_patch;
 
 void main() {
   const vec2 at = gl_TessCoord.xy;
-  const TreePatch of = patches[patch_index];
+  tree = instances[drawn_patch.x];
+  const TreePatch of = patches[tree.base.z + drawn_patch.y];
   const SurfacePoint point = patch_point(of, at);
 #ifdef CAPTURE
   captured = point.position;
 #else
 #ifndef SHADOW
   world = point.position;
-  smooth_normal = point.normal;
+  smooth_normal = shading_normal(of, at, point.normal);
   bark = vec4(patch_bark_uv(of, at), point.limb);
 #ifdef IMAGE
-  const BarkPlace place = bark_places[patch_index];
+  const BarkPlace place = bark_places[tree.lists.y + drawn_patch.y];
   image_place = vec3(patch_uv(place.uv_01, place.uv_23, at), place.layer.x);
 #endif
-#ifdef SNOW
 #ifndef WIRE
+  drawn_tree = drawn_patch.x;
+#ifdef SNOW
+  snow_map = tree.map;
+  snow_depths = tree.snow;
   snow_place = patch_snow_uv(of, at);
   rest_place = point.rest;
   snow_noises = point.noise;

@@ -5,13 +5,10 @@
 #include "lib/tessellation.h"
 #include "lib/thin_limbs.h"
 
-layout(local_size_x = 64) in;
-#include "glsl/item_index.glsl"
-layout(std430) readonly buffer PosedVertices { PosedVertex posed[]; };
-layout(std430) readonly buffer TreeVertices { TreeVertex vertices[]; };
+#include "glsl/work_range.glsl"
+#include "glsl/tree_base.glsl"
 layout(std430) readonly buffer TreeEdges { TreeEdge edges[]; };
 layout(std430) writeonly buffer EdgeLevels { float edge_levels[]; };
-uniform int count;
 #include "glsl/limb_reach.glsl"
 
 /// The fraction of its level that an edge gets.
@@ -21,15 +18,16 @@ float round_share_of(TreeEdge edge, float away) {
   }
   float reach = 0.0;
   for (int k = 0; k < 2; ++k) {
-    const PosedVertex at = posed[edge.ends[k]];
-    reach = max(reach, distance(at.position.xyz, limb_middle(at, vertices[edge.ends[k]])));
+    const PosedVertex at = posed_of(edge.ends[k]);
+    reach = max(reach, distance(at.position.xyz, limb_middle(at, vertex_of(edge.ends[k]))));
   }
   const float width = pixels_of(2.0 * reach, away);
 #ifdef SNOW
-  return snowy_round_share(width, pixels_of(view.snow.y, away), view.tessellation.z);
-#else
-  return round_share(width, view.tessellation.z);
+  if (has_snow()) {
+    return snowy_round_share(width, pixels_of(tree.snow.x, away), view.tessellation.z);
+  }
 #endif
+  return round_share(width, view.tessellation.z);
 }
 
 #ifdef SNOW
@@ -52,21 +50,26 @@ float snow_level(TreeEdge edge, PosedVertex a, PosedVertex b) {
 #endif
 
 void main() {
-  const int index = item_index();
-  if (index >= count) {
+  const WorkRange range = work_range();
+  const int index = work_slot() - range.first_slot;
+  if (index >= range.count) {
     return;
   }
-  const TreeEdge edge = edges[index];
-  const vec4 a = posed[edge.ends.x].position;
-  const vec4 b = posed[edge.ends.y].position;
+  tree = instances[range.instance];
+  const TreeEdge edge = edges[tree.base.y + index];
+  const vec4 a = posed_of(edge.ends.x).position;
+  const vec4 b = posed_of(edge.ends.y).position;
+  float edge_level;
   const float away = distance(view.eye.xyz, 0.5 * (a.xyz + b.xyz));
   const float highest = view.tessellation.y;
   if (uint(view.tessellation.x) == kMetricThesis) {
-    float level = thesis_level(away, edge.metric.x, edge.metric.y, view.thesis, highest);
+    float level = thesis_level(away, edge.metric.x, edge.metric.y, thesis_of_tree(), highest);
 #ifdef SNOW
-    level = max(level, snow_level(edge, posed[edge.ends.x], posed[edge.ends.y]));
+    if (has_snow()) {
+      level = max(level, snow_level(edge, posed_of(edge.ends.x), posed_of(edge.ends.y)));
+    }
 #endif
-    edge_levels[index] = level;
+    edge_level = level;
   } else {
     const float chord = distance(a.xyz, b.xyz);
     const float target = view.tessellation.z;
@@ -74,6 +77,7 @@ void main() {
     if (edge.first_rest.w > 0.5) {
       level = max(level, outline_level(away, chord, view.eye.w, target, highest));
     }
-    edge_levels[index] = 1.0 + (level - 1.0) * round_share_of(edge, away);
+    edge_level = 1.0 + (level - 1.0) * round_share_of(edge, away);
   }
+  edge_levels[tree.own.y + index] = edge_level;
 }

@@ -2,12 +2,13 @@
 #include "glsl/tree_view.glsl"
 #include "glsl/tree_outputs.glsl"
 
-layout(std430) readonly buffer TreeVertices { TreeVertex vertices[]; };
-layout(std430) readonly buffer PosedVertices { PosedVertex posed[]; };
+#include "glsl/tree_base.glsl"
 layout(std430) readonly buffer TreePatches { TreePatch patches[]; };
-layout(std430) readonly buffer PlainPatches { uint plain_patches[]; };
+layout(std430) readonly buffer PlainPatches { ivec2 plain_patches[]; };
 layout(std430) readonly buffer PatchGrowths { PatchGrowth growths[]; };
+layout(std430) readonly buffer TreeSections { TreeSection sections[]; };
 #include "glsl/limb_reach.glsl"
+#include "glsl/inset_normal.glsl"
 #ifdef SNOW
 #ifndef CAPTURE
 #ifndef SHADOW
@@ -35,27 +36,35 @@ vec3 grown(PosedVertex at, TreeVertex vertex, PatchGrowth growth) {
 }
 
 void main() {
-  const uint index = plain_patches[gl_VertexID / 6];
-  const TreePatch of = patches[index];
+  const ivec2 drawn = plain_patches[gl_VertexID / 6];
+  tree = instances[drawn.x];
+  const TreePatch of = patches[tree.base.z + drawn.y];
   const int corner = kCorners[gl_VertexID % 6];
-  const PosedVertex at = posed[of.vertices[corner]];
-  const vec3 position = grown(at, vertices[of.vertices[corner]], growths[index]);
+  const PosedVertex at = posed_of(of.vertices[corner]);
+  const TreeVertex vertex = vertex_of(of.vertices[corner]);
+  const vec3 position = grown(at, vertex, growths[tree.own.z + drawn.y]);
 #ifdef CAPTURE
   captured = position;
 #else
 #ifndef SHADOW
   world = position;
   smooth_normal = at.normal.xyz;
+  if (corner > 1 && is_inset(of)) {
+    smooth_normal = normalize(smooth_normal + turn_at(of, vertex, at));
+  }
   bark = vec4(corner_uv(of.bark_uv_01, of.bark_uv_23, corner), at.normal.w, at.position.w);
 #ifdef IMAGE
-  const BarkPlace place = bark_places[index];
+  const BarkPlace place = bark_places[tree.lists.y + drawn.y];
   image_place = vec3(corner_uv(place.uv_01, place.uv_23, corner), place.layer.x);
 #endif
-#ifdef SNOW
 #ifndef WIRE
+  drawn_tree = drawn.x;
+#ifdef SNOW
+  snow_map = tree.map;
+  snow_depths = tree.snow;
   snow_place = corner_uv(of.snow_uv_01, of.snow_uv_23, corner);
-  rest_place = vertices[of.vertices[corner]].position.xyz;
-  snow_noises = limb_noise(rest_place);
+  rest_place = vertex.position.xyz;
+  snow_noises = has_snow() ? limb_noise(rest_place) : vec4(0.0);
 #endif
 #endif
 #endif

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """All tables of real time in one markdown document, with the measurements of others beside them.
 
-    /usr/bin/python3 benchmarks/realtime/tables.py [--quick] [--size WIDTH HEIGHT] [--only trees,step,snow] > tables.md
+    /usr/bin/python3 benchmarks/realtime/tables.py [--quick] [--size WIDTH HEIGHT] [--only NAMES] > tables.md
 
 Each section is a script of this folder or of benchmarks/snow, in a process of its own. If a script fails on a machine,
 its section ends with the reason, and the exit code is 1. tools/gpu_kit.sh packs all scripts for machines that have only
@@ -55,6 +55,10 @@ The thesis's figures stand in the last column, where its own metric is measured:
 3.1), at another tree. Its table 3.2 is what `THESIS` gains on `nothing tessellated` near and far; the last table is the
 same tree as a static mesh, in the same view and run. Goal: ten times the thesis's rates at its polygon counts."""
 
+FOREST = """\
+Instances share their base, and all trees go through one chain of passes: dispatches and draws do not grow with the
+number of trees. `own bases` shows what other trees cost: the calls stay, the memory grows."""
+
 SNOW = """\
 The thesis's table 4.2: six scenes of 1,106 to 42,918 base polygons, 103 to 112 frames a second with maps of 1024 x 1024
 on a GTX 580. Its way on this card is `GL, GEOMETRY` in the first table; frame rate against map size (its figure 4.13)
@@ -69,6 +73,15 @@ SECTIONS = (
         ("{grown}", "--frames", "20"),
         (str(MAPLE), "--frames", "2", "--size", "320", "180"),
         TREES,
+        has_size=True,
+    ),
+    Section(
+        "forest",
+        "A forest of 1,000 trees",
+        "realtime/forest.py",
+        (),
+        ("--trees", "24", "--apart", "4", "--levels", "2", "--frames", "1", "--size", "320", "180"),
+        FOREST,
         has_size=True,
     ),
     Section(

@@ -7,6 +7,8 @@
 namespace snowbough::gpu {
 namespace {
 
+thread_local CallCounts calls;
+
 GLenum stage_of(const std::string& file) {
   static const std::map<std::string, GLenum> kStages = {
       {"vert", GL_VERTEX_SHADER},          {"tesc", GL_TESS_CONTROL_SHADER},
@@ -74,6 +76,10 @@ std::string resource_name(GLuint program, GLenum interface, GLuint index) {
 }
 
 }  // namespace
+
+CallCounts call_counts() {
+  return calls;
+}
 
 Program::Program(const std::vector<std::string>& files, const std::vector<std::string>& defines)
     : name_(files.empty() ? "" : files.front()) {
@@ -237,6 +243,7 @@ void Program::require_ready() const {
 void Program::dispatch(int32_t groups_x, int32_t groups_y, int32_t groups_z) {
   require_ready();
   if (groups_x > 0 && groups_y > 0 && groups_z > 0) {
+    ++calls.dispatches;
     glDispatchCompute(static_cast<GLuint>(groups_x), static_cast<GLuint>(groups_y),
                       static_cast<GLuint>(groups_z));
   }
@@ -251,6 +258,7 @@ void Program::dispatch_items(int64_t count, int32_t group_size, int32_t most_gro
 void Program::dispatch_indirect(const Buffer& groups, int64_t offset) {
   require_ready();
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, groups.id());
+  ++calls.dispatches;
   glDispatchComputeIndirect(static_cast<GLintptr>(offset));
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, 0);
 }
@@ -258,6 +266,7 @@ void Program::dispatch_indirect(const Buffer& groups, int64_t offset) {
 void Program::draw(GLenum mode, int32_t first, int32_t count, int32_t instances) {
   require_ready();
   if (count > 0 && instances > 0) {
+    ++calls.draws;
     glDrawArraysInstanced(mode, first, count, instances);
   }
 }
@@ -265,6 +274,7 @@ void Program::draw(GLenum mode, int32_t first, int32_t count, int32_t instances)
 void Program::draw_indirect(GLenum mode, const Buffer& arguments, int64_t offset, int32_t draws) {
   require_ready();
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, arguments.id());
+  ++calls.draws;
   glMultiDrawArraysIndirect(mode, reinterpret_cast<const void*>(static_cast<intptr_t>(offset)),
                             draws, 0);
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);

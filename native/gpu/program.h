@@ -15,6 +15,14 @@
 
 namespace snowbough::gpu {
 
+/// Numbers of calls to OpenGL.
+struct CallCounts {
+  int64_t dispatches = 0;
+  int64_t draws = 0;
+};
+/// The calls of all programs so far. GPU thread.
+CallCounts call_counts();
+
 /// A linked shader program whose inputs are set by name and checked by reflection: setting an input
 /// that the program does not have is an error, and so is running it with an input that is not set.
 /// Usage:

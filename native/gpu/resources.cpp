@@ -9,6 +9,7 @@ namespace snowbough::gpu {
 namespace {
 
 std::atomic<int64_t> reads = 0;
+std::atomic<int64_t> held_bytes = 0;
 
 /// Running out of memory depends on the user's scene, so its message gives advice.
 void require_memory(int64_t bytes, const std::string& what) {
@@ -41,6 +42,10 @@ int64_t read_count() {
   return reads;
 }
 
+int64_t buffer_bytes() {
+  return held_bytes;
+}
+
 void Buffer::allocate(const void* data) {
   glCreateBuffers(1, &id_);
   const int64_t room = std::max<int64_t>(bytes_, 16);
@@ -51,6 +56,7 @@ void Buffer::allocate(const void* data) {
     throw std::runtime_error("the GPU has no room for a buffer of " + std::to_string(room >> 20) +
                              " MiB: use smaller maps, fewer receivers or a larger pixel_size");
   }
+  held_bytes += room;
 }
 
 Buffer Buffer::unfilled(int64_t bytes) {
@@ -71,6 +77,9 @@ Buffer::Buffer(int64_t bytes, const void* data) : bytes_(bytes) {
 
 Buffer::~Buffer() {
   if (id_ != 0) {
+    GLint64 room = 0;
+    glGetNamedBufferParameteri64v(id_, GL_BUFFER_SIZE, &room);
+    held_bytes -= room;
     glDeleteBuffers(1, &id_);
   }
 }

@@ -13,6 +13,9 @@ namespace snowbough::gpu {
 /// Number of copies from GPU memory so far, for tests.
 int64_t read_count();
 
+/// Bytes of all buffers that exist, without textures.
+int64_t buffer_bytes();
+
 // Owners of GL objects. All of their functions, destructors included, run on the GPU thread.
 
 /// A GL name that is moved, never copied, and deleted once.

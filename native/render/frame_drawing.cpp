@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <tuple>
 
 namespace snowbough::render {
 namespace {
@@ -62,39 +63,29 @@ shared::TreeView FrameDrawing::write_views(const Camera& camera, const RenderSet
   Bounds around = objects_.bounds();
   // Meshes such as ground extend beyond the trees: nothing in front of the camera is clipped.
   around.reach = objects_.meshes().empty() ? around.radius : std::numeric_limits<float>::max();
-  const shared::TreeView base = camera_view(camera, settings, around, linear);
-  const auto write = [](gpu::Buffer& buffer, const shared::TreeView& view) {
-    buffer.write(0, sizeof view, &view);
+  const shared::TreeView view = camera_view(camera, settings, around, linear);
+  const auto write = [](gpu::Buffer& buffer, const shared::TreeView& its) {
+    buffer.write(0, sizeof its, &its);
   };
-  write(camera_view_, base);
-  write(sun_view_, sun_view(base));
-  for (const auto& [name, of] : objects_.trees()) {
-    shared::TreeView view = base;
-    if (settings.max_area == 0.0f) view.thesis.y = of->largest_area;
-    view.thesis.z = static_cast<float>(of->levels);
-    view.bark_dark = vec4(of->look.bark_dark, 1.0f);
-    view.bark_light = vec4(of->look.bark_light, 1.0f);
-    view.snow.y = of->buffers.snow_depths.open;
-    view.snow.z = of->buffers.snow_depths.last;
-    write(of->camera_view, view);
-    write(of->sun_view, sun_view(view));
-  }
-  return base;
+  write(camera_view_, view);
+  write(sun_view_, sun_view(view));
+  return view;
 }
 
-void FrameDrawing::prepare_trees(const RenderSettings& settings) {
+void FrameDrawing::prepare_trees(const shared::TreeView& view, const RenderSettings& settings,
+                                 bool shadows) {
   const auto each = [&](const char* pass, auto&& work) {
     const auto measured = timer_.measure(pass);
-    for (const auto& [name, of] : objects_.trees()) work(*of);
+    for (TreeChain& chain : forest_.chains()) work(chain);
   };
-  each("pose", [&](SceneTree& of) { passes_.pose(of.buffers, of.camera_view); });
-  each("edges", [&](SceneTree& of) { passes_.edge_levels(of.buffers, of.camera_view); });
-  each("classify", [&](SceneTree& of) {
-    passes_.patches.classify(of.buffers, of.buffers.camera, of.camera_view, settings.max_level);
-    if (of.leaves) {
-      leaf_passes_.classify(*of.leaves, &LeafBuffers::Part::camera, of.buffers.bones,
-                            of.camera_view);
-    }
+  objects_.tree_data().snow.find_depths();
+  const shared::TreeView sun = sun_view(view);
+  forest_.gather(objects_.drawn_trees(), objects_.tree_data(), view, shadows ? &sun : nullptr);
+  each("pose", [&](TreeChain& chain) { passes_.pose(chain, camera_view_); });
+  each("edges", [&](TreeChain& chain) { passes_.edge_levels(chain, camera_view_); });
+  each("classify", [&](TreeChain& chain) {
+    passes_.classify(chain, chain.camera.bark, camera_view_, settings.max_level);
+    leaf_passes_.classify(chain, chain.camera.leaves, camera_view_);
   });
 }
 
@@ -103,18 +94,13 @@ void FrameDrawing::draw_shadows(const RenderSettings& settings) {
   const auto measured = timer_.measure("shadow");
   glDisable(GL_CULL_FACE);
   const DrawStyle style{DrawKind::kDepth, shadow_.texture(), kInk};
-  const auto draw = [&](PatchPasses& passes, PatchSource& of, const gpu::Buffer& view) {
-    passes.classify(of, of.sun, view, settings.max_level);
-    passes.draw_plain(of, of.sun, view, style);
-    passes.draw_tessellated(of, of.sun, view, style);
-  };
-  for (const auto& [name, of] : objects_.trees()) {
-    draw(passes_.patches, of->buffers, of->sun_view);
-    if (of->leaves) {
-      leaf_passes_.classify(*of->leaves, &LeafBuffers::Part::sun, of->buffers.bones, of->sun_view);
-      leaf_passes_.draw(*of->leaves, &LeafBuffers::Part::sun, of->buffers.bones, of->sun_view,
-                        style);
-    }
+  for (TreeChain& chain : forest_.chains()) {
+    const TreeLists& sun = chain.sun;
+    passes_.classify(chain, chain.sun.bark, sun_view_, settings.max_level);
+    leaf_passes_.classify(chain, chain.sun.leaves, sun_view_);
+    passes_.draw_plain(chain, sun.bark, sun_view_, style);
+    passes_.draw_tessellated(chain, sun.bark, sun_view_, style);
+    leaf_passes_.draw(chain, sun.leaves, sun_view_, style);
   }
   for (const auto& [name, mesh] : objects_.meshes()) {
     mesh_passes_.draw(*mesh, sun_view_, style);
@@ -129,22 +115,19 @@ void FrameDrawing::draw_all(const DrawStyle& style, bool cull_back_faces, bool m
   };
   (cull_back_faces ? glEnable : glDisable)(GL_CULL_FACE);
   pass("plain", [&] {
-    for (const auto& [name, of] : objects_.trees()) {
-      passes_.patches.draw_plain(of->buffers, of->buffers.camera, of->camera_view, style);
+    for (const TreeChain& chain : forest_.chains()) {
+      passes_.draw_plain(chain, chain.camera.bark, camera_view_, style);
     }
   });
   pass("tessellated", [&] {
-    for (const auto& [name, of] : objects_.trees()) {
-      passes_.patches.draw_tessellated(of->buffers, of->buffers.camera, of->camera_view, style);
+    for (const TreeChain& chain : forest_.chains()) {
+      passes_.draw_tessellated(chain, chain.camera.bark, camera_view_, style);
     }
   });
   glDisable(GL_CULL_FACE);
   pass("leaves", [&] {
-    for (const auto& [name, of] : objects_.trees()) {
-      if (of->leaves) {
-        leaf_passes_.draw(*of->leaves, &LeafBuffers::Part::camera, of->buffers.bones,
-                          of->camera_view, style);
-      }
+    for (const TreeChain& chain : forest_.chains()) {
+      leaf_passes_.draw(chain, chain.camera.leaves, camera_view_, style);
     }
   });
   pass("meshes", [&] {
@@ -194,7 +177,6 @@ void FrameDrawing::draw_frame(const Camera& camera, const RenderSettings& settin
     for_pixels.min_pixels *= 2.0f;
   }
   const shared::TreeView view = write_views(of_pixels, for_pixels, linear);
-  prepare_trees(settings);
   const ShadowInputs inputs{objects_.revision(),
                             settings.shadow_resolution,
                             view.shadow_from_world,
@@ -203,7 +185,9 @@ void FrameDrawing::draw_frame(const Camera& camera, const RenderSettings& settin
                             view.eye.w / view.tessellation.w,
                             view.tessellation.y,
                             view.thesis};
-  if (shadow_.is_outdated(inputs, shadows, settings.draft)) {
+  const bool draws_shadows = shadow_.is_outdated(inputs, shadows, settings.draft);
+  prepare_trees(view, settings, draws_shadows && settings.shadow_resolution > 0);
+  if (draws_shadows) {
     shadow_.begin(inputs);
     draw_shadows(settings);
   }
@@ -219,6 +203,7 @@ void FrameDrawing::draw_frame(const Camera& camera, const RenderSettings& settin
 Picture FrameDrawing::render(const Camera& camera, const RenderSettings& settings) {
   const auto started = std::chrono::steady_clock::now();
   timer_.take();
+  const gpu::CallCounts calls = gpu::call_counts();
   const Target& picture = picture_.of_size(camera.width, camera.height);
   draw_frame(camera, settings, picture, large_, false, Shadows::kDraw);
   Picture made{camera.width, camera.height, read_color(picture)};
@@ -226,6 +211,9 @@ Picture FrameDrawing::render(const Camera& camera, const RenderSettings& setting
   statistics_.emplace();
   statistics_->wall_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  const gpu::CallCounts now = gpu::call_counts();
+  statistics_->calls = {now.dispatches - calls.dispatches, now.draws - calls.draws};
+  statistics_->buffer_bytes = gpu::buffer_bytes();
   statistics_->passes = timer_.take();
   for (const gpu::PassTime& pass : statistics_->passes) {
     if (pass.name != "shadow") statistics_->triangles += static_cast<int64_t>(pass.primitives);
@@ -272,8 +260,7 @@ DepthPicture FrameDrawing::render_depth(const Camera& camera, const RenderSettin
   {
     const DrawState state;
     glBindVertexArray(no_vertices_.id());
-    write_views(camera, settings, false);
-    prepare_trees(settings);
+    prepare_trees(write_views(camera, settings, false), settings, false);
     target.begin(0.0f, 0.0f, 0.0f);
     draw_all({DrawKind::kDepth, nullptr, kInk}, settings.cull_back_faces, false);
   }
@@ -293,66 +280,111 @@ FrameStatistics FrameDrawing::statistics() const {
 TreeLevels FrameDrawing::levels(const std::string& name) const {
   const SceneTree& of = objects_.tree(name);
   if (!statistics_) throw std::runtime_error("levels: render a picture first");
-  const auto edges = of.buffers.edge_levels.read_all<float>();
+  const TreeModel& model = *of.model();
   TreeLevels levels;
-  levels.classes = of.buffers.camera.classes.read_all<uint32_t>();
-  for (const glm::ivec4& patch : of.patch_edges) {
-    levels.edges.push_back(
-        {edges[patch.x >> 1], edges[patch.y >> 1], edges[patch.z >> 1], edges[patch.w >> 1]});
+  levels.classes.resize(model.quads.size(), shared::kDropped);
+  levels.edges.resize(model.quads.size(), {1.0f, 1.0f, 1.0f, 1.0f});
+  for (const TreeChain& chain : forest_.chains()) {
+    const auto found = std::find(chain.trees.begin(), chain.trees.end(), &of);
+    if (found == chain.trees.end()) continue;
+    const auto index = static_cast<int32_t>(found - chain.trees.begin());
+    const auto edges = chain.edge_levels.read_all<float>();
+    const auto first = static_cast<size_t>(chain.instances[static_cast<size_t>(index)].own.y);
+    const auto needed = static_cast<size_t>(chain.edges.count_of(index));
+    for (size_t patch = 0; patch < model.quads.size(); ++patch) {
+      for (int k = 0; k < 4; ++k) {
+        const auto edge = static_cast<size_t>(model.patch_edges[patch][k] >> 1);
+        const auto quad = static_cast<size_t>(model.quads[patch]);
+        if (edge < needed) levels.edges[quad][static_cast<size_t>(k)] = edges[first + edge];
+      }
+    }
+    const auto classes = chain.camera.bark.classes().read_all<uint32_t>();
+    for (const shared::WorkRange& range : chain.camera.bark.ranges()) {
+      if (range.instance != index) continue;
+      for (int32_t patch = 0; patch < range.count; ++patch) {
+        levels.classes[static_cast<size_t>(model.quads[static_cast<size_t>(patch)])] =
+            classes[static_cast<size_t>(range.first_slot + patch)];
+      }
+    }
+    break;
   }
   return levels;
 }
 
 void FrameDrawing::count_all_patches() {
-  const auto add = [&](const PatchCounts& counts) {
-    statistics_->dropped += counts.dropped;
+  for (const auto& [name, of] : objects_.trees()) {
+    statistics_->dropped += of->model()->patch_count() * static_cast<int64_t>(of->places().size());
+  }
+  for (const TreeChain& chain : forest_.chains()) {
+    const PatchCounts counts = TreePasses::count(chain.camera.bark);
     statistics_->plain += counts.plain;
     statistics_->tessellated += counts.tessellated;
-  };
-  for (const auto& [name, of] : objects_.trees()) {
-    add(passes_.patches.count(of->buffers.camera));
   }
+  statistics_->dropped -= statistics_->plain + statistics_->tessellated;
 }
 
-std::vector<vec3> FrameDrawing::captured(PatchPasses& passes, PatchSource& of,
-                                         const gpu::Buffer& view, float max_level) {
-  PatchList& list = of.camera;
-  passes.classify(of, list, view, max_level);
+std::vector<vec3> FrameDrawing::captured(TreeChain& chain, const RenderSettings& settings) {
+  const PatchList& list = chain.camera.bark;
+  passes_.pose(chain, camera_view_);
+  passes_.edge_levels(chain, camera_view_);
+  passes_.classify(chain, chain.camera.bark, camera_view_, settings.max_level);
   const auto style = [](DrawKind kind) { return DrawStyle{kind, nullptr, kInk}; };
   timer_.take();
   {
     const auto counted = timer_.measure("count");
-    passes.draw_plain(of, list, view, style(DrawKind::kDepth));
-    passes.draw_tessellated(of, list, view, style(DrawKind::kDepth));
+    passes_.draw_plain(chain, list, camera_view_, style(DrawKind::kDepth));
+    passes_.draw_tessellated(chain, list, camera_view_, style(DrawKind::kDepth));
   }
   const uint64_t count = timer_.take()[0].primitives;
   const gpu::Buffer positions(static_cast<int64_t>(3 * count * sizeof(vec3)));
-  const auto plain_corners = list.commands.read_all<shared::TreeDrawCommand>()[0].count;
-  const auto split = static_cast<int64_t>(plain_corners * sizeof(vec3));
+  const auto plain = static_cast<size_t>(TreePasses::count(list).plain);
+  const auto split = static_cast<int64_t>(6 * plain * sizeof(vec3));
   const auto into = [&](int64_t offset, int64_t bytes, auto&& draw) {
     if (bytes == 0) return;
     glBindBufferRange(GL_TRANSFORM_FEEDBACK_BUFFER, 0, positions.id(), offset, bytes);
     draw();
   };
-  into(0, split, [&] { passes.draw_plain(of, list, view, style(DrawKind::kCapture)); });
+  into(0, split, [&] { passes_.draw_plain(chain, list, camera_view_, style(DrawKind::kCapture)); });
   into(split, positions.bytes() - split,
-       [&] { passes.draw_tessellated(of, list, view, style(DrawKind::kCapture)); });
+       [&] { passes_.draw_tessellated(chain, list, camera_view_, style(DrawKind::kCapture)); });
   glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
-  return positions.read_all<vec3>();
+  std::vector<vec3> corners = positions.read_all<vec3>();
+
+  // Patches are listed in the order of order_patches.
+  const auto listed = list.plain().read_all<glm::ivec2>();
+  const std::vector<int32_t>& quads = chain.trees[0]->model()->quads;
+  std::vector<std::tuple<int32_t, int32_t, size_t>> order;
+  for (size_t i = 0; i < plain; ++i) {
+    order.emplace_back(listed[i].x, quads[static_cast<size_t>(listed[i].y)], i);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<vec3> sorted;
+  for (const auto& [instance, quad, i] : order) {
+    const auto from = corners.begin() + static_cast<int64_t>(6 * i);
+    sorted.insert(sorted.end(), from, from + 6);
+  }
+  std::copy(sorted.begin(), sorted.end(), corners.begin());
+  return corners;
 }
 
 std::vector<vec3> FrameDrawing::triangles(const std::string& name, const Camera& camera,
                                           const RenderSettings& settings) {
-  SceneTree& of = objects_.tree(name);
+  const SceneTree& of = objects_.tree(name);
   const DrawState state;
   glBindVertexArray(no_vertices_.id());
   // Draws need a framebuffer even if they write only to transform feedback.
   nothing_.of_size(1, 1).begin(0.0f, 0.0f, 0.0f);
   glEnable(GL_RASTERIZER_DISCARD);
-  write_views(camera, settings, false);
-  passes_.pose(of.buffers, of.camera_view);
-  passes_.edge_levels(of.buffers, of.camera_view);
-  return captured(passes_.patches, of.buffers, of.camera_view, settings.max_level);
+  const shared::TreeView view = write_views(camera, settings, false);
+  objects_.tree_data().snow.find_depths();
+  Forest alone(objects_.most_bytes());
+  alone.gather({&of}, objects_.tree_data(), view, nullptr);
+  std::vector<vec3> corners;
+  for (TreeChain& chain : alone.chains()) {
+    const std::vector<vec3> more = captured(chain, settings);
+    corners.insert(corners.end(), more.begin(), more.end());
+  }
+  return corners;
 }
 
 }  // namespace snowbough::render

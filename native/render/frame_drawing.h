@@ -9,6 +9,9 @@
 #include "render/shadow_map.h"
 #include "render/snow/flakes.h"
 #include "render/targets.h"
+#include "render/tree/forest.h"
+#include "render/tree/leaf_passes.h"
+#include "render/tree/tree_passes.h"
 
 namespace snowbough::render {
 
@@ -17,7 +20,8 @@ namespace snowbough::render {
 class FrameDrawing {
  public:
   /// `objects` must outlive it.
-  explicit FrameDrawing(const SceneObjects& objects) : objects_(objects) {}
+  explicit FrameDrawing(const SceneObjects& objects)
+      : objects_(objects), forest_(objects.most_bytes()) {}
 
   Picture render(const Camera& camera, const RenderSettings& settings);
   LightPicture render_light(const Camera& camera, const RenderSettings& settings, int32_t samples);
@@ -32,23 +36,23 @@ class FrameDrawing {
 
  private:
   shared::TreeView write_views(const Camera& camera, const RenderSettings& settings, bool linear);
-  void prepare_trees(const RenderSettings& settings);
+  /// `shadows`: also for the shadow map.
+  void prepare_trees(const shared::TreeView& view, const RenderSettings& settings, bool shadows);
   void draw_shadows(const RenderSettings& settings);
   void draw_all(const DrawStyle& style, bool cull_back_faces, bool measured);
   void draw_picture(const Target& target, const RenderSettings& settings, bool linear);
   void draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
                   KeptTarget& large, bool linear, Shadows shadows);
   void count_all_patches();
-  /// Positions that the draws of the camera's list write to transform feedback, the plain patches
+  /// Positions that the draws of a tree's chain write to transform feedback, the plain patches
   /// first.
-  std::vector<glm::vec3> captured(PatchPasses& passes, PatchSource& of, const gpu::Buffer& view,
-                                  float max_level);
+  std::vector<glm::vec3> captured(TreeChain& chain, const RenderSettings& settings);
 
   const SceneObjects& objects_;
-  /// Views of all objects except trees, which have their own.
   gpu::Buffer camera_view_{sizeof(shared::TreeView)};
   gpu::Buffer sun_view_{sizeof(shared::TreeView)};
 
+  Forest forest_;
   TreePasses passes_;
   FlakePass flakes_;
   LeafPasses leaf_passes_;

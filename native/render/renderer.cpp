@@ -94,6 +94,10 @@ void Renderer::add_tree(const std::string& name, const TreeSource& source, const
   });
 }
 
+void Renderer::share_tree(const std::string& name, const std::string& tree) {
+  change([name, tree](SceneObjects& objects) { objects.share_tree(name, tree); });
+}
+
 void Renderer::set_leaves(const std::string& tree, const LeafSource& leaves) {
   change([tree, leaves](SceneObjects& objects) { objects.set_leaves(tree, leaves); });
 }
@@ -110,8 +114,8 @@ void Renderer::add_mesh(const std::string& name, const MeshSource& source) {
   change([name, source](SceneObjects& objects) { objects.add_mesh(name, source); });
 }
 
-void Renderer::set_places(const std::string& mesh, const std::vector<glm::mat4>& matrices) {
-  change([mesh, matrices](SceneObjects& objects) { objects.set_places(mesh, matrices); });
+void Renderer::set_places(const std::string& name, const std::vector<glm::mat4>& matrices) {
+  change([name, matrices](SceneObjects& objects) { objects.set_places(name, matrices); });
 }
 
 void Renderer::set_mesh_snow(const std::string& mesh, const MeshSnow& snow) {
@@ -135,7 +139,7 @@ bool Renderer::share_snow(const std::string& tree, const gpu::ThreadTexture& hei
   check(depths);
   Drawing& to = drawing();
   if (heights.thread != thread_) return false;
-  thread_->run([&] { to.made_objects().share_snow(tree, heights.texture, depths); });
+  thread_->run([&] { to.made_objects().share_snow(tree, *heights.texture, depths); });
   return true;
 }
 

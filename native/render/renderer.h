@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "gpu/gpu_thread.h"
+#include "gpu/program.h"
 #include "gpu/thread_texture.h"
 #include "gpu/timer.h"
 #include "render/data/sources.h"
@@ -19,15 +20,6 @@
 namespace snowbough::render {
 
 class SceneObjects;
-
-/// Appearance of a tree's bark.
-struct TreeLook {
-  /// Amplitude of the bark as a fraction of the limb's radius, 0 to 1.
-  float bark_depth = 0.06f;
-  /// Linear colours of furrows and ridges.
-  glm::vec3 bark_dark{0.045f, 0.03f, 0.02f};
-  glm::vec3 bark_light{0.24f, 0.18f, 0.13f};
-};
 
 /// Pixels of a picture: height x width x 4 (sRGB, alpha 1 where something was drawn), row 0 at the
 /// bottom.
@@ -61,13 +53,18 @@ struct FrameStatistics {
   int64_t tessellated = 0;
   /// Triangles drawn for the camera's picture, without the shadow map's.
   int64_t triangles = 0;
+  /// Calls to OpenGL. A draw of many instances or of many indirect commands is one call.
+  gpu::CallCounts calls;
+  /// Size of all buffers of the process on GPUs, without textures.
+  int64_t buffer_bytes = 0;
   /// GPU times of the passes, in the order of a frame.
   std::vector<gpu::PassTime> passes;
   /// Time from the call to the picture, including the read back.
   double wall_seconds = 0.0;
 };
 
-/// Tessellation of a tree in the last picture, per quad of its source.
+/// Tessellation of a tree in the last picture, in its first place, per quad of its source. Edges of
+/// patches that are certainly dropped have level 1.
 struct TreeLevels {
   /// shared::kDropped, kPlain or kTessellated.
   std::vector<uint32_t> classes;
@@ -97,6 +94,9 @@ class Renderer {
   // and for bad input; std::runtime_error after `close` and for GPU errors.
 
   void add_tree(const std::string& name, const TreeSource& source, const TreeLook& look = {});
+  /// Adds a tree that shares base, bark and leaves with another one. It has its own pose, places
+  /// and snow.
+  void share_tree(const std::string& name, const std::string& tree);
   /// Sets the leaves of a tree, which move with its bones, and replaces earlier ones.
   void set_leaves(const std::string& tree, const LeafSource& leaves);
   /// Sets the images of a tree's bark, which replace the look's colours; the bark's relief stays.
@@ -105,14 +105,14 @@ class Renderer {
   /// upload per frame.
   void set_pose(const std::string& tree, const std::vector<glm::mat4>& matrices);
   void add_mesh(const std::string& name, const MeshSource& source);
-  /// Sets the instances of a mesh: one matrix per place, from its own space to the world. The
-  /// default is the identity.
-  void set_places(const std::string& mesh, const std::vector<glm::mat4>& matrices);
+  /// Sets the instances of a mesh or a tree: one matrix per place, from its own space, or that of
+  /// the pose, to the world. The default is the identity.
+  void set_places(const std::string& name, const std::vector<glm::mat4>& matrices);
   /// Sets the snow on a mesh; a map without heights removes it.
   void set_mesh_snow(const std::string& mesh, const MeshSnow& snow);
   /// Sets the snow on a tree that has snow map coordinates.
   void set_snow(const std::string& tree, const TreeSnow& snow);
-  /// Sets the snow from a texture (R32F, linear filtering) without a copy. Returns false if the
+  /// Sets the snow from a texture (R32F), which is copied on the GPU. Returns false if the
   /// texture is not in this renderer's context. Call it again when the texture's content has
   /// changed.
   bool share_snow(const std::string& tree, const gpu::ThreadTexture& heights,
@@ -141,7 +141,8 @@ class Renderer {
   FrameStatistics statistics() const;
 
   /// World positions of a tree's triangles as tessellated for the camera, three per triangle, the
-  /// plain patches first. Patches outside the camera's view are left out.
+  /// plain patches first in the order of the source's quads. Patches outside the camera's view are
+  /// left out.
   std::vector<glm::vec3> triangles(const std::string& name, const Camera& camera,
                                    const RenderSettings& settings);
   TreeLevels levels(const std::string& tree) const;

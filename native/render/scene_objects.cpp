@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
-
-#include "render/draw/matrix_rows.h"
 
 namespace snowbough::render {
 namespace {
 
 using glm::vec3;
-using glm::vec4;
 
 /// Margin of the sphere around the shadow casters, as a factor on its radius.
 constexpr float kRoomToMove = 1.25f;
@@ -26,26 +24,8 @@ bool is_flat(const Box& box) {
 
 }  // namespace
 
-SceneTree::SceneTree(const TreePatches& patches, const TreeLook& its_look)
-    : buffers(patches),
-      look(its_look),
-      bone_count(patches.bone_count),
-      levels(patches.levels),
-      has_snow_places(patches.has_snow_places),
-      largest_area(patches.largest_area),
-      rest(patches.bone_count),
-      camera_view(sizeof(shared::TreeView)),
-      sun_view(sizeof(shared::TreeView)) {
-  for (const shared::TreePatch& patch : patches.patches) {
-    patch_edges.push_back(patch.edges);
-  }
-  for (const shared::TreeVertex& vertex : patches.vertices) {
-    for (int k = 0; k < 4; ++k) {
-      if (vertex.weights[k] > 0.0f) rest.add(vertex.bones[k], vec3(vertex.position));
-    }
-  }
-  bounds = rest.at_rest();
-}
+SceneObjects::SceneObjects(int64_t most_bytes)
+    : most_bytes_(most_bytes), tree_data_(std::make_unique<TreeShared>(most_bytes)) {}
 
 SceneTree& SceneObjects::tree(const std::string& name) const {
   const auto found = trees_.find(name);
@@ -57,45 +37,69 @@ void SceneObjects::add_tree(const std::string& name, const TreePatches& patches,
                             const TreeLook& look) {
   ++revision_;
   require_new(name);
-  trees_[name] = std::make_unique<SceneTree>(patches, look);
+  std::shared_ptr<TreeStore> store;
+  for (const std::weak_ptr<TreeStore>& known : stores_) {
+    const std::shared_ptr<TreeStore> open = known.lock();
+    if (store == nullptr && open != nullptr && open->has_room(patches)) store = open;
+  }
+  if (store == nullptr) {
+    store = std::make_shared<TreeStore>(most_bytes_, next_number_++);
+    std::erase_if(stores_, [](const auto& known) { return known.expired(); });
+    stores_.push_back(store);
+  }
+  trees_[name] = std::make_unique<SceneTree>(
+      *tree_data_, std::make_shared<TreeModel>(store, patches, look, next_number_++));
+}
+
+void SceneObjects::share_tree(const std::string& name, const std::string& of) {
+  ++revision_;
+  require_new(name);
+  trees_[name] = std::make_unique<SceneTree>(*tree_data_, tree(of).model());
 }
 
 void SceneObjects::set_leaves(const std::string& name, const LeafSource& leaves) {
   ++revision_;
-  SceneTree& of = tree(name);
-  LeafBuffers made(leaves, of.bone_count);
-  of.leaves.reset();
-  of.leaves.emplace(std::move(made));
-  for (size_t i = 0; i < leaves.positions.size(); ++i) {
-    of.rest.add(leaves.bone[i / 3], leaves.positions[i]);
-    of.bounds.add(leaves.positions[i]);
+  const std::shared_ptr<TreeModel>& model = tree(name).model();
+  model->set_leaves(leaves);
+  for (const auto& [other, of] : trees_) {
+    if (of->model() == model) of->find_bounds();
   }
 }
 
 void SceneObjects::set_bark(const std::string& name, const BarkSource& bark) {
-  SceneTree& of = tree(name);
-  of.buffers.images.emplace(bark, of.patch_edges.size());
+  tree(name).model()->set_bark(bark);
 }
 
 void SceneObjects::set_pose(const std::string& name, const std::vector<glm::mat4>& matrices) {
   ++revision_;
   SceneTree& of = tree(name);
-  if (matrices.size() != static_cast<size_t>(of.bone_count)) {
-    throw std::invalid_argument("tree '" + name + "' needs " + std::to_string(of.bone_count) +
+  const int32_t bones = of.model()->bone_count;
+  if (matrices.size() != static_cast<size_t>(bones)) {
+    throw std::invalid_argument("tree '" + name + "' needs " + std::to_string(bones) +
                                 " bone matrices, not " + std::to_string(matrices.size()));
   }
-  const std::vector<vec4> rows = matrix_rows(matrices);
-  of.buffers.bones.write(0, static_cast<int64_t>(rows.size() * sizeof(vec4)), rows.data());
-  of.bounds = of.rest.posed(matrices);
+  of.set_pose(matrices);
 }
 
 SceneTree& SceneObjects::tree_with_places(const std::string& name) const {
   SceneTree& of = tree(name);
-  if (!of.has_snow_places) {
+  if (!of.model()->has_snow_places) {
     throw std::invalid_argument("tree '" + name +
                                 "' has no snow map coordinates: add it with snow_uv");
   }
   return of;
+}
+
+std::vector<const SceneTree*> SceneObjects::drawn_trees() const {
+  std::vector<const SceneTree*> trees;
+  for (const auto& [name, of] : trees_) trees.push_back(of.get());
+  const auto key = [](const SceneTree* of) {
+    const TreeModel& model = *of->model();
+    return std::tuple(model.store->number, model.bark_images.has_value(), model.number);
+  };
+  std::stable_sort(trees.begin(), trees.end(),
+                   [&](const SceneTree* a, const SceneTree* b) { return key(a) < key(b); });
+  return trees;
 }
 
 void SceneObjects::set_snow(const std::string& name, const TreeSnow& snow) {
@@ -104,16 +108,14 @@ void SceneObjects::set_snow(const std::string& name, const TreeSnow& snow) {
   // Trees without snow use the shaders without snow.
   const bool is_bare = std::all_of(snow.values.begin(), snow.values.end(),
                                    [](float height) { return height == 0.0f; });
-  if (is_bare) return of.buffers.set_snow(nullptr, snow.depths);
-  auto map = std::make_shared<gpu::Texture>(GL_R32F, snow.width, snow.height, 0, GL_LINEAR);
-  map->write(0, GL_RED, GL_FLOAT, snow.values.data());
-  of.buffers.set_snow(std::move(map), snow.depths);
+  if (is_bare) return of.remove_snow();
+  of.set_snow(snow.width, snow.height, snow.values.data(), snow.depths);
 }
 
-void SceneObjects::share_snow(const std::string& name, std::shared_ptr<const gpu::Texture> heights,
+void SceneObjects::share_snow(const std::string& name, const gpu::Texture& heights,
                               const SnowDepths& depths) {
   ++revision_;
-  tree_with_places(name).buffers.set_snow(std::move(heights), depths);
+  tree_with_places(name).set_snow(heights, depths);
 }
 
 MeshBuffers& SceneObjects::mesh(const std::string& name) const {
@@ -136,6 +138,8 @@ void SceneObjects::add_mesh(const std::string& name, const MeshSource& source) {
 
 void SceneObjects::set_places(const std::string& name, const std::vector<glm::mat4>& matrices) {
   ++revision_;
+  const auto found = trees_.find(name);
+  if (found != trees_.end()) return found->second->set_places(matrices);
   mesh(name).set_places(matrices);
 }
 
@@ -157,7 +161,7 @@ Bounds SceneObjects::bounds() const {
     all.add(box);
     if (!is_flat(box)) casters.add(box);
   };
-  for (const auto& [name, of] : trees_) casters.add(of->bounds);
+  for (const auto& [name, of] : trees_) casters.add(of->bounds());
   for (const auto& [name, of] : meshes_) add(of->bounds());
   if (casters.is_empty()) casters = all;
   if (casters.is_empty()) return {vec3(0.0f), 10.0f, 10.0f};

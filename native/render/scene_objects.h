@@ -3,51 +3,32 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "render/draw/mesh_passes.h"
-#include "render/draw/posed_bounds.h"
 #include "render/renderer.h"
-#include "render/tree/leaf_passes.h"
-#include "render/tree/tree_passes.h"
+#include "render/tree/scene_tree.h"
+#include "render/tree/tree_patches.h"
 
 namespace snowbough::render {
-
-/// A tree with all its data on the GPU.
-struct SceneTree {
-  SceneTree(const TreePatches& patches, const TreeLook& its_look);
-
-  TreeBuffers buffers;
-  std::optional<LeafBuffers> leaves;
-  TreeLook look;
-  int32_t bone_count = 0;
-  int32_t levels = 1;
-  bool has_snow_places = false;
-  float largest_area = 0.0f;
-  PosedBounds rest;
-  Box bounds;
-  /// Edges of each quad.
-  std::vector<glm::ivec4> patch_edges;
-  /// Each holds one TreeView.
-  gpu::Buffer camera_view;
-  gpu::Buffer sun_view;
-};
 
 /// The trees and meshes of a renderer. All functions run on the GPU thread and have the same
 /// meaning as Renderer's.
 class SceneObjects {
  public:
+  /// `most_bytes`: greatest size of a buffer of trees.
+  explicit SceneObjects(int64_t most_bytes = largest_block());
+
   void add_tree(const std::string& name, const TreePatches& patches, const TreeLook& look);
+  void share_tree(const std::string& name, const std::string& tree);
   void set_leaves(const std::string& tree, const LeafSource& leaves);
   void set_bark(const std::string& tree, const BarkSource& bark);
   void set_pose(const std::string& tree, const std::vector<glm::mat4>& matrices);
   void set_snow(const std::string& tree, const TreeSnow& snow);
-  void share_snow(const std::string& tree, std::shared_ptr<const gpu::Texture> heights,
-                  const SnowDepths& depths);
+  void share_snow(const std::string& tree, const gpu::Texture& heights, const SnowDepths& depths);
   void add_mesh(const std::string& name, const MeshSource& source);
-  void set_places(const std::string& mesh, const std::vector<glm::mat4>& matrices);
+  void set_places(const std::string& name, const std::vector<glm::mat4>& matrices);
   void set_mesh_snow(const std::string& mesh, const MeshSnow& snow);
   void remove(const std::string& name);
 
@@ -55,6 +36,10 @@ class SceneObjects {
   const std::map<std::string, std::unique_ptr<MeshBuffers>>& meshes() const { return meshes_; }
   /// @throws std::invalid_argument if there is no tree of that name.
   SceneTree& tree(const std::string& name) const;
+  /// All trees, in the order of drawing.
+  std::vector<const SceneTree*> drawn_trees() const;
+  TreeShared& tree_data() const { return *tree_data_; }
+  int64_t most_bytes() const { return most_bytes_; }
   Bounds bounds() const;
   /// Counts changes to shadow casters.
   uint64_t revision() const { return revision_; }
@@ -64,6 +49,11 @@ class SceneObjects {
   MeshBuffers& mesh(const std::string& name) const;
   void require_new(const std::string& name) const;
 
+  int64_t most_bytes_;
+  int32_t next_number_ = 0;
+  /// Destroyed after the trees.
+  std::unique_ptr<TreeShared> tree_data_;
+  std::vector<std::weak_ptr<TreeStore>> stores_;
   std::map<std::string, std::unique_ptr<SceneTree>> trees_;
   std::map<std::string, std::unique_ptr<MeshBuffers>> meshes_;
   uint64_t revision_ = 0;

@@ -1,12 +1,12 @@
-// The main of a pass that sorts patches into classes and counts the drawn ones per work group. Include it after `uint
-// class_of(int index)`.
-#include "lib/tree_shared.h"
+// The main of a pass that sorts patches into classes and counts the drawn ones per work group. `class_of` is
+// defined by the pass.
+#include "glsl/work_range.glsl"
 
-layout(local_size_x = int(kPatchGroup)) in;
 layout(std430) writeonly buffer PatchClasses { uint patch_classes[]; };
 /// Plain and tessellated patches of a work group.
 layout(std430) writeonly buffer GroupCounts { uvec2 group_counts[]; };
-uniform int count;
+/// Number of work groups; those of the last row may be more.
+uniform int groups;
 
 shared uint plain_count;
 shared uint tessellated_count;
@@ -21,7 +21,8 @@ bool is_outside(vec3 centre, float radius) {
   return false;
 }
 
-uint class_of(int index);
+/// Class of an item of a range.
+uint class_of(WorkRange range, int item);
 
 void main() {
   if (gl_LocalInvocationIndex == 0u) {
@@ -29,10 +30,11 @@ void main() {
     tessellated_count = 0u;
   }
   barrier();
-  const int index = int(gl_GlobalInvocationID.x);
-  if (index < count) {
-    const uint found = class_of(index);
-    patch_classes[index] = found;
+  const WorkRange range = work_range();
+  const int item = work_slot() - range.first_slot;
+  if (item < range.count) {
+    const uint found = class_of(range, range.first_item + item);
+    patch_classes[work_slot()] = found;
     if (found == kPlain) {
       atomicAdd(plain_count, 1u);
     } else if (found == kTessellated) {
@@ -40,7 +42,7 @@ void main() {
     }
   }
   barrier();
-  if (gl_LocalInvocationIndex == 0u) {
-    group_counts[gl_WorkGroupID.x] = uvec2(plain_count, tessellated_count);
+  if (gl_LocalInvocationIndex == 0u && work_group() < groups) {
+    group_counts[work_group()] = uvec2(plain_count, tessellated_count);
   }
 }

@@ -42,10 +42,9 @@ float sunlit(vec3 position, vec3 normal, float reach) {
   return open / 9.0;
 }
 
-/// Light reflected by a surface of this albedo; `through`: fraction of the sun's light transmitted from behind.
-vec3 lit(vec3 albedo, vec3 position, vec3 geometric_normal, vec3 normal, float through) {
-  const float facing = dot(normal, view.sun_direction.xyz);
-  const float sun = max(facing, 0.0) + through * max(-facing, 0.0);
+/// Light reflected by a surface of this albedo under `sun`, the fraction of the sun's light that falls on it unless
+/// something else hides it.
+vec3 lit_by(float sun, vec3 albedo, vec3 position, vec3 geometric_normal, vec3 normal) {
   const vec3 sky = mix(view.ground_color.rgb, view.sky_color.rgb, 0.5 + 0.5 * normal.z);
   float open = 0.0;
   if (sun > 0.0) {
@@ -53,6 +52,12 @@ vec3 lit(vec3 albedo, vec3 position, vec3 geometric_normal, vec3 normal, float t
     open = sunlit(position, side * geometric_normal, 0.0);
   }
   return albedo * (sun * open * view.sun_color.rgb + sky);
+}
+
+/// Light reflected by a surface of this albedo; `through`: fraction of the sun's light transmitted from behind.
+vec3 lit(vec3 albedo, vec3 position, vec3 geometric_normal, vec3 normal, float through) {
+  const float facing = dot(normal, view.sun_direction.xyz);
+  return lit_by(max(facing, 0.0) + through * max(-facing, 0.0), albedo, position, geometric_normal, normal);
 }
 
 /// Light above this value is compressed if the target takes sRGB, so that sunlit snow keeps its shading instead of

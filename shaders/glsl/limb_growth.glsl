@@ -1,6 +1,7 @@
 // Growth of limbs that are drawn as four flat sides. Needs tree_view.glsl.
 //
-// SNOW: of a tree with snow.
+// SNOW: also of trees with snow.
+#include "glsl/tree_instance.glsl"
 #include "lib/thin_limbs.h"
 
 /// Metres by which the surface moves outwards so that the limb is, in the mean, as wide as if it were round.
@@ -10,10 +11,11 @@ float square_growth(float circumference, float away) {
   }
   const float width = circumference / 3.1415927;
   const float pixels = view.eye.w / away;
+  float share = round_share(width * pixels, view.tessellation.z);
 #ifdef SNOW
-  const float share = snowy_round_share(width * pixels, view.snow.y * pixels, view.tessellation.z);
-#else
-  const float share = round_share(width * pixels, view.tessellation.z);
+  if (has_snow()) {
+    share = snowy_round_share(width * pixels, tree.snow.x * pixels, view.tessellation.z);
+  }
 #endif
   return 0.5 * width * kSquareGrowth * (1.0 - share);
 }

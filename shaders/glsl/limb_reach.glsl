@@ -1,5 +1,10 @@
-// The middle line of a limb beside its vertices, and its width in the picture. Needs PosedVertices, TreeVertices and
-// tree_view.glsl.
+// The middle line of a limb beside its vertices, and its width in the picture. Needs tree_base.glsl and tree_view.glsl.
+
+/// The parameters of eq. 3.4.1 for the instance, with its number of branch levels.
+vec4 thesis_of_tree() {
+  const float area = view.thesis.y > 0.0 ? view.thesis.y : tree.bark_dark.w;
+  return vec4(view.thesis.x, area, tree.bark_light.w, view.thesis.w);
+}
 
 /// Point on the limb's middle line beside a vertex, posed.
 vec3 limb_middle(PosedVertex at, TreeVertex vertex) {

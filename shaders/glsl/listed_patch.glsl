@@ -1,7 +1,8 @@
-// Passes a listed patch to the tessellator: its single control point is its number; its record holds the rest.
+// Passes a listed patch to the tessellator: its single control point is its instance and its number;
+// their records hold the rest.
 
-layout(std430) readonly buffer TessellatedPatches { uint tessellated_patches[]; };
-out uint listed_patch;
+layout(std430) readonly buffer TessellatedPatches { ivec2 tessellated_patches[]; };
+out ivec2 listed_patch;
 
 void main() {
   listed_patch = tessellated_patches[gl_VertexID];

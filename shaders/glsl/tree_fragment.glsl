@@ -1,6 +1,6 @@
 // A pixel of the tree, plain or tessellated.
 //
-// SNOW: adds the snow of its map. IMAGE: uses the bark's image. SHADOW: depth only. WIRE: the lines of a wireframe, or
+// SNOW: adds the snow of trees that have some. IMAGE: uses the bark's image. SHADOW: depth only. WIRE: the lines of a wireframe, or
 // the background that hides the lines behind it.
 #ifndef SHADOW
 layout(location = 0) out vec4 color;
@@ -8,6 +8,8 @@ layout(location = 0) out vec4 color;
 uniform vec4 wire_color;
 #else
 #include "glsl/bark_shading.glsl"
+#include "glsl/tree_instance.glsl"
+flat in int drawn_tree;
 in vec3 world;
 in vec3 smooth_normal;
 in vec4 bark;
@@ -18,6 +20,8 @@ in vec3 image_place;
 #ifdef SNOW
 #include "glsl/tree_snow.glsl"
 #include "glsl/snow_shading.glsl"
+flat in ivec4 snow_map;
+flat in vec4 snow_depths;
 in vec2 snow_place;
 in vec3 rest_place;
 in vec4 snow_noises;
@@ -44,15 +48,19 @@ void main() {
 #ifdef WIRE
   color = wire_color;
 #else
-  const float height = bark_relief(world, bark);
+  const vec3 relief = pixel_relief(world, bark);
 #ifdef IMAGE
   const vec3 albedo = texture(bark_images, image_place).rgb;
 #else
-  const vec3 albedo = bark_color(height);
+  const vec3 albedo = mix(instances[drawn_tree].bark_dark.rgb, instances[drawn_tree].bark_light.rgb, bark_share(relief.x));
 #endif
-  vec3 light = shaded_bark(world, smooth_normal, bark, height, albedo);
+  vec3 light = shaded_bark(world, smooth_normal, bark, relief, albedo);
 #ifdef SNOW
-  light = with_snow(light);
+  tree.map = snow_map;
+  tree.snow = snow_depths;
+  if (has_snow()) {
+    light = with_snow(light);
+  }
 #endif
   color = encoded(light);
 #endif

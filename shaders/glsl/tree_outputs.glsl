@@ -16,8 +16,12 @@ layout(std430) readonly buffer BarkPlaces { BarkPlace bark_places[]; };
 /// Coordinates on the bark's image, and its layer.
 out vec3 image_place;
 #endif
-#ifdef SNOW
 #ifndef WIRE
+flat out int drawn_tree;
+#ifdef SNOW
+/// Of the TreeInstance: pixels outside of a triangle, which derivatives use, cannot read its buffer.
+flat out ivec4 snow_map;
+flat out vec4 snow_depths;
 /// Coordinates on the snow map, and the position in the rest pose without bark.
 out vec2 snow_place;
 out vec3 rest_place;

@@ -1,14 +1,14 @@
 // Snow on limbs by the common formula in lib/snow_surface.h. Limbs are round and have no rims. The noise is fixed to
 // the rest pose.
 #include "glsl/snow_map.glsl"
-#include "glsl/tree_view.glsl"
+#include "glsl/tree_instance.glsl"
 #include "lib/snow_point.h"
 
 const SnowStyle kUsualStyle = SnowStyle(1.0, 1.0, 1.0, 1.0);
 
 /// Snow depth on open level ground in metres: in this picture, and at the shot's end.
-float open_depth() { return view.snow.y; }
-float last_depth() { return view.snow.z; }
+float open_depth() { return tree.snow.x; }
+float last_depth() { return tree.snow.y; }
 
 /// Noise at a position in the rest pose: patches, hem, relief and bumps of a SnowPoint.
 vec4 limb_noise(vec3 rest) {

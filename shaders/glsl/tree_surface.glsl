@@ -1,7 +1,7 @@
 // The tree's surface. Vertices come from their pose, and points within a patch from the patch. Points of edges come
 // from the edge's record alone, so that both faces of an edge compute the same bits.
 //
-// SNOW: adds the map's snow on top of the bark.
+// SNOW: adds the snow of trees that have some on top of the bark.
 #include "glsl/bark.glsl"
 #include "glsl/tree_view.glsl"
 #include "glsl/limb_growth.glsl"
@@ -10,8 +10,7 @@
 #include "glsl/tree_snow.glsl"
 #endif
 
-layout(std430) readonly buffer TreeVertices { TreeVertex vertices[]; };
-layout(std430) readonly buffer PosedVertices { PosedVertex posed[]; };
+#include "glsl/tree_base.glsl"
 layout(std430) readonly buffer TreeSections { TreeSection sections[]; };
 layout(std430) readonly buffer TreeEdges { TreeEdge edges[]; };
 layout(std430) readonly buffer TreePatches { TreePatch patches[]; };
@@ -61,37 +60,41 @@ SurfacePoint on_bark(RestPoint rest) {
   precise vec3 position = bare + normal * height;
   vec4 noise = vec4(0.0);
 #ifdef SNOW
-  noise = limb_noise(rest.position);
-  position += snow_offset(limb_point(noise, rest.circumference), max(rest.snow, 0.0), normal);
+  if (has_snow()) {
+    noise = limb_noise(rest.position);
+    position += snow_offset(limb_point(noise, rest.circumference), max(rest.snow, 0.0), normal);
+  }
 #endif
   return SurfacePoint(position, normal, vec2(rest.circumference, rest.bark), rest.position, noise);
 }
 
 SurfacePoint vertex_point(int index) {
-  const PosedVertex at = posed[index];
-  const vec3 rest = vec3(vertices[index].position);
+  const PosedVertex at = posed_of(index);
+  const vec3 rest = vec3(vertex_of(index).position);
   vec4 noise = vec4(0.0);
 #ifdef SNOW
-  noise = limb_noise(rest);
+  if (has_snow()) {
+    noise = limb_noise(rest);
+  }
 #endif
   return SurfacePoint(vec3(at.position), vec3(at.normal), vec2(at.normal.w, at.position.w), rest, noise);
 }
 
 /// The point at fraction t, within 0 and 1, between an edge's first and last vertex.
 SurfacePoint edge_point(int index, float t) {
-  const TreeEdge edge = edges[index];
-  const TreeVertex a = vertices[edge.ends.x];
-  const TreeVertex b = vertices[edge.ends.y];
-  const PosedVertex pose_a = posed[edge.ends.x];
-  const PosedVertex pose_b = posed[edge.ends.y];
+  const TreeEdge edge = edges[tree.base.y + index];
+  const TreeVertex a = vertex_of(edge.ends.x);
+  const TreeVertex b = vertex_of(edge.ends.y);
+  const PosedVertex pose_a = posed_of(edge.ends.x);
+  const PosedVertex pose_b = posed_of(edge.ends.y);
   const float s = edge.first_rest.w > 0.5 ? chord_share(t) : t;
   const vec3 p = mix(vec3(a.position), vec3(b.position), s);
   vec3 round_point = p;
   if (edge.ends.z >= 0) {
-    round_point = on_limb(sections[edge.ends.z], p);
+    round_point = on_limb(sections[tree.base.w + edge.ends.z], p);
   }
   if (edge.ends.w >= 0) {
-    round_point = 0.5 * (round_point + on_limb(sections[edge.ends.w], p));
+    round_point = 0.5 * (round_point + on_limb(sections[tree.base.w + edge.ends.w], p));
   }
   RestPoint rest;
   rest.position =
@@ -102,8 +105,10 @@ SurfacePoint edge_point(int index, float t) {
   rest.bark = mix(a.position.w, b.position.w, s) * edge.metric.z;
   rest.snow = 0.0;
 #ifdef SNOW
-  rest.snow = 0.5 * (height_between(mix(edge.snow_uv.xy, edge.snow_uv.zw, t)) +
-                     height_between(mix(edge.other_snow_uv.xy, edge.other_snow_uv.zw, t)));
+  if (has_snow()) {
+    rest.snow = 0.5 * (height_between(mix(edge.snow_uv.xy, edge.snow_uv.zw, t)) +
+                       height_between(mix(edge.other_snow_uv.xy, edge.other_snow_uv.zw, t)));
+  }
 #endif
   rest.row_x = mix(pose_a.row_x, pose_b.row_x, s);
   rest.row_y = mix(pose_a.row_y, pose_b.row_y, s);
@@ -132,16 +137,17 @@ vec2 patch_snow_uv(TreePatch of, vec2 at) {
 
 /// A point within a patch, not on its edges.
 SurfacePoint inner_point(TreePatch of, vec2 at) {
-  const float round_share = of.place.w == 0 ? 0.0 : of.place.w == 1 ? 1.0 : 1.0 - at.y;
+  const float round_share = of.place.w == kWallPatch ? 1.0 : of.place.w == kRoundInset ? 1.0 - at.y : 0.0;
   const vec2 s = vec2(mix(at.x, chord_share(at.x), round_share), at.y);
-  const ivec4 v = of.vertices;
+  const ivec4 v = tree.base.x + of.vertices;
+  const ivec4 w = tree.own.x + of.vertices;
   const vec4 p = bilinear(vertices[v.x].position, vertices[v.y].position, vertices[v.z].position,
                           vertices[v.w].position, s);
   const vec4 n =
       bilinear(vertices[v.x].normal, vertices[v.y].normal, vertices[v.z].normal, vertices[v.w].normal, s);
   vec3 round_point = vec3(p);
   if (of.place.x >= 0) {
-    round_point = on_limb(sections[of.place.x], vec3(p));
+    round_point = on_limb(sections[tree.base.w + of.place.x], vec3(p));
   }
   const vec2 low = vec2(rest_share(at.x), rest_share(at.y));
   const vec2 high = vec2(rest_share(1.0 - at.x), rest_share(1.0 - at.y));
@@ -155,11 +161,13 @@ SurfacePoint inner_point(TreePatch of, vec2 at) {
   rest.bark = p.w;
   rest.snow = 0.0;
 #ifdef SNOW
-  rest.snow = height_between(patch_snow_uv(of, at));
+  if (has_snow()) {
+    rest.snow = height_between(patch_snow_uv(of, at));
+  }
 #endif
-  rest.row_x = bilinear(posed[v.x].row_x, posed[v.y].row_x, posed[v.z].row_x, posed[v.w].row_x, s);
-  rest.row_y = bilinear(posed[v.x].row_y, posed[v.y].row_y, posed[v.z].row_y, posed[v.w].row_y, s);
-  rest.row_z = bilinear(posed[v.x].row_z, posed[v.y].row_z, posed[v.z].row_z, posed[v.w].row_z, s);
+  rest.row_x = bilinear(posed[w.x].row_x, posed[w.y].row_x, posed[w.z].row_x, posed[w.w].row_x, s);
+  rest.row_y = bilinear(posed[w.x].row_y, posed[w.y].row_y, posed[w.z].row_y, posed[w.w].row_y, s);
+  rest.row_z = bilinear(posed[w.x].row_z, posed[w.y].row_z, posed[w.z].row_z, posed[w.w].row_z, s);
   return on_bark(rest);
 }
 

@@ -34,6 +34,16 @@ SNOWBOUGH_SHARED_FUNCTION vec3 on_limb(KERNEL_CONST_REF(TreeSection) section, ve
   return p + (round_point - p) * share;
 }
 
+/// Unit normal of a section's surface beside p; p must not be on the section's line.
+SNOWBOUGH_SHARED_FUNCTION vec3 limb_normal(KERNEL_CONST_REF(TreeSection) section, vec3 p) {
+  const vec3 axis = vec3(section.axis);
+  const vec3 off = p - vec3(section.begin);
+  const vec3 across = off - axis * dot(off, axis);
+  const float slope = (section.radii.y - section.radii.x) / max(section.begin.w, 1e-12f);
+  const vec3 normal = across * (1.0f / max(length(across), 1e-30f)) - axis * slope;
+  return normal * (1.0f / length(normal));
+}
+
 /// Position across a side of a limb, 0 to 1, at which the chord is below the arc's fraction t: a quarter circle from
 /// -45 to 45 degrees, so that points on the arc are evenly spaced.
 SNOWBOUGH_SHARED_FUNCTION float chord_share(float t) {

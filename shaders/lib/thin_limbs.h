@@ -8,6 +8,8 @@
 namespace snowbough::shared {
 #endif
 
+/// Width of a patch of a limb in distances of its corners from the middle line.
+KERNEL_CONSTANT float kDrawnWidth = 1.4142136f;
 /// Least length of a drawn section in least widths.
 KERNEL_CONSTANT float kLeastLength = 4.0f;
 /// Least length of a drawn leaf in least widths of limbs.

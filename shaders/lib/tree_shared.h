@@ -13,7 +13,7 @@ using glm::mat4;
 const uint kDropped = 0u;
 const uint kPlain = 1u;
 const uint kTessellated = 2u;
-/// Patches that a work group classifies and lists.
+/// Items of a work group.
 const uint kPatchGroup = 64u;
 
 /// Metrics of the tessellation: the thesis's, and projected lengths.
@@ -71,12 +71,19 @@ struct TreeEdge {
 };
 SNOWBOUGH_SHARED_SIZE(TreeEdge, 112)
 
+/// Kinds of patches: ends, walls, where u runs around the limb, and insets beside a child's hole, whose v = 1 lies on
+/// the hole's rim; u runs around the limb at v = 0 or not at all.
+const int kCapPatch = 0;
+const int kWallPatch = 1;
+const int kRoundInset = 2;
+const int kFlatInset = 3;
+
 /// Four control points, anticlockwise seen from outside: (u, v) = (0, 0), (1, 0), (1, 1), (0, 1).
 struct TreePatch {
   ivec4 vertices;
   /// Twice the edge from corner k to k + 1, plus one if it runs the other way.
   ivec4 edges;
-  /// Section (-1: flat), branch level, branch, 1 if u runs around the limb, 2 if only at v = 0.
+  /// Section (-1: flat), branch level, branch, kind: kCapPatch and so on.
   ivec4 place;
   /// The bark's coordinates of corners 0 and 1, 2 and 3.
   vec4 bark_uv_01;
@@ -85,7 +92,8 @@ struct TreePatch {
   vec4 snow_uv_01;
   vec4 snow_uv_23;
   /// Offsets near each corner that make the patch reach its vertices; w of the first: its area (m2), of the second:
-  /// maximum distance of its interior from the corners' hull, including bark.
+  /// maximum distance of its interior from the corners' hull, including bark, of the third: its number, see
+  /// lib/thin_limbs.h.
   vec4 rest[4];
   /// Offset of the normal in the middle: caps point along their limb.
   vec4 normal;
@@ -111,8 +119,7 @@ struct TreeView {
   vec4 eye;
   /// Metric, highest level, target (pixels), size in pixels below which a patch is dropped.
   vec4 tessellation;
-  /// Of eq. 3.4.1: farthest distance Mtd, largest area Mfa, number of branch levels, and 1 if distant levels are
-  /// dropped.
+  /// Of eq. 3.4.1: farthest distance Mtd, largest area Mfa (0: that of the tree); w: 1 if distant levels are dropped.
   vec4 thesis;
   /// Unit vector towards the sun; w: 1 if there is a shadow map.
   vec4 sun_direction;
@@ -120,15 +127,51 @@ struct TreeView {
   /// w: 1 if the target takes linear light instead of sRGB.
   vec4 sky_color;
   vec4 ground_color;
-  vec4 bark_dark;
-  vec4 bark_light;
-  /// Factor m of the thesis's 4.2.2, and of the tree: metres of snow on open level ground, now and at the shot's end;
-  /// w: 1 if plain patches that show their back are dropped.
+  /// Factor m of the thesis's 4.2.2; w: 1 if plain patches that show their back are dropped.
   vec4 snow;
   /// What the picture is seen from: w is 1 for a point and 0 for a direction towards it.
   vec4 viewer;
 };
-SNOWBOUGH_SHARED_SIZE(TreeView, 400)
+SNOWBOUGH_SHARED_SIZE(TreeView, 368)
+
+/// An instance of a tree in a frame: where it stands, and where its data begin in the buffers of all trees.
+struct TreeInstance {
+  /// Rows of the matrix from the space of the pose to the world.
+  vec4 place[3];
+  /// First vertex, edge, patch and section of the base.
+  ivec4 base;
+  /// First posed vertex, edge level, patch growth, and bone.
+  ivec4 own;
+  /// First place of vertices on the snow map, first place on the bark's images.
+  ivec4 lists;
+  /// Width and height of the snow map in texels (0: no snow), and its first page.
+  ivec4 map;
+  /// Linear colours of furrows and ridges; w: area of the largest patch (m2), number of branch levels.
+  vec4 bark_dark;
+  vec4 bark_light;
+  /// Metres of snow on open level ground, now and at the shot's end.
+  vec4 snow;
+};
+SNOWBOUGH_SHARED_SIZE(TreeInstance, 160)
+
+/// Successive items (vertices, edges, patches or triangles of leaves) of an instance that a pass works on. A range
+/// begins with a work group, so that all items of a work group are of one instance.
+struct WorkRange {
+  int first_slot;
+  int instance;
+  int first_item;
+  int count;
+};
+SNOWBOUGH_SHARED_SIZE(WorkRange, 16)
+
+/// Successive work groups of a list that are drawn together, and their draws of tessellated patches.
+struct DrawBatch {
+  int first_group;
+  int end_group;
+  int first_draw;
+  int draws;
+};
+SNOWBOUGH_SHARED_SIZE(DrawBatch, 16)
 
 /// How a thin plain patch is drawn, see lib/thin_limbs.h.
 struct PatchGrowth {

@@ -120,6 +120,7 @@ def test_an_imported_tree_is_drawn_from_its_base_in_its_pose(scene, addon):
     base = read_scene(addon).trees[0]
     assert len(base.surface["quads"]) < len(bark.data.polygons)
     assert np.allclose(base.pose, np.eye(4), atol=1e-5)
+    assert np.allclose(base.places, np.eye(4), atol=1e-5)
     rig.location = (1, 2, 3)
     bone = next(bone for bone in rig.pose.bones if bone.parent is None)
     bone.rotation_mode = "XYZ"
@@ -131,7 +132,8 @@ def test_an_imported_tree_is_drawn_from_its_base_in_its_pose(scene, addon):
     tree = read_scene(addon).trees[0]
     surface = tree.surface
     skinned = np.einsum("vk,vkij->vij", surface["bone_weights"], tree.pose[surface["bone_indices"]])
-    points = np.einsum("vij,vj->vi", skinned, np.c_[surface["vertices"], np.ones(len(skinned))])[:, :3]
+    points = np.einsum("vij,vj->vi", skinned, np.c_[surface["vertices"], np.ones(len(skinned))])
+    points = (points @ tree.places[0].T)[:, :3]
     evaluated = bark.evaluated_get(bpy.context.evaluated_depsgraph_get())
     deformed = np.array([evaluated.matrix_world @ vertex.co for vertex in evaluated.data.vertices])
     assert np.allclose(points.min(0), deformed.min(0), atol=0.1)
@@ -163,16 +165,30 @@ def test_instances_of_one_mesh_are_one_mesh_in_many_places(scene, addon):
     assert sorted(mesh.places[:, 0, 3].tolist()) == [0, 1, 2, 3, 4]
 
 
-def test_a_forest_of_one_tree_has_a_pose_for_each(scene, addon):
-    import_maple()
+def test_a_forest_of_one_tree_is_one_tree_in_many_places(scene, addon):
+    _bark, rig = import_maple()
     collection = bpy.data.collections["small_maple"]
-    for number in (1, 2):
+    for number in range(1, 100):
         empty = bpy.data.objects.new("Empty", None)
         empty.instance_type, empty.instance_collection = "COLLECTION", collection
         empty.location.x = 10 * number
         scene.collection.objects.link(empty)
-    trees = read_scene(addon).trees
-    assert sorted(round(float(tree.pose[0, 0, 3])) for tree in trees) == [0, 10, 20]
+    content = read_scene(addon)
+    (tree,) = content.trees
+    assert not content.meshes
+    assert sorted(tree.places[:, 0, 3].round().tolist()) == [10 * number for number in range(100)]
+
+    # A duplicate has a pose of its own, and shares the rest.
+    twin = rig.copy()
+    scene.collection.objects.link(twin)
+    bark = next(obj for obj in collection.objects if obj.type == "MESH").copy()
+    scene.collection.objects.link(bark)
+    bark.parent, bark.modifiers[0].object = twin, twin
+    twin.location = (0, 7, 0)
+    one, other = sorted(read_scene(addon).trees, key=lambda made: len(made.places))
+    assert len(one.places) == 1 and len(other.places) == 100
+    assert one.key != other.key and one.print == other.print
+    assert one.places[0, 1, 3] == pytest.approx(7)
 
 
 def test_an_animation_shows_each_frames_moment(scene, tmp_path):

@@ -67,7 +67,7 @@ def test_a_tree_that_carries_the_snow_of_a_bake_is_drawn_as_a_tree(scene, read, 
     rig.location.x = 1.0
     scene.frame_set(4)
     (moved,) = read().trees
-    assert moved.pose[0, 0, 3] == pytest.approx(tree.pose[0, 0, 3] + 1.0)
+    assert moved.places[0, 0, 3] == pytest.approx(tree.places[0, 0, 3] + 1.0)
     assert np.array_equal(moved.snow.heights, tree.snow.heights)
 
 

@@ -21,8 +21,6 @@ from .snow import NO_INDEX, SceneSnow, carrier_of
 
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 _Z = Vector((0.0, 0.0, 1.0))
-# Each instance of a tree has its own pose on the GPU. Further instances are plain meshes.
-MOST_TREES = 64
 # A change of such a data-block clears all looks. Blender also reports the materials of a changed node group.
 LOOK_TYPES = (bpy.types.Material, bpy.types.Image)
 
@@ -67,8 +65,7 @@ class Reader:
         """The records.Scene of a depsgraph. is_shown(original object) -> bool: an additional test for each object."""
         self._snow.begin(depsgraph.scene_eval)
         self._revision = self._snow.revision(depsgraph.scene_eval)
-        self._meshes, self._trees, lamps = {}, {}, []
-        self._trees_left = MOST_TREES
+        self._meshes, self._trees, self._poses, lamps = {}, {}, {}, []
         for instance in depsgraph.object_instances:
             obj = instance.object
             if not (instance.is_instance or instance.show_self):
@@ -80,13 +77,13 @@ class Reader:
                 lamps.append(_lamp(obj, instance.matrix_world))
             elif obj.type in SURFACE_TYPES and not self._is_shell_of_ours(obj.original):
                 self._add(instance, obj, depsgraph)
-        self._join_leaves()
+        grown = self._join_leaves()
         world = world_color(depsgraph.scene_eval.world)
         made = [Mesh(key, *parts) for key, parts in sorted(self._meshes.items())]
         for mesh in made:
             mesh.places = np.array(mesh.places, np.float32)
         light = light_of(lamps, world, _centre(made))
-        return Scene(made, [tree for _, tree in sorted(self._trees.items())], light)
+        return Scene(made, grown, light)
 
     def _is_shell_of_ours(self, original):
         return original.snowbough.is_shell and self._snow.is_drawn_otherwise(original)
@@ -99,11 +96,7 @@ class Reader:
         if not self._snow.is_on(carrier):
             carrier = None
         rig = trees.rig_of(original, depsgraph.mode)
-        if (
-            rig is not None
-            and self._trees_left > 0
-            and self._add_to_tree(instance, obj, rig, carrier, depsgraph)
-        ):
+        if rig is not None and self._add_to_tree(instance, obj, rig, carrier, depsgraph):
             return
         surface = None if carrier is None else self._snow.surface_of(carrier)
         if surface is not None:
@@ -124,19 +117,20 @@ class Reader:
         snow = self._snow_on_bark(original, arrays, print_, carrier)
         if carrier is not None and snow is None:
             return False
-        key = f"tree {_instance_name(instance, rig)}"
-        slot = self._trees.setdefault(key, {})
+        slot = self._trees.setdefault(_instance_name(instance, rig), {"rig": rig})
         place = np.array(instance.matrix_world)
         if is_leaves:
             slot["leaves"] = (obj, place)
             return True
-        pose = trees.pose_of(obj, rig.evaluated_get(depsgraph), place)
+        named = (original.name, library_path(original), rig.name, library_path(rig))
+        if named not in self._poses:
+            self._poses[named] = trees.pose_of(obj, rig.evaluated_get(depsgraph))
+        pose = self._poses[named]
         if len(pose) != arrays["bone_count"]:
             return False
         looks = meshes.looks_of(obj, original.data, self._look, materials.PLAIN)
         coat, coat_print = self._coat_of(original, rig, arrays, print_, looks)
-        slot["tree"] = trees.tree_of(key, arrays, print_ + coat_print, looks[0], pose, coat, snow)
-        self._trees_left -= 1
+        slot["tree"] = trees.tree_of("", arrays, print_ + coat_print, looks[0], pose, place, coat, snow)
         return True
 
     def _snow_on_bark(self, original, arrays, print_, carrier):
@@ -149,9 +143,9 @@ class Reader:
         return self._snow.of(carrier, self._places[key])
 
     def _join_leaves(self):
-        """Adds leaves to their trees. Leaves without bark become meshes."""
-        slots, self._trees = self._trees, {}
-        for key, slot in slots.items():
+        """The records.Tree of all instances with their leaves. Leaves without bark become meshes."""
+        grown = []
+        for key, slot in self._trees.items():
             tree, leaves = slot.get("tree"), slot.get("leaves")
             if tree is None:
                 if leaves is not None:
@@ -159,7 +153,9 @@ class Reader:
                 continue
             if leaves is not None:
                 tree.leaves, tree.leaves_print = self._leaves_of(leaves[0])
-            self._trees[key] = tree
+            rig = slot["rig"]
+            grown.append((f"{rig.name} {library_path(rig)}", key, tree))
+        return trees.joined(grown)
 
     def _coat_of(self, original, rig, arrays, print_, looks):
         """(Coat or None, its print) of a tree's bark. looks: the Look of each material."""

@@ -130,7 +130,8 @@ class Coat:
 
 @dataclass
 class Tree:
-    """An imported tree, tessellated from its four-sided base."""
+    """An imported tree, tessellated from its four-sided base, and all its instances. Trees with equal prints share a
+    base on the GPU."""
 
     key: str
     surface: dict
@@ -139,7 +140,9 @@ class Tree:
     """Fingerprint of the surface, the bark and its coat."""
     bark: Bark
     pose: np.ndarray
-    """(B, 4, 4) float32: for each bone the matrix from its rest pose to world space."""
+    """(B, 4, 4) float32: for each bone the matrix from its rest pose to the pose, in the space of the bark's object."""
+    places: np.ndarray
+    """(P, 4, 4) float32, the matrix of each instance."""
     leaves: Leaves = None
     leaves_print: str = ""
     coat: Coat = None

@@ -15,6 +15,8 @@ class Sync:
         self._renderer = renderer
         self._meshes = {}
         self._trees = {}
+        # Names of trees by the prints of what they share.
+        self._alike = {}
 
     def update(self, scene):
         """Passes a records.Scene to the renderer. Returns whether anything except the light has changed."""
@@ -26,13 +28,14 @@ class Sync:
         return changed
 
     def _remove_gone(self, scene):
-        gone = False
-        for known, now in ((self._meshes, scene.meshes), (self._trees, scene.trees)):
-            for key in known.keys() - {thing.key for thing in now}:
-                self._renderer.remove(key)
-                del known[key]
-                gone = True
-        return gone
+        gone = self._meshes.keys() - {mesh.key for mesh in scene.meshes}
+        for key in gone:
+            self._renderer.remove(key)
+            del self._meshes[key]
+        felled = self._trees.keys() - {tree.key for tree in scene.trees}
+        for key in felled:
+            self._remove_tree(key)
+        return bool(gone or felled)
 
     def _update_mesh(self, mesh):
         known = self._meshes.get(mesh.key)
@@ -75,28 +78,50 @@ class Sync:
 
     def _update_tree(self, tree):
         known = self._trees.get(tree.key)
-        renewed = known is None or known.print != tree.print
+        leafed = known is not None and known.leaves_print != tree.leaves_print
+        # Leaves belong to all trees that share them.
+        is_shared = known is not None and len(self._alike[_model_of(known)]) > 1
+        renewed = known is None or known.print != tree.print or (leafed and is_shared)
         if renewed:
             if known is not None:
-                self._renderer.remove(tree.key)
-            bark = tree.bark
-            self._renderer.add_tree(
-                tree.key, tree.surface, bark_depth=bark.depth, bark_dark=bark.dark, bark_light=bark.light
-            )
-            if tree.coat is not None:
-                self._set_bark(tree)
-        leafed = tree.leaves_print != ("" if renewed else known.leaves_print)
-        if leafed:
+                self._remove_tree(tree.key)
+            self._add_tree(tree)
+        elif leafed:
             self._set_leaves(tree)
         posed = renewed or not np.array_equal(known.pose, tree.pose)
         if posed:
             self._renderer.set_pose(tree.key, tree.pose)
+        moved = not np.array_equal(np.eye(4)[None] if renewed else known.places, tree.places)
+        if moved:
+            self._renderer.set_places(tree.key, tree.places)
         snowed = not _is_same_snow(tree.snow, None if renewed else known.snow)
         if snowed:
             snow = tree.snow or _BARE
             self._renderer.set_snow(tree.key, snow.heights, snow.open_depth, last_depth=snow.last_depth)
+        if known is not None and not renewed:
+            self._alike[_model_of(known)].discard(tree.key)
+        self._alike.setdefault(_model_of(tree), set()).add(tree.key)
         self._trees[tree.key] = tree
-        return renewed or leafed or posed or snowed
+        return renewed or leafed or posed or moved or snowed
+
+    def _add_tree(self, tree):
+        """Adds a tree with its bark and leaves, shared with a tree that looks the same if there is one."""
+        alike = self._alike.get(_model_of(tree))
+        if alike:
+            self._renderer.share_tree(tree.key, min(alike))
+            return
+        bark = tree.bark
+        self._renderer.add_tree(
+            tree.key, tree.surface, bark_depth=bark.depth, bark_dark=bark.dark, bark_light=bark.light
+        )
+        if tree.coat is not None:
+            self._set_bark(tree)
+        if tree.leaves is not None:
+            self._set_leaves(tree)
+
+    def _remove_tree(self, key):
+        self._renderer.remove(key)
+        self._alike[_model_of(self._trees.pop(key))].discard(key)
 
     def _set_bark(self, tree):
         coat = tree.coat
@@ -126,6 +151,11 @@ class Sync:
 
 
 _BARE = LyingSnow(np.zeros((1, 1), np.float32), None, 0.0, 1.0)
+
+
+def _model_of(tree):
+    """The prints of what trees share."""
+    return tree.print, tree.leaves_print
 
 
 def _is_same_snow(one, other):

@@ -54,11 +54,11 @@ class Surfaces:
         return self._known[text]
 
 
-def pose_of(obj, rig, place):
-    """(B, 4, 4) float32: for each bone the matrix from its rest pose, in object space, to world space.
+def pose_of(obj, rig):
+    """(B, 4, 4) float32: for each bone the matrix from its rest pose to its pose, in object space.
 
     obj, rig: evaluated objects. The vertex groups of obj are the bones in the order of the tree's arrays; groups whose
-    bone was deleted are omitted. place: the matrix of this instance of the object, (4, 4).
+    bone was deleted are omitted.
     """
     bones, posed = rig.data.bones, rig.pose.bones
     count = len(bones)
@@ -71,8 +71,7 @@ def pose_of(obj, rig, place):
     order = [number[group.name] for group in obj.vertex_groups if group.name in number]
     moved = matrices[order] @ np.linalg.inv(rest[order])
     to_rig = np.linalg.inv(np.array(rig.matrix_world)) @ np.array(obj.matrix_world)
-    back = np.linalg.inv(to_rig)
-    return (np.asarray(place, np.float64) @ back @ moved @ to_rig).astype(np.float32)
+    return (np.linalg.inv(to_rig) @ moved @ to_rig).astype(np.float32)
 
 
 class BaseArrays:
@@ -153,8 +152,30 @@ def leaves_of(obj, looks):
     return Leaves(vertices[triangles], bones[triangles[:, 0]], *painted(arrays, looks))
 
 
-def tree_of(key, surface, print_, look, pose, coat, snow):
-    """A records.Tree without leaves. look: the bark's Look; print_: fingerprint of the surface and the Coat; snow: the
-    records.LyingSnow on the bark, or None."""
+def tree_of(key, surface, print_, look, pose, place, coat, snow):
+    """A records.Tree in one place, without leaves. look: the bark's Look; print_: fingerprint of the surface and the
+    Coat; snow: the records.LyingSnow on the bark, or None."""
     bark = bark_of(look)
-    return Tree(key, surface, print_ + repr(bark), bark, pose, coat=coat, snow=snow)
+    return Tree(key, surface, print_ + repr(bark), bark, pose, place[None], coat=coat, snow=snow)
+
+
+def joined(trees):
+    """The trees without snow of each rig as one tree in many places; each tree with snow has a map of its own. trees:
+    (name of the rig, key of the instance, records.Tree) of instances."""
+    made, alike = [], {}
+    for rig, instance, tree in trees:
+        if tree.snow is not None:
+            tree.key = f"tree {instance}"
+            made.append([tree])
+            continue
+        # The instances of a rig may differ in their leaves. The first kind keeps its key if its look changes.
+        kinds = alike.setdefault(rig, {})
+        kind = (tree.print, tree.leaves_print)
+        if kind not in kinds:
+            tree.key = f"trees {rig} {len(kinds)}"
+            kinds[kind] = []
+            made.append(kinds[kind])
+        kinds[kind].append(tree)
+    for same in made:
+        same[0].places = np.concatenate([tree.places for tree in same]).astype(np.float32)
+    return sorted((same[0] for same in made), key=lambda tree: tree.key)

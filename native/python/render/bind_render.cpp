@@ -32,10 +32,10 @@ void add_mesh(Renderer& renderer, const std::string& name, const InputArray<floa
   renderer.add_mesh(name, source);
 }
 
-void set_places(Renderer& renderer, const std::string& mesh, const InputArray<float>& matrices) {
+void set_places(Renderer& renderer, const std::string& name, const InputArray<float>& matrices) {
   const std::vector<glm::mat4> columns = matrices_of(matrices);
   const ReleasedGil release;
-  renderer.set_places(mesh, columns);
+  renderer.set_places(name, columns);
 }
 
 py::array_t<float> render_light(Renderer& renderer, const Camera& camera,
@@ -90,6 +90,9 @@ py::dict statistics(const Renderer& renderer) {
   dict["plain"] = frame.plain;
   dict["tessellated"] = frame.tessellated;
   dict["triangles"] = frame.triangles;
+  dict["dispatches"] = frame.calls.dispatches;
+  dict["draws"] = frame.calls.draws;
+  dict["buffer_bytes"] = frame.buffer_bytes;
   dict["wall_seconds"] = frame.wall_seconds;
   py::dict passes;
   double gpu_seconds = 0.0;
@@ -147,8 +150,10 @@ before the change is done; take_frame raises their errors.)")
 triangles (T, 3); linear colour. Per corner: normals (T, 3, 3) instead of smooth ones, uv (T, 3, 2)
 in its images. materials (T,), colors and images as in set_leaves; without colors it has one
 material of `color`.)")
-      .def("set_places", &set_places, "mesh"_a, "matrices"_a,
-           "Sets a mesh's places: (P, 4, 4), one matrix per place from its own space to the world.")
+      .def("set_places", &set_places, "name"_a, "matrices"_a,
+           "Sets the places of a mesh or a tree: (P, 4, 4), one matrix per place from its own "
+           "space, "
+           "or that of the pose, to the world.")
       .def("remove", &Renderer::remove, "name"_a, py::call_guard<ReleasedGil>(),
            "Removes a tree or a mesh.")
       .def("render", &render_picture, "camera"_a, "settings"_a = RenderSettings{},
@@ -178,7 +183,8 @@ red, green and blue of a byte each: 255 * (c / (1 + c))^(1 / 2.2) of linear ligh
                              "Whether `driver` returns without waiting.")
       .def("statistics", &statistics,
            R"(Statistics of the last picture: patches 'dropped', 'plain' and 'tessellated',
-'triangles' drawn (without the shadow map), 'wall_seconds' including read-back, 'gpu_seconds', and
+'triangles' drawn (without the shadow map), calls of OpenGL ('dispatches' and 'draws') with the
+shadow map's, 'buffer_bytes' of all buffers on the GPU, 'wall_seconds' including read-back, 'gpu_seconds', and
 'passes': by name 'gpu_seconds', 'wall_seconds' and 'primitives'.)")
       .def("triangles", &triangles, "name"_a, "camera"_a, "settings"_a = RenderSettings{},
            "World positions (T, 3, 3) of the triangles that the camera would be shown of a tree.")

@@ -91,6 +91,9 @@ a file.)");
          "bark_dark"_a = Vec3{0.045f, 0.03f, 0.02f}, "bark_light"_a = Vec3{0.24f, 0.18f, 0.13f},
          R"(Adds a TreeMesh of lod=0, or its tree_arrays, in its rest pose. bark_depth: amplitude of
 the bark's displacement as a fraction of the limb's radius, 0 to 1; colours are linear.)")
+      .def("share_tree", &Renderer::share_tree, "name"_a, "tree"_a, py::call_guard<ReleasedGil>(),
+           R"(Adds a tree that shares base, bark and leaves with another one, in its rest pose and
+without snow. Both are drawn by the same calls; a change of bark or leaves changes both.)")
       .def("set_bark", &set_bark, "tree"_a, "uv"_a, "materials"_a, "colors"_a,
            "images"_a = std::vector<py::object>{},
            R"(Gives a tree's bark images instead of its two colours: coordinates uv (Q, 4, 2) of the

@@ -55,6 +55,15 @@ struct TreeSource {
   std::vector<LimbSection> sections;
 };
 
+/// Appearance of a tree's bark.
+struct TreeLook {
+  /// Amplitude of the bark as a fraction of the limb's radius, 0 to 1.
+  float bark_depth = 0.06f;
+  /// Linear colours of furrows and ridges.
+  glm::vec3 bark_dark{0.045f, 0.03f, 0.02f};
+  glm::vec3 bark_light{0.24f, 0.18f, 0.13f};
+};
+
 /// sRGB and alpha, row 0 at the bottom; an empty image is opaque white.
 struct Image {
   int32_t width = 0;

@@ -146,7 +146,7 @@ shared::TreeView camera_view(const Camera& camera, const RenderSettings& setting
       vec4(settings.metric == Metric::kThesis ? static_cast<float>(shared::kMetricThesis)
                                               : static_cast<float>(shared::kMetricScreen),
            settings.max_level, settings.target_pixels, settings.min_pixels);
-  view.thesis = vec4(settings.max_distance, settings.max_area, 1.0f,
+  view.thesis = vec4(settings.max_distance, settings.max_area, 0.0f,
                      settings.metric == Metric::kThesis ? 1.0f : 0.0f);
   const vec3 to_sun = glm::normalize(settings.sun_direction);
   view.shadow_from_world = sun_matrix(to_sun, bounds);

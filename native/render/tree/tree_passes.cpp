@@ -1,129 +1,134 @@
 #include "render/tree/tree_passes.h"
 
-#include <utility>
-
-#include "render/draw/matrix_rows.h"
+#include <cstdint>
+#include <string>
+#include <vector>
 
 namespace snowbough::render {
 namespace {
 
-constexpr int32_t kLocalSize = 64;
+/// A plain patch is two triangles.
+constexpr int32_t kPlainVertices = 6;
 
-int64_t bytes_of(size_t count, size_t size) {
-  return static_cast<int64_t>(count * size);
+std::vector<std::string> snow_define(const TreeChain& chain) {
+  return chain.has_snow ? std::vector<std::string>{"SNOW"} : std::vector<std::string>{};
 }
 
-std::vector<std::string> snow_define(const TreeBuffers& tree) {
-  return tree.snow != nullptr ? std::vector<std::string>{"SNOW"} : std::vector<std::string>{};
+void bind_vertices(gpu::Program& program, const TreeChain& chain, const gpu::Buffer& view) {
+  program.bind("ViewBlock", view);
+  program.bind("TreeInstances", chain.instance_buffer.buffer());
+  program.bind("TreeVertices", chain.store->vertices.buffer());
+  program.bind("PosedVertices", chain.posed);
 }
 
-void bind_images(gpu::Program& program, const TreeBuffers& tree) {
-  if (!tree.images) return;
-  program.bind("BarkPlaces", tree.images->places);
-  program.bind_texture("bark_images", tree.images->layers);
+/// Calls draw(begin, end, images) for successive batches with the same images; only kShaded shows
+/// them.
+template <typename Draw>
+void each_images(const TreeChain& chain, DrawKind kind, const Draw& draw) {
+  const auto count = static_cast<int32_t>(chain.bark_images.size());
+  if (kind != DrawKind::kShaded) return draw(0, count, nullptr);
+  for (int32_t batch = 0; batch < count; ++batch) {
+    draw(batch, batch + 1, chain.bark_images[static_cast<size_t>(batch)]);
+  }
+}
+
+template <typename Draw>
+void capture_or_draw(DrawKind kind, const Draw& draw) {
+  const bool captures = kind == DrawKind::kCapture;
+  if (captures) glBeginTransformFeedback(GL_TRIANGLES);
+  draw();
+  if (captures) glEndTransformFeedback();
+}
+
+gpu::Program& begin_bark(gpu::ProgramVariants& programs, const TreeChain& chain,
+                         const DrawStyle& style, const gpu::Buffer& view,
+                         const gpu::Texture* images) {
+  std::vector<std::string> defines = snow_define(chain);
+  if (images != nullptr) defines.emplace_back("IMAGE");
+  gpu::Program& program = begin_draw(programs, style, defines);
+  bind_vertices(program, chain, view);
+  program.bind("TreePatches", chain.store->patches.buffer());
+  if (images != nullptr) {
+    program.bind("BarkPlaces", chain.store->bark_places.buffer());
+    program.bind_texture("bark_images", *images);
+  }
+  return program;
 }
 
 }  // namespace
 
-TreeBuffers::TreeBuffers(const TreePatches& tree)
-    : PatchSource(tree.patches.size()),
-      vertex_count(static_cast<int32_t>(tree.vertices.size())),
-      edge_count(static_cast<int32_t>(tree.edges.size())),
-      vertices(tree.vertices),
-      sections(tree.sections),
-      edges(tree.edges),
-      patches(tree.patches),
-      vertex_snow(tree.vertex_snow),
-      bones(matrix_rows(
-          std::vector<glm::mat4>(static_cast<size_t>(tree.bone_count), glm::mat4(1.0f)))),
-      posed(bytes_of(tree.vertices.size(), sizeof(shared::PosedVertex))),
-      edge_levels(bytes_of(tree.edges.size(), sizeof(float))),
-      growths(bytes_of(tree.patches.size(), sizeof(shared::PatchGrowth))) {}
-
-std::vector<std::string> TreeBuffers::defines(DrawKind kind) const {
-  std::vector<std::string> defines = snow_define(*this);
-  if (kind == DrawKind::kShaded && images) defines.emplace_back("IMAGE");
-  return defines;
-}
-
-void TreeBuffers::bind_classify(gpu::Program& program) const {
-  program.bind("TreeVertices", vertices);
-  program.bind("PosedVertices", posed);
-  program.bind("TreeSections", sections);
-  program.bind("TreeEdges", edges);
-  program.bind("TreePatches", patches);
-  program.bind("EdgeLevels", edge_levels);
-  program.bind("TileDepths", tile_depths);
-  program.bind("PatchGrowths", growths);
-  program.set("map_size",
-              snow != nullptr ? glm::ivec2(snow->width(), snow->height()) : glm::ivec2(0));
-}
-
-void TreeBuffers::bind_plain(gpu::Program& program, DrawKind kind) const {
-  program.bind("TreeVertices", vertices);
-  program.bind("PosedVertices", posed);
-  program.bind("TreePatches", patches);
-  program.bind("PatchGrowths", growths);
-  if (kind != DrawKind::kShaded) return;
-  bind_images(program, *this);
-  if (snow != nullptr) program.bind_texture("height_map", *snow);
-}
-
-void TreeBuffers::bind_tessellated(gpu::Program& program, DrawKind kind) const {
-  program.bind("TreeVertices", vertices);
-  program.bind("PosedVertices", posed);
-  program.bind("TreeSections", sections);
-  program.bind("TreeEdges", edges);
-  program.bind("TreePatches", patches);
-  program.bind("EdgeLevels", edge_levels);
-  if (kind == DrawKind::kShaded) bind_images(program, *this);
-  if (snow != nullptr) program.bind_texture("height_map", *snow);
-}
-
-void TreeBuffers::set_snow(std::shared_ptr<const gpu::Texture> heights, const SnowDepths& depths) {
-  snow = std::move(heights);
-  snow_depths = depths;
-  snow_is_new = true;
-  if (snow == nullptr) return;
-  const int64_t tiles = MapDepths::tile_bytes(*snow);
-  if (tile_depths.bytes() != tiles) tile_depths = gpu::Buffer(tiles);
-}
-
-void TreePasses::find_depths(TreeBuffers& tree) {
-  if (tree.snow_is_new && tree.snow != nullptr) {
-    map_depths_.find_tiles(*tree.snow, tree.tile_depths);
-  }
-  tree.snow_is_new = false;
-}
-
-void TreePasses::pose(TreeBuffers& tree, const gpu::Buffer& view) {
-  find_depths(tree);
-  gpu::Program& program = pose_.with(snow_define(tree));
+void TreePasses::pose(TreeChain& chain, const gpu::Buffer& view) {
+  gpu::Program& program = pose_.with(snow_define(chain));
   program.use();
-  program.bind("ViewBlock", view);
-  program.bind("TreeVertices", tree.vertices);
-  program.bind("PosedVertices", tree.posed);
-  program.bind("BoneRows", tree.bones);
-  if (tree.snow != nullptr) {
-    program.bind("VertexSnow", tree.vertex_snow);
-    program.bind_texture("height_map", *tree.snow);
+  bind_vertices(program, chain, view);
+  program.bind("BoneRows", chain.all->bones.buffer());
+  if (chain.has_snow) {
+    program.bind("VertexSnow", chain.store->vertex_snow.buffer());
+    program.bind_texture("snow_pages", chain.all->snow.texture());
   }
-  program.set("count", tree.vertex_count);
-  program.dispatch_items(tree.vertex_count, kLocalSize);
+  chain.vertices.dispatch(program);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
-void TreePasses::edge_levels(TreeBuffers& tree, const gpu::Buffer& view) {
-  gpu::Program& program = edges_.with(snow_define(tree));
+void TreePasses::edge_levels(TreeChain& chain, const gpu::Buffer& view) {
+  gpu::Program& program = edges_.with(snow_define(chain));
   program.use();
-  program.bind("ViewBlock", view);
-  program.bind("TreeVertices", tree.vertices);
-  program.bind("PosedVertices", tree.posed);
-  program.bind("TreeEdges", tree.edges);
-  program.bind("EdgeLevels", tree.edge_levels);
-  program.set("count", tree.edge_count);
-  program.dispatch_items(tree.edge_count, kLocalSize);
+  bind_vertices(program, chain, view);
+  program.bind("TreeEdges", chain.store->edges.buffer());
+  program.bind("EdgeLevels", chain.edge_levels);
+  chain.edges.dispatch(program);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+void TreePasses::classify(TreeChain& chain, PatchList& list, const gpu::Buffer& view,
+                          float max_level) {
+  if (list.is_empty()) return;
+  classify_.use();
+  bind_vertices(classify_, chain, view);
+  classify_.bind("TreeSections", chain.store->sections.buffer());
+  classify_.bind("TreeEdges", chain.store->edges.buffer());
+  classify_.bind("TreePatches", chain.store->patches.buffer());
+  classify_.bind("EdgeLevels", chain.edge_levels);
+  classify_.bind("TileDepths", chain.all->snow.tile_depths());
+  classify_.bind("PatchGrowths", chain.growths);
+  lists_.run(classify_, list, kPlainVertices, max_level);
+}
+
+void TreePasses::draw_plain(const TreeChain& chain, const PatchList& list, const gpu::Buffer& view,
+                            const DrawStyle& style) {
+  if (list.is_empty()) return;
+  const bool captures = style.kind == DrawKind::kCapture;
+  each_images(chain, style.kind, [&](int32_t begin, int32_t end, const gpu::Texture* images) {
+    gpu::Program& program =
+        begin_bark(captures ? plain_capture_ : plain_, chain, style, view, images);
+    program.bind("PlainPatches", list.plain());
+    program.bind("PatchGrowths", chain.growths);
+    program.bind("TreeSections", chain.store->sections.buffer());
+    if (style.kind == DrawKind::kShaded && chain.has_snow) {
+      program.bind_texture("snow_pages", chain.all->snow.texture());
+    }
+    capture_or_draw(style.kind, [&] { list.draw_plain(program, begin, end); });
+  });
+}
+
+void TreePasses::draw_tessellated(const TreeChain& chain, const PatchList& list,
+                                  const gpu::Buffer& view, const DrawStyle& style) {
+  if (list.is_empty()) return;
+  const bool captures = style.kind == DrawKind::kCapture;
+  each_images(chain, style.kind, [&](int32_t begin, int32_t end, const gpu::Texture* images) {
+    gpu::Program& program =
+        begin_bark(captures ? tessellated_capture_ : tessellated_, chain, style, view, images);
+    program.bind("TessellatedPatches", list.tessellated());
+    program.bind("TreeSections", chain.store->sections.buffer());
+    program.bind("TreeEdges", chain.store->edges.buffer());
+    program.bind("EdgeLevels", chain.edge_levels);
+    if (chain.has_snow) program.bind_texture("snow_pages", chain.all->snow.texture());
+    capture_or_draw(style.kind, [&] { list.draw_tessellated(program, begin, end); });
+  });
+}
+
+PatchCounts TreePasses::count(const PatchList& list) {
+  return count_patches(list, kPlainVertices);
 }
 
 }  // namespace snowbough::render

@@ -1,79 +1,46 @@
 #pragma once
 
-#include <cstdint>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "gpu/program.h"
 #include "gpu/program_variants.h"
 #include "gpu/resources.h"
-#include "render/data/sources.h"
 #include "render/draw/draw_kind.h"
-#include "render/draw/map_depths.h"
 #include "render/draw/patch_lists.h"
-#include "render/draw/patch_passes.h"
-#include "render/tree/bark_images.h"
-#include "render/tree/tree_patches.h"
+#include "render/tree/forest.h"
 
 namespace snowbough::render {
 
-/// A tree on the GPU. Only its pose and its snow change after the upload.
-struct TreeBuffers : PatchSource {
-  explicit TreeBuffers(const TreePatches& tree);
-
-  std::vector<std::string> defines(DrawKind kind) const override;
-  void bind_classify(gpu::Program& program) const override;
-  void bind_plain(gpu::Program& program, DrawKind kind) const override;
-  void bind_tessellated(gpu::Program& program, DrawKind kind) const override;
-
-  /// Height map in metres, R32F, row 0 at v = 0; null removes the snow.
-  void set_snow(std::shared_ptr<const gpu::Texture> heights, const SnowDepths& depths);
-
-  int32_t vertex_count = 0;
-  int32_t edge_count = 0;
-  gpu::Buffer vertices;
-  gpu::Buffer sections;
-  gpu::Buffer edges;
-  gpu::Buffer patches;
-  gpu::Buffer vertex_snow;
-  /// Three matrix rows per bone.
-  gpu::Buffer bones;
-  gpu::Buffer posed;
-  gpu::Buffer edge_levels;
-  /// Images that replace the bark's own colours, if any.
-  std::optional<BarkImages> images;
-  /// Height map of the snow, R32F; null without snow.
-  std::shared_ptr<const gpu::Texture> snow;
-  SnowDepths snow_depths;
-  /// Deepest snow of each tile of the map, see MapDepths.
-  gpu::Buffer tile_depths{sizeof(float)};
-  /// Of the patches in the lists, the same for every view from one eye.
-  gpu::Buffer growths;
-  /// True if the map has changed since these depths were computed.
-  bool snow_is_new = false;
-};
-
-/// The passes of a tree in the order of a frame: pose, edge_levels, then those of `patches` for the
-/// shadow map and for the camera's picture. `view` holds a TreeView. They read nothing back. GPU
-/// thread.
+/// The passes of a chain of trees in the order of a frame: pose, edge_levels, then classify and the
+/// draws for the shadow map and for the camera's picture. `view` holds a TreeView. They read
+/// nothing back. GPU thread.
 class TreePasses {
  public:
   /// Poses the vertices with the bones' matrices, and adds bark and snow.
-  void pose(TreeBuffers& tree, const gpu::Buffer& view);
+  void pose(TreeChain& chain, const gpu::Buffer& view);
   /// Computes the tessellation level of each edge.
-  void edge_levels(TreeBuffers& tree, const gpu::Buffer& view);
+  void edge_levels(TreeChain& chain, const gpu::Buffer& view);
+  /// Sorts patches into dropped, plain and tessellated ones, and writes the list with its draw
+  /// commands. `max_level`: highest tessellation level of an edge in this view.
+  void classify(TreeChain& chain, PatchList& list, const gpu::Buffer& view, float max_level);
+  /// Draw the plain and the tessellated patches of a list into the bound framebuffer: one draw for
+  /// all trees without bark images, and one per set of images. With kCapture they write to the
+  /// buffer bound to transform feedback.
+  void draw_plain(const TreeChain& chain, const PatchList& list, const gpu::Buffer& view,
+                  const DrawStyle& style);
+  void draw_tessellated(const TreeChain& chain, const PatchList& list, const gpu::Buffer& view,
+                        const DrawStyle& style);
 
-  /// A plain patch is two triangles.
-  PatchPasses patches{"tree", 6};
+  static PatchCounts count(const PatchList& list);
 
  private:
-  void find_depths(TreeBuffers& tree);
-
-  MapDepths map_depths_;
+  PatchListPasses lists_;
   gpu::ProgramVariants pose_{{"tree_pose.comp.glsl"}};
   gpu::ProgramVariants edges_{{"tree_edges.comp.glsl"}};
+  gpu::Program classify_{{"tree_classify.comp.glsl"}};
+  gpu::ProgramVariants plain_{{"tree_plain.vert.glsl", "tree_plain.frag.glsl"}};
+  gpu::ProgramVariants plain_capture_{{"tree_plain.vert.glsl"}};
+  gpu::ProgramVariants tessellated_{
+      {"tree.vert.glsl", "tree.tesc.glsl", "tree.tese.glsl", "tree.frag.glsl"}};
+  gpu::ProgramVariants tessellated_capture_{{"tree.vert.glsl", "tree.tesc.glsl", "tree.tese.glsl"}};
 };
 
 }  // namespace snowbough::render

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "render/tree/patch_bounds.h"
+#include "render/tree/patch_order.h"
 #include "shaders/lib/limb_section.h"
 
 namespace snowbough::render {
@@ -73,6 +74,11 @@ shared::TreeSection to_shared(const LimbSection& section) {
           vec4(section.begin_radius, section.end_radius, std::max(round_from, 1e-30f), 0.0f)};
 }
 
+int32_t kind_of(QuadKind kind) {
+  if (kind == QuadKind::kCap) return shared::kCapPatch;
+  return kind == QuadKind::kWall ? shared::kWallPatch : shared::kFlatInset;
+}
+
 /// True if two bark coordinates are equal up to whole turns.
 bool same_bark(const vec2& a, const vec2& b) {
   const float turns = a.x - b.x;
@@ -96,6 +102,7 @@ class PatchBuilder {
     limit_bark();
     list_snow();
     bound_patches(made_);
+    order_patches(made_);
     made_.has_snow_places = !source_.snow_uv.empty();
     made_.bone_count = source_.bone_count;
     made_.levels = 1 + *std::max_element(source_.branch_level.begin(), source_.branch_level.end());
@@ -166,8 +173,7 @@ class PatchBuilder {
           glm::cross(position(quad[2]) - position(quad[0]), position(quad[3]) - position(quad[1]));
       const int32_t section = section_of(f);
       patch.vertices = {quad[0], quad[1], quad[2], quad[3]};
-      patch.place = {section, source_.branch_level[f], source_.branch[f],
-                     source_.kind[f] == QuadKind::kWall ? 1 : 0};
+      patch.place = {section, source_.branch_level[f], source_.branch[f], kind_of(source_.kind[f])};
       patch.bark_uv_01 = vec4(uv[0], uv[1]);
       patch.bark_uv_23 = vec4(uv[2], uv[3]);
       const std::array<vec2, 4> snow = snow_uv(f);
@@ -187,18 +193,28 @@ class PatchBuilder {
     }
   }
 
-  /// Sets the vertex normals: area-weighted means over the faces, without caps.
+  /// Sets the vertex normals: means over the round surfaces of the sections that meet there. Means
+  /// over the faces would tilt them towards the larger ones, which shows beside holes. Caps have no
+  /// section; their other vertices have area-weighted means.
   void add_normals() {
     std::vector<vec3> sums(made_.vertices.size(), vec3(0.0f)), caps = sums;
+    std::vector<std::vector<int32_t>> counted(made_.vertices.size());
     for (const shared::TreePatch& patch : made_.patches) {
       const glm::ivec4& v = patch.vertices;
       const vec3 across = glm::cross(position(v.z) - position(v.x), position(v.w) - position(v.y));
       for (int k = 0; k < 4; ++k) {
-        (patch.place.x >= 0 ? sums : caps)[v[k]] += across;
+        caps[v[k]] += across;
+        const int32_t section = patch.place.x;
+        std::vector<int32_t>& known = counted[v[k]];
+        if (section < 0 || std::find(known.begin(), known.end(), section) != known.end()) continue;
+        known.push_back(section);
+        const shared::TreeSection& of = made_.sections[section];
+        const float away = glm::length(glm::cross(position(v[k]) - vec3(of.begin), vec3(of.axis)));
+        if (away > 0.0f) sums[v[k]] += shared::limb_normal(of, position(v[k]));
       }
     }
     for (size_t v = 0; v < sums.size(); ++v) {
-      vec3 normal = glm::length(sums[v]) > 0.0f ? sums[v] : caps[v];
+      vec3 normal = glm::length(sums[v]) > 1e-3f ? sums[v] : caps[v];
       normal = glm::length(normal) > 0.0f ? glm::normalize(normal) : vec3(0.0f, 0.0f, 1.0f);
       made_.vertices[v].normal = vec4(normal, made_.vertices[v].normal.w);
     }
@@ -233,7 +249,7 @@ class PatchBuilder {
     for (size_t f = 0; f < made_.patches.size(); ++f) {
       shared::TreePatch& patch = made_.patches[f];
       const bool round_side = made_.edges[patch.edges[0] >> 1].first_rest.w > 0.5f;
-      if (source_.kind[f] == QuadKind::kInset && round_side) patch.place.w = 2;
+      if (source_.kind[f] == QuadKind::kInset && round_side) patch.place.w = shared::kRoundInset;
     }
   }
 

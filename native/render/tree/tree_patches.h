@@ -5,16 +5,24 @@
 #include <vector>
 
 #include "render/data/sources.h"
+#include "render/tree/drop_order.h"
 #include "shaders/lib/tree_shared.h"
 
 namespace snowbough::render {
 
-/// The arrays of a tree that are uploaded once, see shaders/lib/tree_shared.h.
+/// The arrays of a tree that are uploaded once, see shaders/lib/tree_shared.h, in the order of
+/// order_patches.
 struct TreePatches {
   std::vector<shared::TreeVertex> vertices;
   std::vector<shared::TreeSection> sections;
   std::vector<shared::TreeEdge> edges;
   std::vector<shared::TreePatch> patches;
+  /// Index of each patch's quad in the source.
+  std::vector<int32_t> quads;
+  DropOrder order;
+  /// Number of vertices and of edges that the patches up to each patch use.
+  std::vector<int32_t> used_vertices;
+  std::vector<int32_t> used_edges;
   /// Coordinates on the snow map that meet at the vertices, see TreeVertex.
   std::vector<glm::vec2> vertex_snow;
   /// True if the source has snow map coordinates; otherwise all coordinates are equal.

@@ -3,6 +3,7 @@
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
 
+#include <utility>
 #include <vector>
 
 #include "gpu/gpu_thread.h"
@@ -18,6 +19,19 @@ TEST(Resources, BufferReturnsWhatItWasGiven) {
     EXPECT_EQ(buffer.read_all<int32_t>(), values);
     buffer.clear();
     EXPECT_EQ(buffer.read_all<int32_t>(), std::vector<int32_t>(5, 0));
+  });
+}
+
+TEST(Resources, buffersCountTheirBytesWhileTheyExist) {
+  GpuThread::shared()->run([] {
+    const int64_t before = buffer_bytes();
+    {
+      Buffer buffer(100);
+      buffer = Buffer(40);
+      Buffer moved = std::move(buffer);
+      EXPECT_EQ(buffer_bytes(), before + 40);
+    }
+    EXPECT_EQ(buffer_bytes(), before);
   });
 }
 

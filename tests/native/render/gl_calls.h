@@ -13,6 +13,8 @@ struct GlCalls {
   int32_t read_backs = 0;
   /// Calls that return when the GPU has got somewhere.
   int32_t waits = 0;
+  /// Memory barriers.
+  int32_t barriers = 0;
   /// Bytes handed to buffers that are there.
   int64_t uploaded = 0;
 };
@@ -84,6 +86,9 @@ class GlWatch {
       if (timeout > 0) ++calls().waits;
     }
   };
+  struct Barrier {
+    static void of(GLbitfield /*what*/) { ++calls().barriers; }
+  };
   struct Upload {
     static void of(GLuint /*buffer*/, GLintptr /*offset*/, GLsizeiptr bytes, const void* /*data*/) {
       calls().uploaded += bytes;
@@ -96,6 +101,7 @@ class GlWatch {
   Watched<&epoxy_glGetTextureSubImage, ReadPixels> textures_;
   Watched<&epoxy_glFinish, Finish> finishes_;
   Watched<&epoxy_glClientWaitSync, Sync> syncs_;
+  Watched<&epoxy_glMemoryBarrier, Barrier> barriers_;
   Watched<&epoxy_glNamedBufferSubData, Upload> uploads_;
 };
 

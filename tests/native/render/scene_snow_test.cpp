@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
-#include <memory>
 
 #include "native/render/gl_calls.h"
 #include "native/render/scene_things.h"
@@ -48,8 +47,8 @@ TEST(SceneSnow, aMapMayBeSharedWithATree) {
   with_scene([](Scene& scene) {
     scene.objects.add_tree("tree", make_tree_patches(tube(true), 0.0f), {});
     const TreeSnow snow = blanket(0.1f);
-    const auto map = std::make_shared<gpu::Texture>(GL_R32F, 4, 4, 0, GL_LINEAR);
-    map->write(0, GL_RED, GL_FLOAT, snow.values.data());
+    gpu::Texture map(GL_R32F, 4, 4, 0, GL_LINEAR);
+    map.write(0, GL_RED, GL_FLOAT, snow.values.data());
     const GlWatch watch;
     scene.objects.share_snow("tree", map, snow.depths);
     scene.frames.draw_light(square_camera(), {});

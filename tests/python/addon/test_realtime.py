@@ -46,9 +46,9 @@ def mesh(key="a", places=PLACE, snow=None, **of_shape):
     return records.Mesh(key, made, made.print, places, snow)
 
 
-def tree(key="t", pose=0.0, print_="p", leaves=None, leaves_print="", snow=None):
+def tree(key="t", pose=0.0, print_="p", leaves=None, leaves_print="", snow=None, places=PLACE):
     poses = np.full((2, 4, 4), pose, np.float32)
-    return records.Tree(key, {}, print_, records.Bark(), poses, leaves, leaves_print, snow=snow)
+    return records.Tree(key, {}, print_, records.Bark(), poses, places, leaves, leaves_print, snow=snow)
 
 
 @pytest.fixture
@@ -153,15 +153,39 @@ def test_a_tree_is_given_its_barks_images(renderer):
     assert renderer.take() == []
 
 
-def test_a_tree_of_other_wood_is_replaced_with_its_leaves(renderer):
+def one_leaf():
     triangles = np.zeros((1, 3, 3), np.float32)
-    leaves = records.Leaves(
-        triangles,
-        np.zeros(1, np.int32),
-        triangles[..., :2],
-        np.zeros(1, np.int32),
-        (records.Paint((0, 1, 0)),),
-    )
+    number = np.zeros(1, np.int32)
+    return records.Leaves(triangles, number, triangles[..., :2], number, (records.Paint((0, 1, 0)),))
+
+
+def test_trees_that_look_the_same_share_a_base(renderer):
+    keeper = sync.Sync(renderer)
+    keeper.update(records.Scene([], [tree("a"), tree("b", pose=1.0), tree("c", print_="q")]))
+    assert [name for name, _ in renderer.take() if name != "set_pose"] == [
+        "add_tree",
+        "share_tree",
+        "add_tree",
+    ]
+    keeper.update(records.Scene([], [tree("b", pose=1.0), tree("c", print_="q"), tree("d")]))
+    assert renderer.take() == [("remove", "a"), ("share_tree", "d"), ("set_pose", "d")]
+    # A tree that gets leaves of its own no longer shares.
+    leafed = tree("d", leaves=one_leaf(), leaves_print="l")
+    keeper.update(records.Scene([], [tree("b", pose=1.0), tree("c", print_="q"), leafed]))
+    assert renderer.take() == [("remove", "d"), ("add_tree", "d"), ("set_leaves", "d"), ("set_pose", "d")]
+
+
+def test_places_of_a_tree_are_passed_on_when_they_change(renderer):
+    keeper = sync.Sync(renderer)
+    keeper.update(records.Scene([], [tree()]))
+    renderer.take()
+    assert keeper.update(records.Scene([], [tree(places=2 * PLACE)]))
+    assert renderer.take() == [("set_places", "t")]
+    assert not keeper.update(records.Scene([], [tree(places=2 * PLACE)]))
+
+
+def test_a_tree_of_other_wood_is_replaced_with_its_leaves(renderer):
+    leaves = one_leaf()
     keeper = sync.Sync(renderer)
     keeper.update(records.Scene([], [tree(leaves=leaves, leaves_print="l")]))
     assert renderer.take() == [("add_tree", "t"), ("set_leaves", "t"), ("set_pose", "t")]

@@ -11,6 +11,7 @@
 namespace snowbough::render {
 namespace {
 
+using glm::ivec2;
 using glm::vec3;
 using glm::vec4;
 
@@ -33,7 +34,7 @@ struct Squares {
   }
 };
 
-TEST(PatchLists, patchesAreListedByClassInTheirOrder) {
+TEST(PatchLists, patchesAreListedByClassInTheirOrderAndDrawnByBatch) {
   gpu::GpuThread::shared("")->run([] {
     Squares of;
     const vec3 seen(0, 0, 0), behind(0, -20, 0);
@@ -49,12 +50,18 @@ TEST(PatchLists, patchesAreListedByClassInTheirOrder) {
     const gpu::Buffer none(sizeof(shared::TreeEdge));
     const gpu::Buffer growths(
         static_cast<int64_t>(of.patches.size() * sizeof(shared::PatchGrowth)));
+    const gpu::Buffer instances(std::vector<shared::TreeInstance>(2));
 
     gpu::Program classify({"tree_classify.comp.glsl"});
     PatchListPasses passes;
-    PatchList list(of.patches.size());
+    PatchList list;
+    list.add(0, 0, 6);
+    list.end_batch();
+    list.add(1, 2, 3);  // the third to the fifth again
+    list.end_batch();
     classify.use();
     classify.bind("ViewBlock", view);
+    classify.bind("TreeInstances", instances);
     classify.bind("PosedVertices", posed);
     classify.bind("TreePatches", patches);
     classify.bind("EdgeLevels", edges);
@@ -62,24 +69,42 @@ TEST(PatchLists, patchesAreListedByClassInTheirOrder) {
     classify.bind("TreeSections", none);
     classify.bind("TreeEdges", none);
     classify.bind("TileDepths", none);
-    classify.set("map_size", glm::ivec2(0));
     classify.bind("PatchGrowths", growths);
     passes.run(classify, list, 6, 5.0f);
 
     const PatchCounts counts = count_patches(list, 6);
-    EXPECT_EQ(counts.dropped, 2);
-    EXPECT_EQ(counts.plain, 2);
-    EXPECT_EQ(counts.tessellated, 2);
-    const auto plain = list.plain.read_all<uint32_t>();
-    const auto tessellated = list.tessellated.read_all<uint32_t>();
-    EXPECT_EQ(std::vector<uint32_t>(plain.begin(), plain.begin() + 2),
-              (std::vector<uint32_t>{0, 3}));
-    EXPECT_EQ(std::vector<uint32_t>(tessellated.begin(), tessellated.begin() + 2),
-              (std::vector<uint32_t>{2, 5}));
-    EXPECT_EQ(list.classes.read_all<uint32_t>(),
-              (std::vector<uint32_t>{shared::kPlain, shared::kDropped, shared::kTessellated,
-                                     shared::kPlain, shared::kDropped, shared::kTessellated}));
+    EXPECT_EQ(counts.plain, 3);
+    EXPECT_EQ(counts.tessellated, 3);
+    const auto plain = list.plain().read_all<ivec2>();
+    const auto tessellated = list.tessellated().read_all<ivec2>();
+    EXPECT_EQ(std::vector<ivec2>(plain.begin(), plain.begin() + 3),
+              (std::vector<ivec2>{{0, 0}, {0, 3}, {1, 3}}));
+    EXPECT_EQ(std::vector<ivec2>(tessellated.begin(), tessellated.begin() + 3),
+              (std::vector<ivec2>{{0, 2}, {0, 5}, {1, 2}}));
+    const auto commands = list.commands().read_all<shared::TreeDrawCommand>();
+    const auto is = [&](size_t i, uint32_t count, uint32_t first) {
+      EXPECT_EQ(commands[i].count, count) << i;
+      EXPECT_EQ(commands[i].first, first) << i;
+      EXPECT_EQ(commands[i].instances, 1u) << i;
+    };
+    is(0, 12, 0);
+    is(1, 6, 12);
+    is(2, 2, 0);
+    is(3, 1, 2);
   });
+}
+
+TEST(PatchLists, aRangeStartsWithAWorkGroup) {
+  WorkList list;
+  list.add(4, 0, 65);
+  list.add(5, 0, 0);
+  list.add(6, 7, 1);
+  ASSERT_EQ(list.ranges().size(), 2u);
+  EXPECT_EQ(list.ranges()[1].first_slot, 128);
+  EXPECT_EQ(list.ranges()[1].first_item, 7);
+  EXPECT_EQ(list.groups(), 3);
+  EXPECT_EQ(list.count_of(4), 65);
+  EXPECT_EQ(list.count_of(5), 0);
 }
 
 }  // namespace

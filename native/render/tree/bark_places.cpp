@@ -1,11 +1,8 @@
-#include "render/tree/bark_images.h"
+#include "render/tree/bark_places.h"
 
 #include <stdexcept>
 #include <string>
 #include <vector>
-
-#include "render/draw/image_texture.h"
-#include "shaders/lib/tree_shared.h"
 
 namespace snowbough::render {
 namespace {
@@ -14,15 +11,19 @@ void require_bark(bool right, const std::string& what) {
   if (!right) throw std::invalid_argument("set_bark: " + what);
 }
 
-std::vector<shared::BarkPlace> places_of(const BarkSource& source, size_t patches) {
-  require_bark(source.uv.size() == patches && source.material.size() == patches,
+}  // namespace
+
+std::vector<shared::BarkPlace> bark_places(const BarkSource& source,
+                                           const std::vector<int32_t>& quads) {
+  require_bark(source.uv.size() == quads.size() && source.material.size() == quads.size(),
                "uv and materials must have one entry for each of the tree's " +
-                   std::to_string(patches) + " quads");
+                   std::to_string(quads.size()) + " quads");
   require_bark(!source.materials.empty(), "it needs at least one material");
   const auto count = static_cast<int32_t>(source.materials.size());
   std::vector<shared::BarkPlace> places;
-  places.reserve(patches);
-  for (size_t f = 0; f < patches; ++f) {
+  places.reserve(quads.size());
+  for (const int32_t quad : quads) {
+    const auto f = static_cast<size_t>(quad);
     const int32_t material = source.material[f];
     require_bark(material >= 0 && material < count,
                  "material index " + std::to_string(material) + " of quad " + std::to_string(f) +
@@ -33,10 +34,5 @@ std::vector<shared::BarkPlace> places_of(const BarkSource& source, size_t patche
   }
   return places;
 }
-
-}  // namespace
-
-BarkImages::BarkImages(const BarkSource& source, size_t patches)
-    : places(places_of(source, patches)), layers(material_layers(source.materials, "set_bark")) {}
 
 }  // namespace snowbough::render

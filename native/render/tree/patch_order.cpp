@@ -1,0 +1,97 @@
+#include "render/tree/patch_order.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "shaders/lib/thin_limbs.h"
+
+namespace snowbough::render {
+namespace {
+
+constexpr float kTurn = 6.2831853f;
+
+DropSize size_of(const TreePatches& tree, const shared::TreePatch& patch) {
+  DropSize size;
+  for (int k = 0; k < 4; ++k) {
+    const shared::TreeVertex& vertex = tree.vertices[static_cast<size_t>(patch.vertices[k])];
+    const float radius = vertex.normal.w / kTurn;
+    size.reach = std::max(size.reach, (1.0f + shared::kSquareGrowth) * radius + vertex.position.w);
+  }
+  const bool is_cap = patch.place.x < 0;
+  size.length = is_cap ? 0.0f : tree.sections[static_cast<size_t>(patch.place.x)].begin.w;
+  size.number = is_cap ? 1.0f : patch.rest[2].w;
+  return size;
+}
+
+/// Numbers things by their first use.
+class FirstUse {
+ public:
+  explicit FirstUse(size_t count) : number_(count, -1) {}
+  int32_t number_of(int32_t old) {
+    int32_t& number = number_[static_cast<size_t>(old)];
+    if (number < 0) {
+      number = static_cast<int32_t>(order_.size());
+      order_.push_back(old);
+    }
+    return number;
+  }
+  int32_t used() const { return static_cast<int32_t>(order_.size()); }
+  /// Unused things come last.
+  template <typename Thing>
+  std::vector<Thing> ordered(const std::vector<Thing>& things) {
+    for (size_t i = 0; i < things.size(); ++i) number_of(static_cast<int32_t>(i));
+    std::vector<Thing> made;
+    made.reserve(things.size());
+    for (const int32_t old : order_) made.push_back(things[static_cast<size_t>(old)]);
+    return made;
+  }
+
+ private:
+  std::vector<int32_t> number_;
+  std::vector<int32_t> order_;
+};
+
+}  // namespace
+
+void order_patches(TreePatches& tree) {
+  const size_t count = tree.patches.size();
+  std::vector<DropSize> sizes;
+  std::vector<float> points;
+  for (size_t f = 0; f < count; ++f) {
+    tree.patches[f].rest[2].w = shared::patch_number(static_cast<int32_t>(f));
+    sizes.push_back(size_of(tree, tree.patches[f]));
+    points.push_back(drop_point(sizes.back(), 0.0f));
+  }
+  tree.quads.resize(count);
+  std::iota(tree.quads.begin(), tree.quads.end(), 0);
+  std::stable_sort(tree.quads.begin(), tree.quads.end(), [&](int32_t a, int32_t b) {
+    return points[static_cast<size_t>(a)] < points[static_cast<size_t>(b)];
+  });
+
+  FirstUse vertices(tree.vertices.size()), edges(tree.edges.size());
+  std::vector<shared::TreePatch> patches;
+  std::vector<DropSize> ordered;
+  for (const int32_t quad : tree.quads) {
+    shared::TreePatch patch = tree.patches[static_cast<size_t>(quad)];
+    for (int k = 0; k < 4; ++k) {
+      patch.vertices[k] = vertices.number_of(patch.vertices[k]);
+      patch.edges[k] = 2 * edges.number_of(patch.edges[k] >> 1) + (patch.edges[k] & 1);
+    }
+    patches.push_back(patch);
+    ordered.push_back(sizes[static_cast<size_t>(quad)]);
+    tree.used_vertices.push_back(vertices.used());
+    tree.used_edges.push_back(edges.used());
+  }
+  tree.patches = std::move(patches);
+  tree.vertices = vertices.ordered(tree.vertices);
+  tree.edges = edges.ordered(tree.edges);
+  for (shared::TreeEdge& edge : tree.edges) {
+    edge.ends.x = vertices.number_of(edge.ends.x);
+    edge.ends.y = vertices.number_of(edge.ends.y);
+  }
+  tree.order = DropOrder(std::move(ordered));
+}
+
+}  // namespace snowbough::render
