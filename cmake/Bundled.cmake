@@ -46,6 +46,9 @@ set(OPENEXR_INSTALL_TOOLS OFF)
 set(OPENEXR_INSTALL_PKG_CONFIG OFF)
 set(OPENEXR_BUILD_TOOLS OFF)
 set(BUILD_TESTING OFF)
+# Otherwise OpenEXR and Imath mark their names as public. On Linux and Windows, a list of exported names hides them.
+set(IMATH_USE_DEFAULT_VISIBILITY ${APPLE})
+set(OPENEXR_USE_DEFAULT_VISIBILITY ${APPLE})
 set(CMAKE_POLICY_DEFAULT_CMP0077 NEW)
 add_subdirectory("${sources}/imath" imath EXCLUDE_FROM_ALL SYSTEM)
 # Imath is a subproject, so OpenEXR's find_package(Imath) must not search for an installed one.
@@ -54,6 +57,7 @@ list(PREPEND CMAKE_MODULE_PATH "${CMAKE_BINARY_DIR}/find")
 add_subdirectory("${sources}/openexr" openexr EXCLUDE_FROM_ALL SYSTEM)
 foreach(library Imath OpenEXR OpenEXRCore Iex IlmThread)
   target_compile_options(${library} PRIVATE -w)
+  set_target_properties(${library} PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
 endforeach()
 
 # libepoxy: its own script generates the dispatch code, which loads EGL and OpenGL on the first call.

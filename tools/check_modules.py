@@ -3,6 +3,7 @@
 system. On Linux and macOS it must export only its init function, and on macOS leave only Python's names open, be for
 arm64, and be signed."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -19,8 +20,8 @@ LINUX = {"libc.so.6", "libm.so.6", "libdl.so.2", "libpthread.so.0", "ld-linux-x8
 WINDOWS = {"kernel32.dll", "ntdll.dll", "opengl32.dll", "gdi32.dll", "user32.dll", "advapi32.dll", "python"}
 MACOS = {"/usr/lib/libSystem.B.dylib"}
 CPU_TYPE_ARM64 = 0x0100000C
-# Names that the linker adds.
-MACOS_LINKER = {"___dso_handle", "__mh_dylib_header"}
+# Names that the linker adds, and the operators new and delete of libc++, which programs may replace.
+MACOS_LINKER = re.compile(r"___dso_handle|__mh_dylib_header|__Z(nw|na|dl|da)[A-Z]\w*")
 # Prefixes of the C library's files in Windows 10.
 WINDOWS_C = ("api-ms-win-crt-", "ucrtbase", "msvcrt.dll")
 
@@ -58,7 +59,8 @@ def macos_module(path):
     header = module.headers[0]
     foreign = {name for _, _, name in header.walkRelocatables()} - MACOS
     symbols = SymbolTable(module, header)
-    shown = {name.decode() for _, name in symbols.extdefsyms} - MACOS_LINKER
+    shown = {name.decode() for _, name in symbols.extdefsyms}
+    shown = {name for name in shown if not MACOS_LINKER.fullmatch(name)}
     names = {name for name in shown if not name.startswith("_PyInit_snowbough_native_")}
     # The high byte of n_desc is the number of the library that has the name; others are looked up in the whole process.
     loose = {name.decode() for entry, name in symbols.undefsyms if not 0 < entry.n_desc >> 8 < 0xFD}
