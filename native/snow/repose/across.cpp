@@ -6,7 +6,7 @@
 
 #include "shaders/lib/texel_repose.h"
 #include "snow/repose/repose.h"
-#include "snow/repose/window.h"
+#include "snow/repose/tiles_around.h"
 
 namespace snowbough::snow {
 namespace {
@@ -28,14 +28,14 @@ End end_of(const ReposeTiles& tiles, int32_t cell) {
 /// block.
 template <typename Visit>
 void Repose::for_across(int32_t block, const Visit& visit) {
-  const int32_t* ends = &links_.end_begin[static_cast<size_t>(block)];
+  const int32_t* ends = &links_->end_begin[static_cast<size_t>(block)];
   for (int32_t e = ends[0]; e < ends[1]; ++e) {
-    const ReposeLinks::End& end = links_.ends[static_cast<size_t>(e)];
+    const ReposeLinks::End& end = links_->ends[static_cast<size_t>(e)];
     const auto link = static_cast<size_t>(end.link);
     if (link >= across_.size()) continue;
     Flow& flow = across_[link];
     if (!(flow.limit < std::numeric_limits<float>::infinity())) continue;
-    const auto& [a, b] = links_.across_cells[link];
+    const auto& [a, b] = links_->across_cells[link];
     visit(end, flow, end.cell, end.sign < 0 ? b : a);
   }
 }
@@ -65,7 +65,7 @@ bool Repose::lower_across(Marks& active) {
       const int32_t column = cell % kReposeBlock;
       const int32_t row = cell / kReposeBlock;
       mark_around(block_of_other, TileWindow::seen_by(column, row), active);
-      note_bound(TilesAround(tiles_, links_.blocks_a_side, block_of_other), column, row);
+      note_bound(TilesAround(tiles_, links_->blocks_a_side, block_of_other), column, row);
       changes = true;
     });
   }
@@ -75,7 +75,7 @@ bool Repose::lower_across(Marks& active) {
 /// Records that surfaces of a block, or of its neighbours, may have changed since the last round
 /// across seams.
 void Repose::note_active(int32_t block) {
-  const int32_t side = links_.blocks_a_side;
+  const int32_t side = links_->blocks_a_side;
   const int32_t column = block % side;
   const int32_t row = block / side;
   for (int32_t y = std::max(0, row - 1); y <= std::min(side - 1, row + 1); ++y) {
@@ -96,9 +96,9 @@ void Repose::list_active_links() {
     if (tile == nullptr) continue;
     const uint32_t rows = tile->active_rows_at_seams.exchange(0, std::memory_order_relaxed);
     if (rows == 0) continue;
-    const int32_t* ends = &links_.end_begin[static_cast<size_t>(block)];
+    const int32_t* ends = &links_->end_begin[static_cast<size_t>(block)];
     for (int32_t e = ends[0]; e < ends[1]; ++e) {
-      const ReposeLinks::End& end = links_.ends[static_cast<size_t>(e)];
+      const ReposeLinks::End& end = links_->ends[static_cast<size_t>(e)];
       const auto link = static_cast<size_t>(end.link);
       const auto row = static_cast<uint32_t>(end.cell % kTileCells / kReposeBlock);
       if (((rows >> row) & 1) == 0 || link >= across_.size()) continue;
@@ -114,7 +114,7 @@ void Repose::list_active_links() {
 /// Computes the flow along a link; returns whether there is any.
 bool Repose::flow_along(int32_t number, float momentum) {
   Flow& link = across_[static_cast<size_t>(number)];
-  const auto& [at_a, at_b] = links_.across_cells[static_cast<size_t>(number)];
+  const auto& [at_a, at_b] = links_->across_cells[static_cast<size_t>(number)];
   const End a = end_of(tiles_, at_a);
   const End b = end_of(tiles_, at_b);
   if (a.tile == nullptr || b.tile == nullptr) return false;
@@ -138,10 +138,10 @@ bool Repose::flow_across(float momentum) {
     across_[static_cast<size_t>(link)].is_listed = flow_along(link, momentum);
     return !across_[static_cast<size_t>(link)].is_listed;
   });
-  const int32_t side = links_.blocks_a_side;
+  const int32_t side = links_->blocks_a_side;
   for (const int32_t link : listed_) {
     const float flow = across_[static_cast<size_t>(link)].flow;
-    const auto& [at_a, at_b] = links_.across_cells[static_cast<size_t>(link)];
+    const auto& [at_a, at_b] = links_->across_cells[static_cast<size_t>(link)];
     for (const auto& [at, units] : {std::pair(at_a, -flow), std::pair(at_b, flow)}) {
       const int32_t block = at / kTileCells;
       const int32_t cell = at % kTileCells;

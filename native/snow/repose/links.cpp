@@ -40,6 +40,7 @@ class LinkFinder {
     find_rims();
     sort_ends();
     find_near_blocks();
+    set_forward();
     return std::move(links_);
   }
 
@@ -87,16 +88,16 @@ class LinkFinder {
   }
 
   bool is_linked(int32_t i, int32_t k) const {
-    return i >= 0 && ((links_.forward[static_cast<size_t>(i)] >> k) & 1) != 0;
+    return i >= 0 && ((forward_[static_cast<size_t>(i)] >> k) & 1) != 0;
   }
 
   void link_neighbours() {
-    links_.forward.assign(table_.texel.size(), 0);
+    forward_.assign(table_.texel.size(), 0);
     for_each_place(table_, [&](int32_t i, int32_t column, int32_t row) {
       for (int32_t k = 0; k < 2; ++k) {
         const int32_t j = at(column + kForwardColumn[k], row + kForwardRow[k]);
         if (j >= 0 && joined(i, j)) {
-          links_.forward[static_cast<size_t>(i)] |= static_cast<uint8_t>(1 << k);
+          forward_[static_cast<size_t>(i)] |= static_cast<uint8_t>(1 << k);
         }
       }
     });
@@ -106,7 +107,7 @@ class LinkFinder {
       const int32_t left = at(column - 1, row);
       const int32_t above = at(column, row + 1);
       const int32_t above_left = at(column - 1, row + 1);
-      uint8_t& own = links_.forward[static_cast<size_t>(i)];
+      uint8_t& own = forward_[static_cast<size_t>(i)];
       if ((is_linked(i, 0) && is_linked(right, 1)) || (is_linked(i, 1) && is_linked(above, 0))) {
         own |= 4;
       }
@@ -115,6 +116,15 @@ class LinkFinder {
         own |= 8;
       }
     });
+  }
+
+  void set_forward() {
+    const auto side = static_cast<size_t>(links_.blocks_a_side);
+    links_.forward.assign(side * side * kTileCells, 0);
+    for (size_t i = 0; i < forward_.size(); ++i) {
+      links_.forward[static_cast<size_t>(links_.cell_of(table_.texel[i]))] =
+          forward_[i] | kHasTexel;
+    }
   }
 
   glm::dvec2 corner(int32_t triangle, int32_t k) const {
@@ -322,6 +332,8 @@ class LinkFinder {
   int32_t resolution_;
   /// Per place of the map: its texel, or -1.
   std::vector<int32_t> owned_;
+  /// Per texel: its links to the forward neighbours.
+  std::vector<uint8_t> forward_;
   ReposeLinks links_;
 };
 
@@ -335,14 +347,16 @@ ReposeLinks find_repose_links(const MapTopology& topology, const TexelTable& tab
 struct ReposeLinkTables::Known {
   MapTopology welded;
   std::once_flag once;
-  ReposeLinks links;
+  std::shared_ptr<const ReposeLinks> links;
 };
 
-ReposeLinks ReposeLinkTables::find(const MapTopology& topology,
-                                   const std::shared_ptr<const TexelTable>& table,
-                                   const std::vector<glm::vec3>& positions) {
+std::shared_ptr<const ReposeLinks> ReposeLinkTables::find(
+    const MapTopology& topology, const std::shared_ptr<const TexelTable>& table,
+    const std::vector<glm::vec3>& positions) {
   // Nobody shares it.
-  if (table.use_count() == 1) return find_repose_links(topology, *table, positions);
+  if (table.use_count() == 1) {
+    return std::make_shared<const ReposeLinks>(find_repose_links(topology, *table, positions));
+  }
   MapTopology own = welded(topology, positions);
   std::shared_ptr<Known> known;
   {
@@ -359,7 +373,9 @@ ReposeLinks ReposeLinkTables::find(const MapTopology& topology,
       all.push_back(known);
     }
   }
-  std::call_once(known->once, [&] { known->links = LinkFinder(known->welded, *table).find(); });
+  std::call_once(known->once, [&] {
+    known->links = std::make_shared<const ReposeLinks>(LinkFinder(known->welded, *table).find());
+  });
   return known->links;
 }
 

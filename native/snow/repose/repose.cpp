@@ -39,14 +39,14 @@ SNOWBOUGH_WIDE uint32_t rows_to_write(const ReposeTile& tile) {
 
 void Repose::mark_near(int32_t block, Marks& marks) const {
   const auto b = static_cast<size_t>(block);
-  for (int32_t n = links_.near_begin[b]; n < links_.near_begin[b + 1]; ++n) {
-    marks[static_cast<size_t>(links_.near[static_cast<size_t>(n)])] = 1;
+  for (int32_t n = links_->near_begin[b]; n < links_->near_begin[b + 1]; ++n) {
+    marks[static_cast<size_t>(links_->near[static_cast<size_t>(n)])] = 1;
   }
 }
 
 /// Marks the blocks around one whose bit is set in `around`: see TileWindow::seen_by.
 void Repose::mark_around(int32_t block, uint32_t around, Marks& marks) const {
-  const int32_t side = links_.blocks_a_side;
+  const int32_t side = links_->blocks_a_side;
   for (; around != 0; around &= around - 1) {
     const int32_t bit = std::countr_zero(around);
     const int32_t column = block % side + bit % 3 - 1;
@@ -58,7 +58,7 @@ void Repose::mark_around(int32_t block, uint32_t around, Marks& marks) const {
 
 /// These blocks and their neighbours, ascending.
 Repose::Blocks Repose::near(const Blocks& blocks) const {
-  Marks marks(links_.block_count(), 0);
+  Marks marks(links_->block_count(), 0);
   for (const int32_t block : blocks) mark_near(block, marks);
   Blocks result;
   for (size_t b = 0; b < marks.size(); ++b) {
@@ -91,14 +91,14 @@ double Repose::run(std::vector<float>& height, float dt, bool on_all_cores) {
 /// Updates a tile's links, if needed.
 void Repose::link_tile(int32_t block) {
   if (tiles_[static_cast<size_t>(block)]->has_links) return;
-  set_up_tile_links(tiles_, block, links_.blocks_a_side, limits_);
+  set_up_tile_links(tiles_, block, links_->blocks_a_side, limits_);
 }
 
 /// The chosen blocks with chosen(block) in every second row and column, starting at the colour's
 /// offset: no two of them touch.
 template <typename Chosen>
 Repose::Blocks Repose::blocks_of_colour(int32_t colour, const Chosen& chosen) const {
-  const int32_t side = links_.blocks_a_side;
+  const int32_t side = links_->blocks_a_side;
   Blocks blocks;
   for (const int32_t block : chosen_) {
     const int32_t own = block / side % 2 * 2 + block % side % 2;
@@ -109,9 +109,9 @@ Repose::Blocks Repose::blocks_of_colour(int32_t colour, const Chosen& chosen) co
 
 /// Removes snow above rims and walls that is steeper than allowed.
 void Repose::empty_over_outlets() {
-  Marks active(links_.block_count(), 0);
+  Marks active(links_->block_count(), 0);
   for (const int32_t block : chosen_) active[static_cast<size_t>(block)] = 1;
-  const int32_t side = links_.blocks_a_side;
+  const int32_t side = links_->blocks_a_side;
   for (bool goes_on = true; goes_on;) {
     goes_on = false;
     for (int32_t colour = 0; colour < 4; ++colour) {
@@ -142,7 +142,7 @@ double Repose::run_colour(const Blocks& blocks, int first_round) {
   std::vector<TileRounds> done(blocks.size());
   for_each(blocks.size(), [&](size_t i) {
     link_tile(blocks[i]);
-    done[i] = run_tile_rounds(tiles_, blocks[i], links_.blocks_a_side,
+    done[i] = run_tile_rounds(tiles_, blocks[i], links_->blocks_a_side,
                               rims_[static_cast<size_t>(blocks[i])], first_round, kRounds);
   });
   double rounds = 0.0;
@@ -165,7 +165,7 @@ void Repose::run_rounds(float work_factor) {
   for (const int32_t block : chosen_) note_active(block);
   seams_are_pending_ = true;
   double work = static_cast<double>(work_factor) *
-                (kRoundsAMap + kRoundsABlock * static_cast<double>(links_.block_count()));
+                (kRoundsAMap + kRoundsABlock * static_cast<double>(links_->block_count()));
   const int most = static_cast<int>(static_cast<float>(kMostRounds) * work_factor);
   int round = 0;
   int round_across = 0;
@@ -193,7 +193,7 @@ Repose::Written Repose::write_block(int32_t block, float walls_keep,
   Written written;
   if (!tile.has_moved() && !tile.any_wall) return written;
   const std::vector<int32_t>& places = object_->table->texel;
-  links_.for_texels(block, rows_to_write(tile), places, [&](int32_t texel, size_t cell) {
+  links_->for_texels(block, rows_to_write(tile), places, [&](int32_t texel, size_t cell) {
     const bool wall = (tile.kind[cell] & kWall) != 0;
     const double moved = tile.moved[cell];
     if (wall ? tile.held[cell] == 0.0f : moved == 0.0) return;

@@ -6,7 +6,7 @@
 
 #include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
-#include "snow/repose/window.h"
+#include "snow/repose/tiles_around.h"
 
 #define SNOWBOUGH_TILE SNOWBOUGH_WIDE_FLAT
 

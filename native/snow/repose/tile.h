@@ -7,29 +7,18 @@
 #include <memory>
 #include <vector>
 
+#include "snow/repose/link_limits.h"
 #include "snow/repose/links.h"
 
 namespace snowbough::snow {
 
-inline constexpr int32_t kTileCells = kReposeBlock * kReposeBlock;
 inline constexpr uint8_t kWall = 1;
 inline constexpr uint8_t kBack = 2;
 inline constexpr uint8_t kUnknown = 4;
 /// In ReposeTile::forward, beside the links: a link across a seam ends at the cell.
 inline constexpr uint8_t kAtSeam = 16;
-/// All rows of a tile, one bit each.
-inline constexpr uint32_t kAllRows = 0xFFFFFFFFu;
 /// All rows of its window (TileWindow), which has one more.
 inline constexpr uint64_t kAllWindowRows = 0x1FFFFFFFFu;
-static_assert(kReposeBlock == 32, "rows of a tile are bits of a uint32_t");
-
-/// Steepest slope of snow: tangent of the angle of repose; and the cohesion in metres, see
-/// shared::held_slope.
-struct ReposeLimits {
-  float slope = 0.0f;
-  float cohesion = 0.0f;
-  bool operator==(const ReposeLimits&) const = default;
-};
 
 /// Repose data of one block of a map: cells row by row. A cell without a texel has area 0.
 struct ReposeTile {

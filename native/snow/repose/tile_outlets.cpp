@@ -6,8 +6,7 @@
 
 #include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
-#include "snow/repose/tile.h"
-#include "snow/repose/window.h"
+#include "snow/repose/tiles_around.h"
 
 #define SNOWBOUGH_SWEEP SNOWBOUGH_WIDE_FLAT
 
@@ -201,8 +200,7 @@ class BoundSweep {
     for (int32_t row = 0; row < TileWindow::kRows; ++row) {
       if ((changed_ & bit(row)) == 0) continue;
       load(row);
-      TileWindow::for_row(
-          around_, row, [&](ReposeTile* tile, size_t cell, int32_t column, size_t count) {
+      around_.for_row(row, [&](ReposeTile* tile, size_t cell, int32_t column, size_t count) {
             const size_t at = TileWindow::at(column, row);
             for (size_t i = 0; tile != nullptr && i < count; ++i) {
               if (!(bound_[at + i] < tile->bound[cell + i])) continue;
@@ -227,14 +225,14 @@ class BoundSweep {
   void load_bound(int32_t row) {
     if ((bounds_ & bit(row)) != 0) return;
     bounds_ |= bit(row);
-    TileWindow::copy_row(around_, row, &ReposeTile::bound, bound_, shared::kUnbounded);
+    around_.copy_row(row, &ReposeTile::bound, bound_, shared::kUnbounded);
   }
   void load(int32_t row) {
     load_bound(row);
     if ((loaded_ & bit(row)) != 0) return;
     loaded_ |= bit(row);
-    TileWindow::copy_row(around_, row, &ReposeTile::top, top_, 0.0f);
-    TileWindow::copy_row(around_, row, &ReposeTile::z, z_, 0.0f);
+    around_.copy_row(row, &ReposeTile::top, top_, 0.0f);
+    around_.copy_row(row, &ReposeTile::z, z_, 0.0f);
   }
   const float* limit(int32_t k, int32_t row) const {
     return tile_.limit[static_cast<size_t>(k)].data() + static_cast<size_t>(row * kReposeBlock);

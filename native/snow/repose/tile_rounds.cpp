@@ -5,8 +5,7 @@
 
 #include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
-#include "snow/repose/tile.h"
-#include "snow/repose/window.h"
+#include "snow/repose/tiles_around.h"
 
 #define SNOWBOUGH_ROW SNOWBOUGH_WIDE_FLAT
 
@@ -145,15 +144,14 @@ class TileRun {
   void load_top(int32_t row) {
     if ((tops_ & bit(row)) != 0) return;
     tops_ |= bit(row);
-    TileWindow::copy_row(around_, row, &ReposeTile::top, top_, 0.0f);
-    TileWindow::copy_row(around_, row, &ReposeTile::gives, gives_, 0.0f);
+    around_.copy_row(row, &ReposeTile::top, top_, 0.0f);
+    around_.copy_row(row, &ReposeTile::gives, gives_, 0.0f);
   }
   void load(int32_t row) {
     if ((loaded_ & bit(row)) != 0) return;
     loaded_ |= bit(row);
     load_top(row);
-    TileWindow::for_row(
-        around_, row, [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
+    around_.for_row(row, [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
           for (size_t i = 0, at = TileWindow::at(column, row); i < count; ++i, ++at) {
             const size_t own = cell + i;
             come_[at] = 0;
@@ -278,7 +276,7 @@ class TileRun {
   }
 
   void write_row(int32_t row) {
-    TileWindow::for_row(around_, row,
+    around_.for_row(row,
                         [&](ReposeTile* tile, size_t cell, int32_t column, size_t count) {
                           const size_t at = TileWindow::at(column, row);
                           for (size_t i = 0; tile != nullptr && i < count; ++i) {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "row_of_texels.h"
-#include "snow/repose/window.h"
+#include "snow/repose/tiles_around.h"
 
 namespace snowbough::snow {
 namespace {
