@@ -74,24 +74,30 @@ struct Extremes {
 
 using Limits = std::array<std::array<float, kReposeBlock>, kForwardLinks>;
 
-/// Adds the links of a row of cells; `z`, `columns`: of its first.
-SNOWBOUGH_WIDE void add_row(const float* z, const float* columns, const Limits& limits,
-                            Extremes& extremes) {
-  float* __restrict const inside = extremes.inside.data();
-  float* __restrict const highest = extremes.column.data();
-  float* __restrict const turn = extremes.turn.data();
+/// Adds the links from a row of cells to those `step` cells away.
+inline void add_links(const float* z, const float* columns, int32_t step,
+                      const float* __restrict limit, float* __restrict inside,
+                      float* __restrict highest, float* __restrict turn) {
+  for (int32_t i = 0; i < kReposeBlock; ++i) {
+    const float own = limit[i];
+    const float column = columns[i];
+    const float other = columns[i + step];
+    const float margin = own - std::abs(z[i] - z[i + step]);
+    const float high = std::max(column, other);
+    const float apart = std::abs(column - other);
+    const bool is_there = own < kNoLink;
+    inside[i] = std::min(inside[i], margin);
+    highest[i] = std::max(highest[i], is_there ? high : 0.0f);
+    turn[i] = std::max(turn[i], is_there ? apart : 0.0f);
+  }
+}
+
+/// The same for all links of the cells; `z`, `columns`: of the first.
+SNOWBOUGH_WIDE_FLAT void add_row(const float* z, const float* columns, const Limits& limits,
+                                 Extremes& extremes) {
   for (int32_t k = 0; k < kForwardLinks; ++k) {
-    const int32_t step = TileWindow::step(k);
-    const float* __restrict const limit = limits[static_cast<size_t>(k)].data();
-    for (int32_t i = 0; i < kReposeBlock; ++i) {
-      const int32_t j = i + step;
-      const float margin = limit[i] - std::abs(z[i] - z[j]);
-      const float high = std::max(columns[i], columns[j]);
-      const float apart = std::abs(columns[i] - columns[j]);
-      inside[i] = margin < inside[i] ? margin : inside[i];
-      highest[i] = std::max(highest[i], limit[i] < kNoLink ? high : 0.0f);
-      turn[i] = std::max(turn[i], limit[i] < kNoLink ? apart : 0.0f);
-    }
+    add_links(z, columns, TileWindow::step(k), limits[static_cast<size_t>(k)].data(),
+              extremes.inside.data(), extremes.column.data(), extremes.turn.data());
   }
 }
 
@@ -100,7 +106,9 @@ class SlackFinder {
  public:
   SlackFinder(const ReposeSurface& surface, const ReposeLinks& links,
               const std::vector<int32_t>& places, int32_t block, const ReposeLimits& limits)
-      : surface_(surface), links_(links), places_(places), block_(block), limits_(limits) {}
+      : surface_(surface), links_(links), places_(places), block_(block), limits_(limits) {
+    bare_.wall.fill(0.0f);
+  }
 
   BlockSlack find() {
     find_side();
@@ -126,20 +134,27 @@ class SlackFinder {
   bool load_row(int32_t row) {
     const size_t at = TileWindow::at(-1, row);
     std::array<uint8_t, kWindowColumns> two_sided{};
-    float* const z = &bare_.z[at];
     float* const curvature = &bare_.curvature[at];
     float* const steep = &bare_.steep[at];
     float* const area = &bare_.area[at];
     float* const column = &column_[at];
-    const ReposeSurface::Row all{&bare_.x[at], &bare_.y[at], z,         column,
-                                 steep,        area,         curvature, two_sided.data()};
-    for (float* const plane : {all.x, all.y, z, column, steep, area, curvature, &bare_.wall[at]}) {
-      std::fill_n(plane, kWindowColumns, 0.0f);
-    }
+    const ReposeSurface::Row all{&bare_.x[at], &bare_.y[at], &bare_.z[at], column,
+                                 steep,        area,         curvature,    two_sided.data()};
+    bool is_defined = false;
+    const auto clear = [&] {
+      for (float* const plane : {all.x, all.y, all.z, column, steep, area, curvature}) {
+        std::fill_n(plane, kWindowColumns, 0.0f);
+      }
+      is_defined = true;
+    };
     links_.for_row_runs(block_, row, 1, places_, [&](int32_t first, int32_t count, int32_t i) {
+      if (count < kWindowColumns && !is_defined) clear();
+      is_defined = true;
       surface_.texels(first, count, all.at(static_cast<size_t>(i + 1)));
     });
-    const bool rests = finish_row(area, curvature, two_sided.data(), slack_.side, limits_, steep, column);
+    if (!is_defined) clear();
+    const bool rests =
+        finish_row(area, curvature, two_sided.data(), slack_.side, limits_, steep, column);
     return rests || row == kReposeBlock;
   }
 

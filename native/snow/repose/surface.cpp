@@ -28,40 +28,37 @@ std::vector<float> curvatures_of(const ObjectDescription& description,
   return curvatures;
 }
 
-/// Areas and upward parts of texels on one triangle (xyz: normal, w: area in m2), from their shares
-/// of it. Returns whether all have an area.
-SNOWBOUGH_WIDE bool find_areas(const float* __restrict share, int32_t count,
-                               const glm::vec4& triangle, const ReposeSurface::Row& to) {
-  float* __restrict const area = to.area;
-  float* __restrict const up = to.up;
-  const float whole = triangle.w;
-  const float normal_z = triangle.z;
-  int32_t none = 0;
-  for (int32_t i = 0; i < count; ++i) {
-    area[i] = share[i] * whole;
-    none |= area[i] > 0.0f ? 0 : 1;
-  }
-  if (none != 0) return false;
-  // As in texel(), where sums begin with 0, so that no zero is negative.
-  for (int32_t i = 0; i < count; ++i) up[i] = (0.0f + area[i] * normal_z) / area[i];
-  return true;
-}
-
-SNOWBOUGH_WIDE void find_points(const ReposeSurface::Linear& points,
-                                const glm::vec2* __restrict weights, int32_t count,
-                                const ReposeSurface::Row& to) {
+/// Points, areas and upward parts of texels on one triangle (`surface`: xyz normal, w area in m2),
+/// from their weights and shares. Returns whether all have an area.
+SNOWBOUGH_WIDE bool find_surfaces(const ReposeSurface::Linear& points, const glm::vec4& surface,
+                                  const glm::vec2* __restrict weights,
+                                  const float* __restrict share, int32_t count,
+                                  const ReposeSurface::Row& to) {
   const glm::vec3 a = points.first;
   const glm::vec3 b = points.to_second;
   const glm::vec3 c = points.to_third;
+  const float whole = surface.w;
+  const float normal_z = surface.z;
   float* __restrict const x = to.x;
   float* __restrict const y = to.y;
   float* __restrict const z = to.z;
+  float* __restrict const area = to.area;
+  float* __restrict const up = to.up;
+  int32_t none = 0;
+  // As in texel(), where sums begin with 0, so that no zero is negative.
   for (int32_t i = 0; i < count; ++i) {
     const glm::vec2 w = weights[i];
     x[i] = 0.0f + (a.x + w.x * b.x + w.y * c.x);
     y[i] = 0.0f + (a.y + w.x * b.y + w.y * c.y);
     z[i] = 0.0f + (a.z + w.x * b.z + w.y * c.z);
   }
+  for (int32_t i = 0; i < count; ++i) {
+    const float own = share[i] * whole;
+    none |= own > 0.0f ? 0 : 1;
+    area[i] = own;
+    up[i] = (0.0f + own * normal_z) / own;
+  }
+  return none == 0;
 }
 
 /// Upward parts of the shading normals of texels on one triangle with the normal `face`.
@@ -204,15 +201,15 @@ ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
   return texel;
 }
 
-/// Evaluates those of `count` texels from fragment `f` on that have no other fragment and lie on its
-/// triangle; returns their number, 0 if any has no area.
-int32_t ReposeSurface::on_one_triangle(size_t f, int32_t count, const Row& to) const {
+/// Evaluates `count` texels that have a single fragment each, from fragment `f` on, all on one
+/// triangle; returns false if any has no area.
+bool ReposeSurface::on_one_triangle(size_t f, int32_t count, const Row& to) const {
   const TexelTable& table = *object_->table;
   const auto t = static_cast<size_t>(table.fragment_triangle[f]);
   const glm::vec4& triangle = triangles_[t];
-  if (!find_areas(&table.fragment_share[f], count, triangle, to)) return 0;
   const glm::vec2* const weights = &table.fragment_barycentric[f];
-  find_points(points_of(t), weights, count, to);
+  const float* const share = &table.fragment_share[f];
+  if (!find_surfaces(points_of(t), triangle, weights, share, count, to)) return false;
   if (normals_.empty()) {
     const float length = glm::length(glm::vec3(triangle));
     std::fill_n(to.normal_z, count, length > 0.0f ? triangle.z / length : triangle.z);
@@ -222,7 +219,7 @@ int32_t ReposeSurface::on_one_triangle(size_t f, int32_t count, const Row& to) c
   std::fill_n(to.curvature, count, curvatures_.empty() ? 0.0f : curvatures_[t]);
   std::fill_n(to.two_sided, count,
               object_->two_sided.empty() || object_->two_sided[t] == 0 ? uint8_t{0} : uint8_t{1});
-  return count;
+  return true;
 }
 
 void ReposeSurface::texels(int32_t first, int32_t count, const Row& to) const {

@@ -70,7 +70,7 @@ class ReposeSurface {
   glm::vec3 point(const ReposeLinks::Point& at) const { return point(at.triangle, at.weights); }
 
  private:
-  int32_t on_one_triangle(size_t f, int32_t count, const Row& to) const;
+  bool on_one_triangle(size_t f, int32_t count, const Row& to) const;
   Linear points_of(size_t triangle) const;
   Linear normals_of(size_t triangle) const;
   glm::vec3 shading_normal(size_t triangle, glm::vec2 weights) const;
