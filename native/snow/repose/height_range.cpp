@@ -63,8 +63,8 @@ void load_window(const ReposeLinks& links, int32_t block, const float* height,
       std::fill_n(own, kReposeBlock + 2, 0.0f);
     }
     if (first + row >= size) continue;
-    const size_t place = static_cast<size_t>(first + row) * static_cast<size_t>(size) +
-                         static_cast<size_t>(begin);
+    const size_t place =
+        static_cast<size_t>(first + row) * static_cast<size_t>(size) + static_cast<size_t>(begin);
     std::copy_n(height + place, end - begin, own + (begin - left + 1));
   }
 }
@@ -93,9 +93,7 @@ HeightRange find_height_range(const ReposeLinks& links, const std::vector<int32_
     add_heights(&window[TileWindow::at(0, row)], links.forward_of(block) + row * kReposeBlock,
                 extremes);
   }
-  const auto height_at = [&](int32_t texel) {
-    return height[places[static_cast<size_t>(texel)]];
-  };
+  const auto height_at = [&](int32_t texel) { return height[places[static_cast<size_t>(texel)]]; };
   const int32_t* ends = &links.end_begin[static_cast<size_t>(block)];
   for (int32_t e = ends[0]; e < ends[1]; ++e) {
     const ReposeLinks::End& end = links.ends[static_cast<size_t>(e)];

@@ -35,8 +35,9 @@ inline void find_open(const BareWindow& bare, size_t at, int32_t step,
 
 /// Limits without cohesion where no link is limited to its share of the slope straight down, which
 /// divides nothing. Returns whether that is so everywhere.
-inline bool limit_gentle_row(const BareWindow& bare, size_t at, int32_t step, const float* __restrict open,
-                             const ReposeLimits& limits, float* __restrict limit) {
+inline bool limit_gentle_row(const BareWindow& bare, size_t at, int32_t step,
+                             const float* __restrict open, const ReposeLimits& limits,
+                             float* __restrict limit) {
   const float* const x = bare.x.data() + at;
   const float* const y = bare.y.data() + at;
   const float* const steep = bare.steep.data() + at;
@@ -53,8 +54,8 @@ inline bool limit_gentle_row(const BareWindow& bare, size_t at, int32_t step, co
   return any_steep == 0;
 }
 
-inline void limit_row(const BareWindow& bare, size_t at, int32_t step,
-                      const float* __restrict open, const ReposeLimits& limits, float* __restrict limit) {
+inline void limit_row(const BareWindow& bare, size_t at, int32_t step, const float* __restrict open,
+                      const ReposeLimits& limits, float* __restrict limit) {
   const float* const x = bare.x.data() + at;
   const float* const y = bare.y.data() + at;
   const float* const z = bare.z.data() + at;

@@ -121,10 +121,10 @@ class LinkFinder {
   void set_forward() {
     const auto side = static_cast<size_t>(links_.blocks_a_side);
     links_.forward.assign(side * side * kTileCells, 0);
-    for (size_t i = 0; i < forward_.size(); ++i) {
-      links_.forward[static_cast<size_t>(links_.cell_of(table_.texel[i]))] =
-          forward_[i] | kHasTexel;
-    }
+    for_each_place(table_, [&](int32_t i, int32_t column, int32_t row) {
+      links_.forward[static_cast<size_t>(links_.cell_at(column, row))] =
+          forward_[static_cast<size_t>(i)] | kHasTexel;
+    });
   }
 
   glm::dvec2 corner(int32_t triangle, int32_t k) const {
@@ -272,9 +272,7 @@ class LinkFinder {
       ends.push_back({links_.rims[k].texel, links_.cell_of(place(links_.rims[k].texel)),
                       across + static_cast<int32_t>(k), -1, 0});
     }
-    const auto block = [&](const ReposeLinks::End& end) {
-      return links_.block_of(place(end.texel));
-    };
+    const auto block = [](const ReposeLinks::End& end) { return end.cell / kTileCells; };
     std::sort(ends.begin(), ends.end(), [&](const auto& a, const auto& b) {
       return std::tuple(block(a), a.texel, a.link) < std::tuple(block(b), b.texel, b.link);
     });
@@ -287,12 +285,6 @@ class LinkFinder {
     links_.end_begin.assign(side * side + 1, 0);
     for (const auto& end : ends) ++links_.end_begin[static_cast<size_t>(block(end)) + 1];
     std::partial_sum(links_.end_begin.begin(), links_.end_begin.end(), links_.end_begin.begin());
-  }
-
-  bool has_texels(int32_t block) const {
-    bool any = false;
-    links_.for_texels(block, table_.texel, [&](int32_t, size_t) { any = true; });
-    return any;
   }
 
   void find_near_blocks() {
@@ -313,8 +305,14 @@ class LinkFinder {
       pairs.emplace_back(a, b);
       pairs.emplace_back(b, a);
     }
+    std::vector<uint8_t> has_texels(links_.end_begin.size() - 1, 0);
+    for (size_t b = 0; b < has_texels.size(); ++b) {
+      links_.for_runs(static_cast<int32_t>(b), kAllRows, table_.texel,
+                      [&](int32_t, int32_t, size_t) { has_texels[b] = 1; });
+    }
     std::erase_if(pairs, [&](const auto& pair) {
-      return !has_texels(pair.first) || !has_texels(pair.second);
+      return has_texels[static_cast<size_t>(pair.first)] == 0 ||
+             has_texels[static_cast<size_t>(pair.second)] == 0;
     });
     std::sort(pairs.begin(), pairs.end());
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());

@@ -96,13 +96,12 @@ struct ReposeLinks {
   std::vector<std::array<int32_t, 2>> across_cells;
 
   size_t block_count() const { return end_begin.size() - 1; }
-  int32_t block_of(int32_t place) const {
-    return place / resolution / kReposeBlock * blocks_a_side + place % resolution / kReposeBlock;
-  }
+  int32_t block_of(int32_t place) const { return cell_of(place) / kTileCells; }
   /// block * kReposeBlock^2 + row * kReposeBlock + column within the block.
-  int32_t cell_of(int32_t place) const {
-    return (block_of(place) * kReposeBlock + place / resolution % kReposeBlock) * kReposeBlock +
-           place % resolution % kReposeBlock;
+  int32_t cell_of(int32_t place) const { return cell_at(place % resolution, place / resolution); }
+  int32_t cell_at(int32_t column, int32_t row) const {
+    const int32_t block = row / kReposeBlock * blocks_a_side + column / kReposeBlock;
+    return (block * kReposeBlock + row % kReposeBlock) * kReposeBlock + column % kReposeBlock;
   }
   /// The links of a block's cells, row by row.
   const uint8_t* forward_of(int32_t block) const {
@@ -173,8 +172,9 @@ ReposeLinks find_repose_links(const MapTopology& topology, const TexelTable& tab
 class ReposeLinkTables {
  public:
   /// As find_repose_links.
-  std::shared_ptr<const ReposeLinks> find(const MapTopology& topology, const std::shared_ptr<const TexelTable>& table,
-                   const std::vector<glm::vec3>& positions);
+  std::shared_ptr<const ReposeLinks> find(const MapTopology& topology,
+                                          const std::shared_ptr<const TexelTable>& table,
+                                          const std::vector<glm::vec3>& positions);
 
  private:
   struct Known;

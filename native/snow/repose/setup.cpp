@@ -72,8 +72,7 @@ bool Repose::rests(int32_t block, const std::vector<float>& height) {
   const float own = highest_[b];
   // Snow too high to be level needs no closer examination.
   if (own > 0.0f && !slack_of(block).is_level(own, 0.0f)) return false;
-  const HeightRange range =
-      find_height_range(*links_, object_->table->texel, block, height.data());
+  const HeightRange range = find_height_range(*links_, object_->table->texel, block, height.data());
   if (range.high == 0.0f) return true;
   const BlockSlack& slack = slack_of(block);
   if (slack.side > 0.0f ? range.any_back : range.any_front) return false;

@@ -29,15 +29,14 @@ void load_row(const TilesAround& around, int32_t row, BareWindow& bare) {
   around.copy_row(row, &ReposeTile::curvature, bare.curvature, 0.0f);
   around.copy_row(row, &ReposeTile::up, bare.steep, 1.0f);
   find_slopes(&bare.steep[TileWindow::at(-1, row)]);
-  around.for_row(row,
-                      [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
-                        float* const wall = bare.wall.data() + TileWindow::at(column, row);
-                        if (tile == nullptr) {
-                          std::fill_n(wall, count, 0.0f);
-                        } else {
-                          find_walls(tile->kind.data() + cell, count, wall);
-                        }
-                      });
+  around.for_row(row, [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
+    float* const wall = bare.wall.data() + TileWindow::at(column, row);
+    if (tile == nullptr) {
+      std::fill_n(wall, count, 0.0f);
+    } else {
+      find_walls(tile->kind.data() + cell, count, wall);
+    }
+  });
 }
 
 }  // namespace

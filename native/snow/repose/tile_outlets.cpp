@@ -201,21 +201,21 @@ class BoundSweep {
       if ((changed_ & bit(row)) == 0) continue;
       load(row);
       around_.for_row(row, [&](ReposeTile* tile, size_t cell, int32_t column, size_t count) {
-            const size_t at = TileWindow::at(column, row);
-            for (size_t i = 0; tile != nullptr && i < count; ++i) {
-              if (!(bound_[at + i] < tile->bound[cell + i])) continue;
-              tile->bound[cell + i] = bound_[at + i];
-              tile->has_bounds.store(true, std::memory_order_relaxed);
-              const float passed = shared::passed_bound(bound_[at + i], top_[at + i], z_[at + i]);
-              if (!(passed < shared::kUnbounded)) continue;
-              tile->has_fresh_bounds.store(true, std::memory_order_relaxed);
-              result.has_changed = true;
-              const int32_t own = column + static_cast<int32_t>(i);
-              if (!TileWindow::is_border(own, row)) continue;
-              result.seen_by |= TileWindow::seen_by(own, row);
-              note_bound(around_, own, row);
-            }
-          });
+        const size_t at = TileWindow::at(column, row);
+        for (size_t i = 0; tile != nullptr && i < count; ++i) {
+          if (!(bound_[at + i] < tile->bound[cell + i])) continue;
+          tile->bound[cell + i] = bound_[at + i];
+          tile->has_bounds.store(true, std::memory_order_relaxed);
+          const float passed = shared::passed_bound(bound_[at + i], top_[at + i], z_[at + i]);
+          if (!(passed < shared::kUnbounded)) continue;
+          tile->has_fresh_bounds.store(true, std::memory_order_relaxed);
+          result.has_changed = true;
+          const int32_t own = column + static_cast<int32_t>(i);
+          if (!TileWindow::is_border(own, row)) continue;
+          result.seen_by |= TileWindow::seen_by(own, row);
+          note_bound(around_, own, row);
+        }
+      });
     }
     // The tile's own rows have passed on everything.
     tile_.rows_to_pass.store(0, std::memory_order_relaxed);

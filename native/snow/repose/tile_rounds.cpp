@@ -152,17 +152,16 @@ class TileRun {
     loaded_ |= bit(row);
     load_top(row);
     around_.for_row(row, [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
-          for (size_t i = 0, at = TileWindow::at(column, row); i < count; ++i, ++at) {
-            const size_t own = cell + i;
-            come_[at] = 0;
-            gain_[at] = wanted_[at] = 0.0f;
-            z_[at] = tile == nullptr ? 0.0f : tile->z[own];
-            lift_[at] = tile == nullptr ? 0.0f : tile->lift[own];
-            held_[at] =
-                tile == nullptr ? 0.0f : tile->held[own] + static_cast<float>(tile->moved[own]);
-            stiffness_[at] = tile == nullptr ? 0.0f : tile->stiffness(own);
-          }
-        });
+      for (size_t i = 0, at = TileWindow::at(column, row); i < count; ++i, ++at) {
+        const size_t own = cell + i;
+        come_[at] = 0;
+        gain_[at] = wanted_[at] = 0.0f;
+        z_[at] = tile == nullptr ? 0.0f : tile->z[own];
+        lift_[at] = tile == nullptr ? 0.0f : tile->lift[own];
+        held_[at] = tile == nullptr ? 0.0f : tile->held[own] + static_cast<float>(tile->moved[own]);
+        stiffness_[at] = tile == nullptr ? 0.0f : tile->stiffness(own);
+      }
+    });
   }
 
   /// The rows among these with links over their limits.
@@ -276,16 +275,15 @@ class TileRun {
   }
 
   void write_row(int32_t row) {
-    around_.for_row(row,
-                        [&](ReposeTile* tile, size_t cell, int32_t column, size_t count) {
-                          const size_t at = TileWindow::at(column, row);
-                          for (size_t i = 0; tile != nullptr && i < count; ++i) {
-                            if (come_[at + i] == 0) continue;
-                            tile->add(cell + i, static_cast<double>(come_[at + i]));
-                            const int32_t own = column + static_cast<int32_t>(i);
-                            if (TileWindow::is_border(own, row)) activate_others(own, row);
-                          }
-                        });
+    around_.for_row(row, [&](ReposeTile* tile, size_t cell, int32_t column, size_t count) {
+      const size_t at = TileWindow::at(column, row);
+      for (size_t i = 0; tile != nullptr && i < count; ++i) {
+        if (come_[at + i] == 0) continue;
+        tile->add(cell + i, static_cast<double>(come_[at + i]));
+        const int32_t own = column + static_cast<int32_t>(i);
+        if (TileWindow::is_border(own, row)) activate_others(own, row);
+      }
+    });
   }
   /// The tile evaluates its own rows anyway.
   void activate_others(int32_t column, int32_t row) {

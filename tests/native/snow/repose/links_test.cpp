@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <glm/geometric.hpp>
 #include <memory>
 #include <utility>
@@ -135,6 +136,24 @@ TEST(ReposeLinks, LeaveSnowWhereThreeSheetsMeet) {
         at(0) + rim.point.weights.x * (at(1) - at(0)) + rim.point.weights.y * (at(2) - at(0));
     EXPECT_FALSE(point.x == 1.0f && point.z == 0.0f);
   }
+}
+
+TEST(ReposeLinks, FindTheRunsOfARow) {
+  using Run = std::array<int32_t, 3>;
+  const auto runs = [](const Strip& strip, int32_t block, int32_t margin) {
+    std::vector<Run> all;
+    strip.links.for_row_runs(block, 1, margin, strip.table.texel,
+                             [&](int32_t first, int32_t count, int32_t column) {
+                               all.push_back({first, count, column});
+                             });
+    return all;
+  };
+  // The second row of texels, in columns 0 to 15 and 32 to 47 of the map.
+  const Strip apart = two_charts(false);
+  EXPECT_EQ(runs(apart, 0, 0), (std::vector<Run>{{32, 16, 0}}));
+  EXPECT_EQ(runs(apart, 0, 1), (std::vector<Run>{{32, 16, 0}, {48, 1, 32}}));
+  EXPECT_EQ(runs(apart, 1, 1), (std::vector<Run>{{48, 16, 0}}));
+  EXPECT_EQ(runs(apart, 2, 1), std::vector<Run>{});
 }
 
 TEST(ReposeLinkTables, CopiesThatShareATableHaveEqualLinks) {
