@@ -45,20 +45,22 @@ bool Repose::lower_across(Marks& active) {
   bool changes = false;
   for (const int32_t block : chosen_) {
     ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
-    if (!tile.has_fresh_bounds.exchange(false, std::memory_order_relaxed)) continue;
+    if (!tile.outlets.has_fresh_bounds.exchange(false, std::memory_order_relaxed)) continue;
     for_across(block, [&](const ReposeLinks::End&, const Flow& link, int32_t own, int32_t other) {
       const auto a = static_cast<size_t>(own % kTileCells);
       const End to = end_of(tiles_, other);
       if (to.tile == nullptr) return;
-      const float over = std::max(
-          shared::passed_bound(tile.bound[a], tile.top[a], tile.z[a]) + shared::kCuts * link.limit,
-          to.tile->z[to.cell]);
-      if (!(over < to.tile->bound[to.cell])) return;
-      to.tile->bound[to.cell] = over;
-      to.tile->has_bounds = true;
-      const float passed = shared::passed_bound(over, to.tile->top[to.cell], to.tile->z[to.cell]);
+      const float over =
+          std::max(shared::passed_bound(tile.outlets.bound[a], tile.snow.top[a], tile.ground.z[a]) +
+                       shared::kCuts * link.limit,
+                   to.tile->ground.z[to.cell]);
+      if (!(over < to.tile->outlets.bound[to.cell])) return;
+      to.tile->outlets.bound[to.cell] = over;
+      to.tile->outlets.has_bounds = true;
+      const float passed =
+          shared::passed_bound(over, to.tile->snow.top[to.cell], to.tile->ground.z[to.cell]);
       if (!(passed < shared::kUnbounded)) return;
-      to.tile->has_fresh_bounds = true;
+      to.tile->outlets.has_fresh_bounds = true;
       const auto cell = static_cast<int32_t>(to.cell);
       const int32_t block_of_other = other / kTileCells;
       active[static_cast<size_t>(block_of_other)] = 1;
@@ -94,7 +96,7 @@ void Repose::list_active_links() {
     is_noted_[static_cast<size_t>(block)] = 0;
     ReposeTile* const tile = tiles_[static_cast<size_t>(block)].get();
     if (tile == nullptr) continue;
-    const uint32_t rows = tile->active_rows_at_seams.exchange(0, std::memory_order_relaxed);
+    const uint32_t rows = tile->links.active_rows_at_seams.exchange(0, std::memory_order_relaxed);
     if (rows == 0) continue;
     const int32_t* ends = &links_->end_begin[static_cast<size_t>(block)];
     for (int32_t e = ends[0]; e < ends[1]; ++e) {
@@ -118,13 +120,13 @@ bool Repose::flow_along(int32_t number, float momentum) {
   const End a = end_of(tiles_, at_a);
   const End b = end_of(tiles_, at_b);
   if (a.tile == nullptr || b.tile == nullptr) return false;
-  const float fall = a.tile->top[a.cell] - b.tile->top[b.cell];
+  const float fall = a.tile->snow.top[a.cell] - b.tile->snow.top[b.cell];
   if (link.flow == 0.0f && !(std::abs(fall) > link.limit)) return false;
   const float wanted = shared::wanted_flow(link.flow, fall, link.limit, link.rate, momentum);
   // An equal part for every link: the demands of the others are not known here.
   const auto part = [&](const End& giver) {
-    const float own_part = 1.0f / static_cast<float>(giver.tile->links[giver.cell]);
-    return shared::given_part(giver.tile->gives[giver.cell] * own_part, std::abs(wanted));
+    const float own_part = 1.0f / static_cast<float>(giver.tile->ground.link_count[giver.cell]);
+    return shared::given_part(giver.tile->snow.gives[giver.cell] * own_part, std::abs(wanted));
   };
   link.flow = wanted == 0.0f ? 0.0f : shared::given_flow(wanted, part(a), part(b));
   return link.flow != 0.0f;

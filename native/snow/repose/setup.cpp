@@ -13,11 +13,11 @@ struct Repose::Cell {
   const ReposeTile* tile = nullptr;
   size_t at = 0;
 
-  bool is_there() const { return tile != nullptr && tile->area[at] > 0.0f; }
-  bool is_wall() const { return (tile->kind[at] & kWall) != 0; }
-  glm::vec3 point() const { return {tile->x[at], tile->y[at], tile->z[at]}; }
-  float curvature() const { return tile->curvature[at]; }
-  float steep() const { return shared::bare_slope(tile->up[at]); }
+  bool is_there() const { return tile != nullptr && tile->ground.area[at] > 0.0f; }
+  bool is_wall() const { return (tile->snow.kind[at] & kWall) != 0; }
+  glm::vec3 point() const { return {tile->ground.x[at], tile->ground.y[at], tile->ground.z[at]}; }
+  float curvature() const { return tile->ground.curvature[at]; }
+  float steep() const { return shared::bare_slope(tile->ground.up[at]); }
 };
 
 void Repose::find_links() {
@@ -43,7 +43,7 @@ void Repose::take_pose() {
   surface_.set_pose(*object_, pose_.positions(), limits_.cohesion > 0.0f);
   slack_.assign(links_->block_count(), std::nullopt);
   for (const std::unique_ptr<ReposeTile>& tile : kept_) {
-    if (tile != nullptr) tile->has_pose = false;
+    if (tile != nullptr) tile->ground.has_pose = false;
   }
 }
 
@@ -210,12 +210,13 @@ void Repose::take_tiles(Marks& changes) {
 /// Updates a tile; returns whether anything except its snow has changed.
 bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
   ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
-  bool changes = !tile.has_pose;
+  bool changes = !tile.ground.has_pose;
   const bool bare = highest_[static_cast<size_t>(block)] == 0.0f;
   // A tile that was and stays bare need not be covered again.
-  const bool stays_bare = bare && !changes && tile.is_bare && !tile.has_moved();
+  const bool stays_bare = bare && !changes && tile.snow.is_bare && !tile.snow.has_moved();
   if (changes) {
-    surface_.fill_block(*links_, block, tile);
+    tile.begin_pose();
+    surface_.fill_block(*links_, block, tile.ground);
     const std::vector<int32_t>& places = object_->table->texel;
     links_->for_texels(block, places, [&](int32_t texel, size_t cell) {
       const auto place = static_cast<size_t>(places[static_cast<size_t>(texel)]);
@@ -246,7 +247,7 @@ void Repose::set_up(const std::vector<float>& height) {
     if (tiles_[static_cast<size_t>(block)] != nullptr) unlinked.push_back(block);
   }
   for_blocks(unlinked, [&](int32_t b) {
-    tiles_[static_cast<size_t>(b)]->has_links = false;
+    tiles_[static_cast<size_t>(b)]->links.has_limits = false;
     set_up_ends(b);
   });
 }

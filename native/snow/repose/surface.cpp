@@ -242,23 +242,23 @@ void ReposeSurface::texels(int32_t first, int32_t count, const Row& to) const {
   }
 }
 
-void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, ReposeTile& tile) const {
-  tile.begin_pose();
-  const Row all{tile.x.data(),  tile.y.data(),    tile.z.data(),         tile.normal_z.data(),
-                tile.up.data(), tile.area.data(), tile.curvature.data(), tile.two_sided.data()};
+void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, TileGround& ground) const {
+  const Row all{ground.x.data(),         ground.y.data(),        ground.z.data(),
+                ground.normal_z.data(),  ground.up.data(),       ground.area.data(),
+                ground.curvature.data(), ground.two_sided.data()};
   links.for_runs(
       block, kAllRows, object_->table->texel,
       [&](int32_t first, int32_t count, size_t cell) { texels(first, count, all.at(cell)); });
-  tile.any_two_sided = std::any_of(tile.two_sided.begin(), tile.two_sided.end(),
-                                   [](uint8_t two_sided) { return two_sided != 0; });
-  std::copy_n(links.forward_of(block), kTileCells, tile.forward.begin());
+  ground.any_two_sided = std::any_of(ground.two_sided.begin(), ground.two_sided.end(),
+                                     [](uint8_t two_sided) { return two_sided != 0; });
+  std::copy_n(links.forward_of(block), kTileCells, ground.forward.begin());
   const int32_t* ends = &links.end_begin[static_cast<size_t>(block)];
   for (int32_t e = ends[0]; e < ends[1]; ++e) {
     const ReposeLinks::End& end = links.ends[static_cast<size_t>(e)];
     const auto cell = static_cast<size_t>(end.cell % kTileCells);
-    tile.links[cell] = static_cast<uint8_t>(
+    ground.link_count[cell] = static_cast<uint8_t>(
         std::clamp(end.links, static_cast<int32_t>(shared::kLinks), int32_t{255}));
-    if (static_cast<size_t>(end.link) < links.across.size()) tile.forward[cell] |= kAtSeam;
+    if (static_cast<size_t>(end.link) < links.across.size()) ground.forward[cell] |= kAtSeam;
   }
 }
 

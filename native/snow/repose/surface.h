@@ -4,7 +4,7 @@
 #include <glm/vec4.hpp>
 #include <vector>
 
-#include "snow/repose/tile.h"
+#include "snow/repose/tile_ground.h"
 #include "snow/scene/scene_object.h"
 
 namespace snowbough::snow {
@@ -53,8 +53,8 @@ class ReposeSurface {
   /// triangle.
   void texels(int32_t first, int32_t count, const Row& to) const;
 
-  /// Fills in a tile's data of the bare surface.
-  void fill_block(const ReposeLinks& links, int32_t block, ReposeTile& tile) const;
+  /// Fills in a block's cells, after TileGround::begin_pose.
+  void fill_block(const ReposeLinks& links, int32_t block, TileGround& ground) const;
 
   /// A vector that is linear on a triangle: at its first corner, and the ways to the others.
   struct Linear {

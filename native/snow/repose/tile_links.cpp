@@ -1,6 +1,8 @@
-// Setting up the links of a tile: their limits.
+#include "snow/repose/tile_links.h"
+
 #include <algorithm>
 #include <array>
+#include <bit>
 
 #include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
@@ -22,37 +24,49 @@ SNOWBOUGH_WIDE void find_walls(const uint8_t* __restrict kind, size_t count,
 }
 
 void load_row(const TilesAround& around, int32_t row, BareWindow& bare) {
-  around.copy_row(row, &ReposeTile::x, bare.x, 0.0f);
-  around.copy_row(row, &ReposeTile::y, bare.y, 0.0f);
-  around.copy_row(row, &ReposeTile::z, bare.z, 0.0f);
-  around.copy_row(row, &ReposeTile::area, bare.area, 0.0f);
-  around.copy_row(row, &ReposeTile::curvature, bare.curvature, 0.0f);
-  around.copy_row(row, &ReposeTile::up, bare.steep, 1.0f);
+  around.copy_row(row, &ReposeTile::ground, &TileGround::x, bare.x, 0.0f);
+  around.copy_row(row, &ReposeTile::ground, &TileGround::y, bare.y, 0.0f);
+  around.copy_row(row, &ReposeTile::ground, &TileGround::z, bare.z, 0.0f);
+  around.copy_row(row, &ReposeTile::ground, &TileGround::area, bare.area, 0.0f);
+  around.copy_row(row, &ReposeTile::ground, &TileGround::curvature, bare.curvature, 0.0f);
+  around.copy_row(row, &ReposeTile::ground, &TileGround::up, bare.steep, 1.0f);
   find_slopes(&bare.steep[TileWindow::at(-1, row)]);
   around.for_row(row, [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
     float* const wall = bare.wall.data() + TileWindow::at(column, row);
     if (tile == nullptr) {
       std::fill_n(wall, count, 0.0f);
     } else {
-      find_walls(tile->kind.data() + cell, count, wall);
+      find_walls(tile->snow.kind.data() + cell, count, wall);
     }
   });
 }
 
 }  // namespace
 
+void TileLinks::begin_step(bool keeps_flow) {
+  if (!keeps_flow) flow.reset();
+  for (uint32_t rows = flow != nullptr ? flow_rows : 0; rows != 0; rows &= rows - 1) {
+    for (TilePlane& plane : *flow) {
+      std::fill_n(plane.begin() + std::countr_zero(rows) * kReposeBlock, kReposeBlock, 0.0f);
+    }
+  }
+  flow_rows = flowing = partial_rows = 0;
+  active_rows = active_rows_at_seams = kAllRows;
+}
+
 void set_up_tile_links(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
                        const ReposeLimits& limits) {
   const TilesAround around(tiles, blocks_a_side, block);
   BareWindow bare;
   for (int32_t row = 0; row < TileWindow::kRows; ++row) load_row(around, row, bare);
-  ReposeTile& tile = *around.at(0, 0);
-  tile.has_links = true;
+  TileLinks& links = around.at(0, 0)->links;
+  const TileBytes& forward = around.at(0, 0)->ground.forward;
+  links.has_limits = true;
   for (int32_t row = 0; row < kReposeBlock; ++row) {
     const auto first = static_cast<size_t>(row * kReposeBlock);
-    const std::array<float*, kForwardLinks> limit = {&tile.limit[0][first], &tile.limit[1][first],
-                                                     &tile.limit[2][first], &tile.limit[3][first]};
-    find_link_limits(bare, row, &tile.forward[first], limits, limit.data());
+    std::array<float*, kForwardLinks> limit;
+    for (size_t k = 0; k < limit.size(); ++k) limit[k] = &links.limit[k][first];
+    find_link_limits(bare, row, &forward[first], limits, limit.data());
   }
 }
 

@@ -39,17 +39,18 @@ struct TilesAround {
     visit(at(0, dy), static_cast<size_t>(first), 0, static_cast<size_t>(kReposeBlock));
     visit(at(1, dy), static_cast<size_t>(first), kReposeBlock, size_t{1});
   }
-  /// Copies a row from a plane of the tiles; `absent` for missing tiles.
-  void copy_row(int32_t row, ReposeTile::Plane ReposeTile::*plane, TileWindow::Plane& to,
+  /// Copies a row from a plane of a part of the tiles; `absent` for missing tiles.
+  template <typename Part>
+  void copy_row(int32_t row, Part ReposeTile::*part, TilePlane Part::*plane, TileWindow::Plane& to,
                 float absent) const {
     for_row(row, [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
       float* const place = to.data() + TileWindow::at(column, row);
       if (tile == nullptr) {
         std::fill_n(place, count, absent);
       } else if (count == 1) {
-        *place = (tile->*plane)[cell];
+        *place = (tile->*part.*plane)[cell];
       } else {
-        std::memcpy(place, (tile->*plane).data() + cell, kReposeBlock * sizeof(float));
+        std::memcpy(place, (tile->*part.*plane).data() + cell, kReposeBlock * sizeof(float));
       }
     });
   }
