@@ -12,7 +12,9 @@
 
 namespace snowbough::snow {
 
-/// Repose data of one block of a map.
+/// Repose data of one block of a map, in parts by what they describe: the ground changes with the
+/// pose, the bounds from outlets once per step, snow and links with every round.
+/// shaders/lib/texel_repose.h has the method.
 struct ReposeTile {
   TileGround ground;
   TileSnow snow;
