@@ -40,6 +40,7 @@ class LinkFinder {
     find_rims();
     sort_ends();
     find_near_blocks();
+    set_forward();
     return std::move(links_);
   }
 
@@ -87,16 +88,16 @@ class LinkFinder {
   }
 
   bool is_linked(int32_t i, int32_t k) const {
-    return i >= 0 && ((links_.forward[static_cast<size_t>(i)] >> k) & 1) != 0;
+    return i >= 0 && ((forward_[static_cast<size_t>(i)] >> k) & 1) != 0;
   }
 
   void link_neighbours() {
-    links_.forward.assign(table_.texel.size(), 0);
+    forward_.assign(table_.texel.size(), 0);
     for_each_place(table_, [&](int32_t i, int32_t column, int32_t row) {
       for (int32_t k = 0; k < 2; ++k) {
         const int32_t j = at(column + kForwardColumn[k], row + kForwardRow[k]);
         if (j >= 0 && joined(i, j)) {
-          links_.forward[static_cast<size_t>(i)] |= static_cast<uint8_t>(1 << k);
+          forward_[static_cast<size_t>(i)] |= static_cast<uint8_t>(1 << k);
         }
       }
     });
@@ -106,7 +107,7 @@ class LinkFinder {
       const int32_t left = at(column - 1, row);
       const int32_t above = at(column, row + 1);
       const int32_t above_left = at(column - 1, row + 1);
-      uint8_t& own = links_.forward[static_cast<size_t>(i)];
+      uint8_t& own = forward_[static_cast<size_t>(i)];
       if ((is_linked(i, 0) && is_linked(right, 1)) || (is_linked(i, 1) && is_linked(above, 0))) {
         own |= 4;
       }
@@ -114,6 +115,15 @@ class LinkFinder {
           (is_linked(i, 1) && is_linked(above_left, 0))) {
         own |= 8;
       }
+    });
+  }
+
+  void set_forward() {
+    const auto side = static_cast<size_t>(links_.blocks_a_side);
+    links_.forward.assign(side * side * kTileCells, 0);
+    for_each_place(table_, [&](int32_t i, int32_t column, int32_t row) {
+      links_.forward[static_cast<size_t>(links_.cell_at(column, row))] =
+          forward_[static_cast<size_t>(i)] | kHasTexel;
     });
   }
 
@@ -262,9 +272,7 @@ class LinkFinder {
       ends.push_back({links_.rims[k].texel, links_.cell_of(place(links_.rims[k].texel)),
                       across + static_cast<int32_t>(k), -1, 0});
     }
-    const auto block = [&](const ReposeLinks::End& end) {
-      return links_.block_of(place(end.texel));
-    };
+    const auto block = [](const ReposeLinks::End& end) { return end.cell / kTileCells; };
     std::sort(ends.begin(), ends.end(), [&](const auto& a, const auto& b) {
       return std::tuple(block(a), a.texel, a.link) < std::tuple(block(b), b.texel, b.link);
     });
@@ -277,12 +285,6 @@ class LinkFinder {
     links_.end_begin.assign(side * side + 1, 0);
     for (const auto& end : ends) ++links_.end_begin[static_cast<size_t>(block(end)) + 1];
     std::partial_sum(links_.end_begin.begin(), links_.end_begin.end(), links_.end_begin.begin());
-  }
-
-  bool has_texels(int32_t block) const {
-    bool any = false;
-    links_.for_texels(block, table_.texel, [&](int32_t, size_t) { any = true; });
-    return any;
   }
 
   void find_near_blocks() {
@@ -303,8 +305,14 @@ class LinkFinder {
       pairs.emplace_back(a, b);
       pairs.emplace_back(b, a);
     }
+    std::vector<uint8_t> has_texels(links_.end_begin.size() - 1, 0);
+    for (size_t b = 0; b < has_texels.size(); ++b) {
+      links_.for_runs(static_cast<int32_t>(b), kAllRows, table_.texel,
+                      [&](int32_t, int32_t, size_t) { has_texels[b] = 1; });
+    }
     std::erase_if(pairs, [&](const auto& pair) {
-      return !has_texels(pair.first) || !has_texels(pair.second);
+      return has_texels[static_cast<size_t>(pair.first)] == 0 ||
+             has_texels[static_cast<size_t>(pair.second)] == 0;
     });
     std::sort(pairs.begin(), pairs.end());
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
@@ -322,6 +330,8 @@ class LinkFinder {
   int32_t resolution_;
   /// Per place of the map: its texel, or -1.
   std::vector<int32_t> owned_;
+  /// Per texel: its links to the forward neighbours.
+  std::vector<uint8_t> forward_;
   ReposeLinks links_;
 };
 
@@ -335,14 +345,16 @@ ReposeLinks find_repose_links(const MapTopology& topology, const TexelTable& tab
 struct ReposeLinkTables::Known {
   MapTopology welded;
   std::once_flag once;
-  ReposeLinks links;
+  std::shared_ptr<const ReposeLinks> links;
 };
 
-ReposeLinks ReposeLinkTables::find(const MapTopology& topology,
-                                   const std::shared_ptr<const TexelTable>& table,
-                                   const std::vector<glm::vec3>& positions) {
+std::shared_ptr<const ReposeLinks> ReposeLinkTables::find(
+    const MapTopology& topology, const std::shared_ptr<const TexelTable>& table,
+    const std::vector<glm::vec3>& positions) {
   // Nobody shares it.
-  if (table.use_count() == 1) return find_repose_links(topology, *table, positions);
+  if (table.use_count() == 1) {
+    return std::make_shared<const ReposeLinks>(find_repose_links(topology, *table, positions));
+  }
   MapTopology own = welded(topology, positions);
   std::shared_ptr<Known> known;
   {
@@ -359,7 +371,9 @@ ReposeLinks ReposeLinkTables::find(const MapTopology& topology,
       all.push_back(known);
     }
   }
-  std::call_once(known->once, [&] { known->links = LinkFinder(known->welded, *table).find(); });
+  std::call_once(known->once, [&] {
+    known->links = std::make_shared<const ReposeLinks>(LinkFinder(known->welded, *table).find());
+  });
   return known->links;
 }
 

@@ -17,12 +17,18 @@ namespace snowbough::snow {
 
 /// Edge in texels of the blocks into which repose divides a map.
 inline constexpr int32_t kReposeBlock = 32;
+/// All rows of a block, one bit each.
+inline constexpr uint32_t kAllRows = 0xFFFFFFFFu;
+static_assert(kReposeBlock == 32, "rows of a block are bits of a uint32_t");
+inline constexpr int32_t kTileCells = kReposeBlock * kReposeBlock;
 
 /// Offsets of the neighbours to which a texel stores its links (column and row); the other
 /// neighbours store theirs to it.
 inline constexpr int32_t kForwardLinks = 4;
 inline constexpr int32_t kForwardColumn[kForwardLinks] = {1, 0, 1, -1};
 inline constexpr int32_t kForwardRow[kForwardLinks] = {0, 1, 1, 1};
+/// In ReposeLinks::forward, beside the links.
+inline constexpr uint8_t kHasTexel = 32;
 
 /// Calls visit(texel, column, row) for a map's texels, ascending, without a division for each.
 template <typename Visit>
@@ -41,7 +47,8 @@ void for_each_place(const TexelTable& table, const Visit& visit) {
 struct ReposeLinks {
   int32_t resolution = 0;
   int32_t blocks_a_side = 0;
-  /// Per texel: bit k is set if it is linked with neighbour kForwardColumn[k], kForwardRow[k].
+  /// Per cell (cell_of): bit k is set if its texel is linked with neighbour kForwardColumn[k],
+  /// kForwardRow[k]; kHasTexel, if it has a texel.
   std::vector<uint8_t> forward;
   /// Texels of row r in column b of blocks: [run_begin[r * blocks_a_side + b], next).
   std::vector<int32_t> run_begin;
@@ -89,34 +96,68 @@ struct ReposeLinks {
   std::vector<std::array<int32_t, 2>> across_cells;
 
   size_t block_count() const { return end_begin.size() - 1; }
-  int32_t block_of(int32_t place) const {
-    return place / resolution / kReposeBlock * blocks_a_side + place % resolution / kReposeBlock;
-  }
+  int32_t block_of(int32_t place) const { return cell_of(place) / kTileCells; }
   /// block * kReposeBlock^2 + row * kReposeBlock + column within the block.
-  int32_t cell_of(int32_t place) const {
-    return (block_of(place) * kReposeBlock + place / resolution % kReposeBlock) * kReposeBlock +
-           place % resolution % kReposeBlock;
+  int32_t cell_of(int32_t place) const { return cell_at(place % resolution, place / resolution); }
+  int32_t cell_at(int32_t column, int32_t row) const {
+    const int32_t block = row / kReposeBlock * blocks_a_side + column / kReposeBlock;
+    return (block * kReposeBlock + row % kReposeBlock) * kReposeBlock + column % kReposeBlock;
   }
-  /// Calls visit(texel, cell within the block) for a block's texels; `places`: TexelTable::texel.
+  /// The links of a block's cells, row by row.
+  const uint8_t* forward_of(int32_t block) const {
+    return &forward[static_cast<size_t>(block) * kTileCells];
+  }
+  /// Calls visit(first texel, count, column within the block) for the runs of texels in consecutive
+  /// columns of a block's row (0 to kReposeBlock; the last is of the block above), and in `margin`
+  /// columns, 0 or 1, on either side. `places`: TexelTable::texel.
+  template <typename Visit>
+  void for_row_runs(int32_t block, int32_t row, int32_t margin, const std::vector<int32_t>& places,
+                    const Visit& visit) const {
+    const int32_t column = block % blocks_a_side;
+    const int32_t on_map = block / blocks_a_side * kReposeBlock + row;
+    if (on_map >= resolution) return;
+    const int32_t begin = on_map * resolution + column * kReposeBlock;
+    const auto place = [&](int32_t i) { return places[static_cast<size_t>(i)]; };
+    const int32_t* run = &run_begin[static_cast<size_t>(on_map) * blocks_a_side + column];
+    int32_t i = run[0];
+    int32_t last = run[1];
+    const bool has_left = margin > 0 && column > 0 && i > 0 && place(i - 1) == begin - 1;
+    const bool has_right = margin > 0 && column + 1 < blocks_a_side &&
+                           last < static_cast<int32_t>(places.size()) &&
+                           place(last) == begin + kReposeBlock;
+    i -= has_left ? 1 : 0;
+    last += has_right ? 1 : 0;
+    for (int32_t end = i; i < last; i = end) {
+      const auto is_next = [&](int32_t k) { return place(k) == place(i) + k - i; };
+      end = is_next(last - 1) ? last : i + 1;
+      while (end < last && is_next(end)) ++end;
+      visit(i, end - i, place(i) - begin);
+    }
+  }
+  /// Calls visit(first texel, count, cell within the block) for the runs of a block's texels in
+  /// rows whose bit is set in `rows`.
+  template <typename Visit>
+  void for_runs(int32_t block, uint32_t rows, const std::vector<int32_t>& places,
+                const Visit& visit) const {
+    for (int32_t row = 0; row < kReposeBlock; ++row) {
+      if (((rows >> row) & 1) == 0) continue;
+      for_row_runs(block, row, 0, places, [&](int32_t first, int32_t count, int32_t column) {
+        visit(first, count, static_cast<size_t>(row * kReposeBlock + column));
+      });
+    }
+  }
+  /// Calls visit(texel, cell within the block) for a block's texels.
   template <typename Visit>
   void for_texels(int32_t block, const std::vector<int32_t>& places, const Visit& visit) const {
-    for_texels(block, ~uint32_t{0}, places, visit);
+    for_texels(block, kAllRows, places, visit);
   }
   /// The same for rows whose bit is set in `rows`.
   template <typename Visit>
   void for_texels(int32_t block, uint32_t rows, const std::vector<int32_t>& places,
                   const Visit& visit) const {
-    const int32_t column = block % blocks_a_side;
-    const int32_t first = block / blocks_a_side * kReposeBlock;
-    for (int32_t row = first; row < std::min(first + kReposeBlock, resolution); ++row) {
-      if (((rows >> (row - first)) & 1) == 0) continue;
-      const int32_t* run = &run_begin[static_cast<size_t>(row) * blocks_a_side + column];
-      const int32_t begin = row * resolution + column * kReposeBlock;
-      for (int32_t i = run[0]; i < run[1]; ++i) {
-        visit(i, static_cast<size_t>(row - first) * kReposeBlock +
-                     static_cast<size_t>((places[static_cast<size_t>(i)] - begin)));
-      }
-    }
+    for_runs(block, rows, places, [&](int32_t first, int32_t count, size_t cell) {
+      for (int32_t i = 0; i < count; ++i) visit(first + i, cell + static_cast<size_t>(i));
+    });
   }
 };
 
@@ -131,8 +172,9 @@ ReposeLinks find_repose_links(const MapTopology& topology, const TexelTable& tab
 class ReposeLinkTables {
  public:
   /// As find_repose_links.
-  ReposeLinks find(const MapTopology& topology, const std::shared_ptr<const TexelTable>& table,
-                   const std::vector<glm::vec3>& positions);
+  std::shared_ptr<const ReposeLinks> find(const MapTopology& topology,
+                                          const std::shared_ptr<const TexelTable>& table,
+                                          const std::vector<glm::vec3>& positions);
 
  private:
   struct Known;

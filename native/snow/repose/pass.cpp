@@ -16,8 +16,7 @@ constexpr size_t kManyBlocks = 16;
 
 int64_t ReposePass::memory(const std::vector<const SceneObject*>& objects) {
   return count_blocks(objects, kReposeBlock) *
-         static_cast<int64_t>(sizeof(ReposeTile) +
-                              sizeof(std::array<ReposeTile::Plane, kForwardLinks>));
+         static_cast<int64_t>(sizeof(ReposeTile) + sizeof(std::array<TilePlane, kForwardLinks>));
 }
 
 void ReposePass::lay_out(const std::vector<const SceneObject*>& objects) {

@@ -23,11 +23,11 @@ constexpr float kMostWorkFactor = 8.0f;
 
 /// Rows of a tile in which snow has moved or sticks to walls, one bit each.
 SNOWBOUGH_WIDE uint32_t rows_to_write(const ReposeTile& tile) {
-  uint32_t rows = tile.moved_rows.load(std::memory_order_relaxed);
-  for (int32_t row = 0; tile.any_wall && row < kReposeBlock; ++row) {
+  uint32_t rows = tile.snow.moved_rows.load(std::memory_order_relaxed);
+  for (int32_t row = 0; tile.outlets.any_wall && row < kReposeBlock; ++row) {
     const size_t first = static_cast<size_t>(row * kReposeBlock);
-    const float* const held = tile.held.data() + first;
-    const uint8_t* const kind = tile.kind.data() + first;
+    const float* const held = tile.snow.held.data() + first;
+    const uint8_t* const kind = tile.snow.kind.data() + first;
     int32_t any = 0;
     for (int32_t i = 0; i < kReposeBlock; ++i) any |= (held[i] != 0.0f ? 1 : 0) & kind[i];
     rows |= static_cast<uint32_t>(any & kWall) << static_cast<uint32_t>(row);
@@ -39,14 +39,14 @@ SNOWBOUGH_WIDE uint32_t rows_to_write(const ReposeTile& tile) {
 
 void Repose::mark_near(int32_t block, Marks& marks) const {
   const auto b = static_cast<size_t>(block);
-  for (int32_t n = links_.near_begin[b]; n < links_.near_begin[b + 1]; ++n) {
-    marks[static_cast<size_t>(links_.near[static_cast<size_t>(n)])] = 1;
+  for (int32_t n = links_->near_begin[b]; n < links_->near_begin[b + 1]; ++n) {
+    marks[static_cast<size_t>(links_->near[static_cast<size_t>(n)])] = 1;
   }
 }
 
 /// Marks the blocks around one whose bit is set in `around`: see TileWindow::seen_by.
 void Repose::mark_around(int32_t block, uint32_t around, Marks& marks) const {
-  const int32_t side = links_.blocks_a_side;
+  const int32_t side = links_->blocks_a_side;
   for (; around != 0; around &= around - 1) {
     const int32_t bit = std::countr_zero(around);
     const int32_t column = block % side + bit % 3 - 1;
@@ -58,7 +58,7 @@ void Repose::mark_around(int32_t block, uint32_t around, Marks& marks) const {
 
 /// These blocks and their neighbours, ascending.
 Repose::Blocks Repose::near(const Blocks& blocks) const {
-  Marks marks(links_.block_count(), 0);
+  Marks marks(links_->block_count(), 0);
   for (const int32_t block : blocks) mark_near(block, marks);
   Blocks result;
   for (size_t b = 0; b < marks.size(); ++b) {
@@ -90,15 +90,15 @@ double Repose::run(std::vector<float>& height, float dt, bool on_all_cores) {
 
 /// Updates a tile's links, if needed.
 void Repose::link_tile(int32_t block) {
-  if (tiles_[static_cast<size_t>(block)]->has_links) return;
-  set_up_tile_links(tiles_, block, links_.blocks_a_side, limits_);
+  if (tiles_[static_cast<size_t>(block)]->links.has_limits) return;
+  set_up_tile_links(tiles_, block, links_->blocks_a_side, limits_);
 }
 
 /// The chosen blocks with chosen(block) in every second row and column, starting at the colour's
 /// offset: no two of them touch.
 template <typename Chosen>
 Repose::Blocks Repose::blocks_of_colour(int32_t colour, const Chosen& chosen) const {
-  const int32_t side = links_.blocks_a_side;
+  const int32_t side = links_->blocks_a_side;
   Blocks blocks;
   for (const int32_t block : chosen_) {
     const int32_t own = block / side % 2 * 2 + block % side % 2;
@@ -109,9 +109,9 @@ Repose::Blocks Repose::blocks_of_colour(int32_t colour, const Chosen& chosen) co
 
 /// Removes snow above rims and walls that is steeper than allowed.
 void Repose::empty_over_outlets() {
-  Marks active(links_.block_count(), 0);
+  Marks active(links_->block_count(), 0);
   for (const int32_t block : chosen_) active[static_cast<size_t>(block)] = 1;
-  const int32_t side = links_.blocks_a_side;
+  const int32_t side = links_->blocks_a_side;
   for (bool goes_on = true; goes_on;) {
     goes_on = false;
     for (int32_t colour = 0; colour < 4; ++colour) {
@@ -142,7 +142,7 @@ double Repose::run_colour(const Blocks& blocks, int first_round) {
   std::vector<TileRounds> done(blocks.size());
   for_each(blocks.size(), [&](size_t i) {
     link_tile(blocks[i]);
-    done[i] = run_tile_rounds(tiles_, blocks[i], links_.blocks_a_side,
+    done[i] = run_tile_rounds(tiles_, blocks[i], links_->blocks_a_side,
                               rims_[static_cast<size_t>(blocks[i])], first_round, kRounds);
   });
   double rounds = 0.0;
@@ -165,15 +165,16 @@ void Repose::run_rounds(float work_factor) {
   for (const int32_t block : chosen_) note_active(block);
   seams_are_pending_ = true;
   double work = static_cast<double>(work_factor) *
-                (kRoundsAMap + kRoundsABlock * static_cast<double>(links_.block_count()));
+                (kRoundsAMap + kRoundsABlock * static_cast<double>(links_->block_count()));
   const int most = static_cast<int>(static_cast<float>(kMostRounds) * work_factor);
   int round = 0;
   int round_across = 0;
   for (bool goes_on = true; goes_on && round < most && work > 0.0; round += kRounds) {
     goes_on = false;
     for (int32_t colour = 0; colour < 4; ++colour) {
-      const Blocks blocks = blocks_of_colour(
-          colour, [&](int32_t block) { return tiles_[static_cast<size_t>(block)]->is_active(); });
+      const Blocks blocks = blocks_of_colour(colour, [&](int32_t block) {
+        return tiles_[static_cast<size_t>(block)]->links.is_active();
+      });
       if (!blocks.empty()) {
         work -= run_colour(blocks, round);
         goes_on = true;
@@ -191,27 +192,27 @@ Repose::Written Repose::write_block(int32_t block, float walls_keep,
                                     std::vector<float>& height) const {
   const ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
   Written written;
-  if (!tile.has_moved() && !tile.any_wall) return written;
+  if (!tile.snow.has_moved() && !tile.outlets.any_wall) return written;
   const std::vector<int32_t>& places = object_->table->texel;
-  links_.for_texels(block, rows_to_write(tile), places, [&](int32_t texel, size_t cell) {
-    const bool wall = (tile.kind[cell] & kWall) != 0;
-    const double moved = tile.moved[cell];
-    if (wall ? tile.held[cell] == 0.0f : moved == 0.0) return;
+  links_->for_texels(block, rows_to_write(tile), places, [&](int32_t texel, size_t cell) {
+    const bool wall = (tile.snow.kind[cell] & kWall) != 0;
+    const double moved = tile.snow.moved[cell];
+    if (wall ? tile.snow.held[cell] == 0.0f : moved == 0.0) return;
     written.has_changed = true;
     float& own = height[static_cast<size_t>(places[static_cast<size_t>(texel)])];
     if (wall) {
       const float left = std::abs(own) * walls_keep;
       const float kept = left < shared::kWallLeast ? 0.0f : std::copysign(left, own);
-      written.lost +=
-          static_cast<double>(std::abs(own) - std::abs(kept)) * tile.area[cell] / surface_.unit();
+      written.lost += static_cast<double>(std::abs(own) - std::abs(kept)) * tile.ground.area[cell] /
+                      surface_.unit();
       own = kept;
       return;
     }
     const double depth =
-        static_cast<double>(std::abs(own)) +
-        moved * (static_cast<double>(surface_.unit()) / static_cast<double>(tile.area[cell]));
+        static_cast<double>(std::abs(own)) + moved * (static_cast<double>(surface_.unit()) /
+                                                      static_cast<double>(tile.ground.area[cell]));
     const auto now = static_cast<float>(std::max(depth, 0.0));
-    own = (tile.kind[cell] & kBack) != 0 && now > 0.0f ? -now : now;
+    own = (tile.snow.kind[cell] & kBack) != 0 && now > 0.0f ? -now : now;
     written.lost -= moved;
   });
   return written;

@@ -54,14 +54,6 @@ class Repose {
   bool has_changed() const { return has_changed_; }
 
  private:
-  /// The highest snow in a block and across its links, the largest difference across one of them,
-  /// and whether any of it lies on the front or on the back.
-  struct HeightRange {
-    float high = 0.0f;
-    float step = 0.0f;
-    bool any_front = false;
-    bool any_back = false;
-  };
   struct BlockRect {
     size_t place = 0;
     glm::ivec2 size{0};
@@ -107,7 +99,6 @@ class Repose {
   float highest_in(int32_t block, const std::vector<float>& height) const;
   bool rests(int32_t block, const std::vector<float>& height);
   const BlockSlack& slack_of(int32_t block);
-  HeightRange height_range(int32_t block, const std::vector<float>& height) const;
   void forget_tiles();
   void take_tiles(Marks& changes);
   bool cover_tile(int32_t block, const std::vector<float>& height);
@@ -140,7 +131,8 @@ class Repose {
 
   const SceneObject* object_;
   ReposeLinkTables* link_tables_;
-  ReposeLinks links_;
+  /// Shared with copies of the object; null before the first pose.
+  std::shared_ptr<const ReposeLinks> links_;
   ReposePose pose_;
   ReposeSurface surface_;
   bool has_pose_ = false;

@@ -1,56 +1,35 @@
 // Repose: choosing blocks and setting up their links.
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <limits>
 
-#include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
+#include "snow/repose/height_range.h"
 #include "snow/repose/repose.h"
 
 namespace snowbough::snow {
-namespace {
-
-constexpr float kNoLink = std::numeric_limits<float>::infinity();
-
-/// The largest absolute value of some heights; rows are `pitch` numbers apart.
-SNOWBOUGH_WIDE float highest(const float* height, size_t pitch, glm::ivec2 size) {
-  // Non-negative floats sort like their bits, which vectorise better.
-  uint32_t high = 0;
-  for (int32_t row = 0; row < size.y; ++row) {
-    const float* const own = height + static_cast<size_t>(row) * pitch;
-    for (int32_t i = 0; i < size.x; ++i) {
-      const uint32_t bits = std::bit_cast<uint32_t>(own[i]) & 0x7FFFFFFFu;
-      high = bits > high ? bits : high;
-    }
-  }
-  return std::bit_cast<float>(high);
-}
-
-}  // namespace
 
 /// A cell of a tile.
 struct Repose::Cell {
   const ReposeTile* tile = nullptr;
   size_t at = 0;
 
-  bool is_there() const { return tile != nullptr && tile->area[at] > 0.0f; }
-  bool is_wall() const { return (tile->kind[at] & kWall) != 0; }
-  glm::vec3 point() const { return {tile->x[at], tile->y[at], tile->z[at]}; }
-  float curvature() const { return tile->curvature[at]; }
-  float steep() const { return shared::bare_slope(tile->up[at]); }
+  bool is_there() const { return tile != nullptr && tile->ground.area[at] > 0.0f; }
+  bool is_wall() const { return (tile->snow.kind[at] & kWall) != 0; }
+  glm::vec3 point() const { return {tile->ground.x[at], tile->ground.y[at], tile->ground.z[at]}; }
+  float curvature() const { return tile->ground.curvature[at]; }
+  float steep() const { return shared::bare_slope(tile->ground.up[at]); }
 };
 
 void Repose::find_links() {
   const std::vector<glm::vec3>& rest = object_->description.rest;
   links_ = link_tables_->find(object_->description.topology, object_->table,
                               rest.empty() ? object_->positions : rest);
-  tiles_.resize(links_.block_count());
-  kept_.resize(links_.block_count());
-  rims_.resize(links_.block_count());
-  across_.resize(links_.across.size());
-  is_noted_.assign(links_.block_count(), 0);
-  was_chosen_.assign(links_.block_count(), 0);
+  tiles_.resize(links_->block_count());
+  kept_.resize(links_->block_count());
+  rims_.resize(links_->block_count());
+  across_.resize(links_->across.size());
+  is_noted_.assign(links_->block_count(), 0);
+  was_chosen_.assign(links_->block_count(), 0);
 }
 
 /// Evaluates the surface, if it has changed for repose.
@@ -60,75 +39,40 @@ void Repose::take_pose() {
                  object_->description.topology.vertex_count)) {
     return;
   }
-  if (links_.resolution == 0) find_links();
+  if (links_ == nullptr) find_links();
   surface_.set_pose(*object_, pose_.positions(), limits_.cohesion > 0.0f);
-  slack_.assign(links_.block_count(), std::nullopt);
+  slack_.assign(links_->block_count(), std::nullopt);
   for (const std::unique_ptr<ReposeTile>& tile : kept_) {
-    if (tile != nullptr) tile->has_pose = false;
+    if (tile != nullptr) tile->ground.has_pose = false;
   }
 }
 
 /// A block's texels on the map: the first place, and the numbers of columns and rows.
 Repose::BlockRect Repose::rect_of(int32_t block) const {
-  const int32_t size = links_.resolution;
-  const int32_t left = block % links_.blocks_a_side * kReposeBlock;
-  const int32_t first = block / links_.blocks_a_side * kReposeBlock;
+  const int32_t size = links_->resolution;
+  const int32_t left = block % links_->blocks_a_side * kReposeBlock;
+  const int32_t first = block / links_->blocks_a_side * kReposeBlock;
   return {static_cast<size_t>(first) * static_cast<size_t>(size) + static_cast<size_t>(left),
           {std::min(kReposeBlock, size - left), std::min(kReposeBlock, size - first)}};
 }
 
 float Repose::highest_in(int32_t block, const std::vector<float>& height) const {
   const BlockRect rect = rect_of(block);
-  return highest(&height[rect.place], static_cast<size_t>(links_.resolution), rect.size);
-}
-
-Repose::HeightRange Repose::height_range(int32_t block, const std::vector<float>& height) const {
-  HeightRange range;
-  const std::vector<int32_t>& places = object_->table->texel;
-  const auto note = [&](float own) {
-    range.high = std::max(range.high, std::abs(own));
-    range.any_front = range.any_front || own > 0.0f;
-    range.any_back = range.any_back || own < 0.0f;
-  };
-  const auto compare = [&](float own, size_t place) {
-    const float other = height[place];
-    range.step = std::max(range.step, std::abs(std::abs(own) - std::abs(other)));
-    note(other);
-  };
-  links_.for_texels(block, places, [&](int32_t texel, size_t) {
-    const auto place = static_cast<size_t>(places[static_cast<size_t>(texel)]);
-    const float own = height[place];
-    note(own);
-    const uint8_t forward = links_.forward[static_cast<size_t>(texel)];
-    const auto side = static_cast<size_t>(links_.resolution);
-    if ((forward & 1) != 0) compare(own, place + 1);
-    if ((forward & 2) != 0) compare(own, place + side);
-    if ((forward & 4) != 0) compare(own, place + side + 1);
-    if ((forward & 8) != 0) compare(own, place + side - 1);
-  });
-  const int32_t* ends = &links_.end_begin[static_cast<size_t>(block)];
-  for (int32_t e = ends[0]; e < ends[1]; ++e) {
-    const ReposeLinks::End& end = links_.ends[static_cast<size_t>(e)];
-    if (end.sign > 0 || static_cast<size_t>(end.link) >= across_.size()) continue;
-    const auto other = static_cast<size_t>(links_.across[static_cast<size_t>(end.link)].b);
-    const auto place = static_cast<size_t>(places[static_cast<size_t>(end.texel)]);
-    compare(height[place], static_cast<size_t>(places[other]));
-  }
-  return range;
+  return highest_of(&height[rect.place], static_cast<size_t>(links_->resolution), rect.size);
 }
 
 /// Whether it is certain that no link of a block exceeds its limit.
 bool Repose::rests(int32_t block, const std::vector<float>& height) {
   const auto b = static_cast<size_t>(block);
-  const int32_t* const near = &links_.near_begin[b];
+  const int32_t* const near = &links_->near_begin[b];
   const bool is_bare =
-      std::all_of(links_.near.begin() + near[0], links_.near.begin() + near[1],
+      std::all_of(links_->near.begin() + near[0], links_->near.begin() + near[1],
                   [&](int32_t n) { return highest_[static_cast<size_t>(n)] == 0.0f; });
   if (is_bare) return true;
   const float own = highest_[b];
   // Snow too high to be level needs no closer examination.
   if (own > 0.0f && !slack_of(block).is_level(own, 0.0f)) return false;
-  const HeightRange range = height_range(block, height);
+  const HeightRange range = find_height_range(*links_, object_->table->texel, block, height.data());
   if (range.high == 0.0f) return true;
   const BlockSlack& slack = slack_of(block);
   if (slack.side > 0.0f ? range.any_back : range.any_front) return false;
@@ -137,7 +81,7 @@ bool Repose::rests(int32_t block, const std::vector<float>& height) {
 
 const BlockSlack& Repose::slack_of(int32_t block) {
   std::optional<BlockSlack>& slack = slack_[static_cast<size_t>(block)];
-  if (!slack) slack = find_slack(surface_, links_, object_->table->texel, block, limits_);
+  if (!slack) slack = find_slack(surface_, *links_, object_->table->texel, block, limits_);
   return *slack;
 }
 
@@ -198,7 +142,7 @@ float Repose::link_limit(const Cell& a, const Cell& b, float leads_down) const {
 }
 
 Repose::Cell Repose::across_end(int32_t link, size_t end) const {
-  const int32_t cell = links_.across_cells[static_cast<size_t>(link)][end];
+  const int32_t cell = links_->across_cells[static_cast<size_t>(link)][end];
   return {tiles_[static_cast<size_t>(cell / kTileCells)].get(),
           static_cast<size_t>(cell % kTileCells)};
 }
@@ -219,13 +163,13 @@ void Repose::set_up_ends(int32_t block) {
   std::vector<RimLink>& rims = rims_[static_cast<size_t>(block)];
   rims.clear();
   const ReposeTile* const tile = tiles_[static_cast<size_t>(block)].get();
-  const int32_t* ends = &links_.end_begin[static_cast<size_t>(block)];
+  const int32_t* ends = &links_->end_begin[static_cast<size_t>(block)];
   for (int32_t e = ends[0]; e < ends[1]; ++e) {
-    const ReposeLinks::End& end = links_.ends[static_cast<size_t>(e)];
+    const ReposeLinks::End& end = links_->ends[static_cast<size_t>(e)];
     const auto link = static_cast<size_t>(end.link);
     const Cell own{tile, static_cast<size_t>(end.cell % kTileCells)};
     if (link >= across_.size()) {
-      const ReposeLinks::Rim& rim = links_.rims[link - across_.size()];
+      const ReposeLinks::Rim& rim = links_->rims[link - across_.size()];
       rims.push_back(rim_link(own, surface_.point(rim.point)));
       continue;
     }
@@ -237,7 +181,7 @@ void Repose::set_up_ends(int32_t block) {
     if (!own.is_there() || !other.is_there() || own.is_wall()) continue;
     if (other.is_wall()) {
       if (!(other.point().z < own.point().z)) continue;
-      rims.push_back(rim_link(own, surface_.point(links_.across[link].seam)));
+      rims.push_back(rim_link(own, surface_.point(links_->across[link].seam)));
       continue;
     }
     if (end.sign > 0) continue;
@@ -248,7 +192,7 @@ void Repose::set_up_ends(int32_t block) {
 
 /// Takes the tiles of the chosen blocks; marks those that were added or removed.
 void Repose::take_tiles(Marks& changes) {
-  Marks is_chosen(links_.block_count(), 0);
+  Marks is_chosen(links_->block_count(), 0);
   for (const int32_t block : chosen_) is_chosen[static_cast<size_t>(block)] = 1;
   for (size_t b = 0; b < is_chosen.size(); ++b) changes[b] = is_chosen[b] ^ was_chosen_[b];
   for (size_t b = 0; b < is_chosen.size(); ++b) {
@@ -266,20 +210,21 @@ void Repose::take_tiles(Marks& changes) {
 /// Updates a tile; returns whether anything except its snow has changed.
 bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
   ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
-  bool changes = !tile.has_pose;
+  bool changes = !tile.ground.has_pose;
   const bool bare = highest_[static_cast<size_t>(block)] == 0.0f;
   // A tile that was and stays bare need not be covered again.
-  const bool stays_bare = bare && !changes && tile.is_bare && !tile.has_moved();
+  const bool stays_bare = bare && !changes && tile.snow.is_bare && !tile.snow.has_moved();
   if (changes) {
-    surface_.fill_block(links_, block, tile);
+    tile.begin_pose();
+    surface_.fill_block(*links_, block, tile.ground);
     const std::vector<int32_t>& places = object_->table->texel;
-    links_.for_texels(block, places, [&](int32_t texel, size_t cell) {
+    links_->for_texels(block, places, [&](int32_t texel, size_t cell) {
       const auto place = static_cast<size_t>(places[static_cast<size_t>(texel)]);
       tile.cover(cell, height[place], surface_.unit());
     });
   } else if (!stays_bare) {
     const BlockRect rect = rect_of(block);
-    changes = tile.cover_rows(&height[rect.place], static_cast<size_t>(links_.resolution),
+    changes = tile.cover_rows(&height[rect.place], static_cast<size_t>(links_->resolution),
                               rect.size, surface_.unit());
   }
   tile.begin_step(bare);
@@ -288,7 +233,7 @@ bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
 }
 
 void Repose::set_up(const std::vector<float>& height) {
-  Marks changes(links_.block_count(), 0);
+  Marks changes(links_->block_count(), 0);
   take_tiles(changes);
   for_blocks(chosen_, [&](int32_t b) {
     if (cover_tile(b, height)) changes[static_cast<size_t>(b)] = 1;
@@ -302,7 +247,7 @@ void Repose::set_up(const std::vector<float>& height) {
     if (tiles_[static_cast<size_t>(block)] != nullptr) unlinked.push_back(block);
   }
   for_blocks(unlinked, [&](int32_t b) {
-    tiles_[static_cast<size_t>(b)]->has_links = false;
+    tiles_[static_cast<size_t>(b)]->links.has_limits = false;
     set_up_ends(b);
   });
 }

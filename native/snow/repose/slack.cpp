@@ -3,29 +3,24 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/common.hpp>
 #include <limits>
-#include <optional>
 
 #include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
-#include "snow/repose/window.h"
 
 namespace snowbough::snow {
 namespace {
 
-constexpr float kNoLink = std::numeric_limits<float>::infinity();
+constexpr int32_t kWindowColumns = kReposeBlock + 2;
 
-/// A texel's bare surface.
+/// A texel at the end of a link across a seam or over a rim.
 struct Bare {
   glm::vec3 point{0.0f};
   float steep = 0.0f;
   float curvature = 0.0f;
   float column = 0.0f;
-  /// 1: has a surface; 0: none.
-  float there = 0.0f;
-  /// 1: a wall; 0: none.
-  float wall = 0.0f;
+  bool is_there = false;
+  bool is_wall = false;
   float side = 1.0f;
 
   explicit Bare(const ReposeSurface::Texel& texel)
@@ -33,94 +28,77 @@ struct Bare {
         steep(shared::bare_slope(texel.up)),
         curvature(texel.curvature),
         column(shared::column_height(std::abs(texel.normal.z))),
-        there(texel.area > 0.0f ? 1.0f : 0.0f),
+        is_there(texel.area > 0.0f),
         side(shared::snow_side(0.0f, texel.up, texel.two_sided)) {
-    wall = shared::is_wall(side * texel.up) ? 1.0f : 0.0f;
+    is_wall = shared::is_wall(side * texel.up);
   }
 };
 
-/// The cells of a window; see Bare. `unfit`: 1 for a wall, or snow on the other side.
-struct alignas(64) BarePlanes {
-  TileWindow::Plane x{}, y{}, z{}, steep{}, curvature{}, column{}, there{}, unfit{};
-
-  void set(size_t at, const Bare& bare, float own_side) {
-    x[at] = bare.point.x;
-    y[at] = bare.point.y;
-    z[at] = bare.point.z;
-    steep[at] = bare.steep;
-    curvature[at] = bare.curvature;
-    column[at] = bare.column;
-    there[at] = bare.there;
-    unfit[at] = bare.side == own_side ? bare.wall : 1.0f;
+/// Converts a row's upward parts of normals to slopes, and of shading normals to column heights:
+/// infinite where no snow can rest on `side`. Returns whether snow rests on all of the block's own
+/// cells.
+SNOWBOUGH_WIDE bool finish_row(const float* __restrict area, const float* __restrict curvature,
+                               const uint8_t* __restrict two_sided, float side,
+                               const ReposeLimits& limits, float* __restrict steep,
+                               float* __restrict column) {
+  constexpr float kUnfit = std::numeric_limits<float>::infinity();
+  const float slope = limits.slope;
+  const float cohesion = limits.cohesion;
+  std::array<float, kWindowColumns> both;
+  std::array<int32_t, kWindowColumns> is_over;
+  for (int32_t i = 0; i < kWindowColumns; ++i) both[i] = two_sided[i] != 0 ? 1.0f : 0.0f;
+  for (int32_t i = 0; i < kWindowColumns; ++i) {
+    const float up = steep[i];
+    const float own_side = (both[i] > 0.0f) & (up < 0.0f) ? -1.0f : 1.0f;
+    const bool is_unfit = shared::is_wall(own_side * up) | (own_side != side);
+    steep[i] = shared::bare_slope(up);
+    column[i] = is_unfit ? kUnfit : shared::column_height(std::abs(column[i]));
+    const bool rests = !is_unfit & (steep[i] <= shared::held_slope(slope, cohesion, curvature[i]));
+    is_over[i] = (area[i] > 0.0f) & !rests ? 1 : 0;
   }
-};
+  int32_t any = 0;
+  for (int32_t i = 1; i <= kReposeBlock; ++i) any |= is_over[i];
+  return any == 0;
+}
 
 /// Extremes over the columns of a block's links.
 struct Extremes {
-  std::array<float, kReposeBlock> inside, column, turn, unfit;
+  std::array<float, kReposeBlock> inside, column, turn;
 
   Extremes() {
     inside.fill(kNoLink);
     column.fill(0.0f);
     turn.fill(0.0f);
-    unfit.fill(0.0f);
   }
 };
 
-/// Adds the links from a row of cells to those `step` cells away, if `linked` is 1, else 0. Calls
-/// limit(i, j, way, fall) for the limit of a link.
-template <typename Limit>
-[[gnu::always_inline]] inline void add_links(const BarePlanes& bare, size_t at, int32_t step,
-                                             const float* __restrict linked, Extremes& extremes,
-                                             const Limit& limit) {
-  const float* const x = bare.x.data() + at;
-  const float* const y = bare.y.data() + at;
-  const float* const z = bare.z.data() + at;
-  const float* const column = bare.column.data() + at;
-  const float* const there = bare.there.data() + at;
-  const float* const unfit = bare.unfit.data() + at;
-  float* __restrict const inside = extremes.inside.data();
-  float* __restrict const highest = extremes.column.data();
-  float* __restrict const turn = extremes.turn.data();
-  float* __restrict const any_unfit = extremes.unfit.data();
+using Limits = std::array<std::array<float, kReposeBlock>, kForwardLinks>;
+
+/// Adds the links from a row of cells to those `step` cells away.
+inline void add_links(const float* z, const float* columns, int32_t step,
+                      const float* __restrict limit, float* __restrict inside,
+                      float* __restrict highest, float* __restrict turn) {
   for (int32_t i = 0; i < kReposeBlock; ++i) {
-    const int32_t j = i + step;
-    const float way_x = x[j] - x[i];
-    const float way_y = y[j] - y[i];
-    const float falls = z[i] - z[j];
-    const float way = std::sqrt(way_x * way_x + way_y * way_y);
-    const float margin = limit(i, j, way, falls) - std::abs(falls);
-    const float open = std::min(std::min(there[i], there[j]), linked[i]);
-    const float own = open > 0.0f ? margin : kNoLink;
-    inside[i] = own < inside[i] ? own : inside[i];
-    highest[i] = std::max(highest[i], open * std::max(column[i], column[j]));
-    turn[i] = std::max(turn[i], open * std::abs(column[i] - column[j]));
-    any_unfit[i] = std::max(any_unfit[i], open * std::max(unfit[i], unfit[j]));
+    const float own = limit[i];
+    const float column = columns[i];
+    const float other = columns[i + step];
+    const float margin = own - std::abs(z[i] - z[i + step]);
+    const float high = std::max(column, other);
+    const float apart = std::abs(column - other);
+    const bool is_there = own < kNoLink;
+    inside[i] = std::min(inside[i], margin);
+    highest[i] = std::max(highest[i], is_there ? high : 0.0f);
+    turn[i] = std::max(turn[i], is_there ? apart : 0.0f);
   }
 }
 
-SNOWBOUGH_WIDE void add_row(const BarePlanes& bare, size_t at, int32_t step,
-                            const float* __restrict linked, const ReposeLimits& limits,
-                            Extremes& extremes) {
-  const float* const steep = bare.steep.data() + at;
-  const float* const curvature = bare.curvature.data() + at;
-  const float slope_at_rest = limits.slope;
-  const float cohesion = limits.cohesion;
-  add_links(bare, at, step, linked, extremes, [=](int32_t i, int32_t j, float way, float falls) {
-    const float slope =
-        shared::held_slope(slope_at_rest, cohesion, 0.5f * (curvature[i] + curvature[j]));
-    return shared::link_limit(way, slope, falls, 0.5f * (steep[i] + steep[j]), shared::kLeadsDown);
-  });
-}
-
-/// The same without cohesion, where the bare surface is nowhere steeper than kEven of the limit: no
-/// link is limited to its share of the slope straight down. It divides nothing.
-SNOWBOUGH_WIDE void add_gentle_row(const BarePlanes& bare, size_t at, int32_t step,
-                                   const float* __restrict linked, const ReposeLimits& limits,
-                                   Extremes& extremes) {
-  const float even = shared::kEven * limits.slope;
-  add_links(bare, at, step, linked, extremes,
-            [=](int32_t, int32_t, float way, float) { return even * way; });
+/// The same for all links of the cells; `z`, `columns`: of the first.
+SNOWBOUGH_WIDE_FLAT void add_row(const float* z, const float* columns, const Limits& limits,
+                                 Extremes& extremes) {
+  for (int32_t k = 0; k < kForwardLinks; ++k) {
+    add_links(z, columns, TileWindow::step(k), limits[static_cast<size_t>(k)].data(),
+              extremes.inside.data(), extremes.column.data(), extremes.turn.data());
+  }
 }
 
 /// Finds the slack of a block.
@@ -128,92 +106,74 @@ class SlackFinder {
  public:
   SlackFinder(const ReposeSurface& surface, const ReposeLinks& links,
               const std::vector<int32_t>& places, int32_t block, const ReposeLimits& limits)
-      : surface_(surface), links_(links), places_(places), block_(block), limits_(limits) {}
+      : surface_(surface), links_(links), places_(places), block_(block), limits_(limits) {
+    bare_.wall.fill(0.0f);
+  }
 
   BlockSlack find() {
-    if (!load_block()) return {};
-    load_beside();
+    find_side();
+    for (int32_t row = 0; row < TileWindow::kRows; ++row) {
+      if (!load_row(row)) return {};
+    }
     slack_.inside = slack_.at_edges = kNoLink;
     if (!add_links() || !add_ends()) return {};
     return slack_;
   }
 
  private:
-  /// Returns whether snow can rest on all texels of the block.
-  bool load_block() {
+  /// The side of the block's first texel.
+  void find_side() {
     bool is_first = true;
-    bool rests = true;
-    links_.for_texels(block_, places_, [&](int32_t texel, size_t cell) {
-      if (!rests) return;
-      const Bare bare(surface_.texel(texel));
-      if (is_first) slack_.side = bare.side;
+    links_.for_runs(block_, kAllRows, places_, [&](int32_t texel, int32_t, size_t) {
+      if (is_first) slack_.side = Bare(surface_.texel(texel)).side;
       is_first = false;
-      const float steepest = shared::held_slope(limits_.slope, limits_.cohesion, bare.curvature);
-      rests = bare.there == 0.0f ||
-              (bare.wall == 0.0f && bare.side == slack_.side && bare.steep <= steepest);
-      set(place_of(cell), bare);
     });
-    return rests;
   }
 
-  void set(size_t at, const Bare& bare) {
-    planes_.set(at, bare, slack_.side);
-    steepest_ = std::max(steepest_, bare.steep);
-  }
-
-  static size_t place_of(size_t cell) {
-    const auto number = static_cast<int32_t>(cell);
-    return TileWindow::at(number % kReposeBlock, number / kReposeBlock);
-  }
-
-  /// Loads the window's cells beside the block that have a texel.
-  void load_beside() {
-    const int32_t size = links_.resolution;
-    const int32_t left = block_ % links_.blocks_a_side * kReposeBlock;
-    const int32_t first = block_ / links_.blocks_a_side * kReposeBlock;
-    const int32_t rows = std::min(TileWindow::kRows, size - first);
-    for (int32_t row = 0; row < rows; ++row) {
-      const int32_t begin = (first + row) * size;
-      const int32_t* const run =
-          &links_.run_begin[static_cast<size_t>(first + row) * links_.blocks_a_side +
-                            block_ % links_.blocks_a_side];
-      const auto load = [&](int32_t texel) {
-        if (texel < 0 || texel >= static_cast<int32_t>(places_.size())) return;
-        const int32_t column = places_[static_cast<size_t>(texel)] - begin;
-        if (column < std::max(left - 1, 0) || column > std::min(left + kReposeBlock, size - 1)) {
-          return;
-        }
-        set(TileWindow::at(column - left, row), Bare(surface_.texel(texel)));
-      };
-      load(run[0] - 1);
-      load(run[1]);
-      for (int32_t texel = run[0]; row == kReposeBlock && texel < run[1]; ++texel) load(texel);
-    }
+  /// Loads a row of the window; returns whether snow can rest on all texels of the block in it.
+  bool load_row(int32_t row) {
+    const size_t at = TileWindow::at(-1, row);
+    std::array<uint8_t, kWindowColumns> two_sided{};
+    float* const curvature = &bare_.curvature[at];
+    float* const steep = &bare_.steep[at];
+    float* const area = &bare_.area[at];
+    float* const column = &column_[at];
+    const ReposeSurface::Row all{&bare_.x[at], &bare_.y[at], &bare_.z[at], column,
+                                 steep,        area,         curvature,    two_sided.data()};
+    bool is_defined = false;
+    const auto clear = [&] {
+      for (float* const plane : {all.x, all.y, all.z, column, steep, area, curvature}) {
+        std::fill_n(plane, kWindowColumns, 0.0f);
+      }
+      is_defined = true;
+    };
+    links_.for_row_runs(block_, row, 1, places_, [&](int32_t first, int32_t count, int32_t i) {
+      if (count < kWindowColumns && !is_defined) clear();
+      is_defined = true;
+      surface_.texels(first, count, all.at(static_cast<size_t>(i + 1)));
+    });
+    if (!is_defined) clear();
+    const bool rests =
+        finish_row(area, curvature, two_sided.data(), slack_.side, limits_, steep, column);
+    return rests || row == kReposeBlock;
   }
 
   /// Returns whether all links are between texels on which snow can rest.
   bool add_links() {
-    std::array<TileWindow::Plane, kForwardLinks> linked{};
-    links_.for_texels(block_, places_, [&](int32_t texel, size_t cell) {
-      const uint8_t forward = links_.forward[static_cast<size_t>(texel)];
-      for (size_t k = 0; k < kForwardLinks; ++k) {
-        linked[k][place_of(cell)] = static_cast<float>((forward >> k) & 1);
-      }
-    });
     Extremes extremes;
-    const bool is_gentle = limits_.cohesion == 0.0f && steepest_ <= shared::kEven * limits_.slope;
-    const auto add = is_gentle ? add_gentle_row : add_row;
     for (int32_t row = 0; row < kReposeBlock; ++row) {
       const size_t at = TileWindow::at(0, row);
-      for (int32_t k = 0; k < kForwardLinks; ++k) {
-        add(planes_, at, TileWindow::step(k), &linked[static_cast<size_t>(k)][at], limits_,
-            extremes);
-      }
+      Limits limit;
+      const std::array<float*, kForwardLinks> rows = {limit[0].data(), limit[1].data(),
+                                                      limit[2].data(), limit[3].data()};
+      find_link_limits(bare_, row, links_.forward_of(block_) + row * kReposeBlock, limits_,
+                       rows.data());
+      add_row(&bare_.z[at], &column_[at], limit, extremes);
     }
     slack_.inside = *std::min_element(extremes.inside.begin(), extremes.inside.end());
     slack_.column = *std::max_element(extremes.column.begin(), extremes.column.end());
     slack_.turn = *std::max_element(extremes.turn.begin(), extremes.turn.end());
-    return *std::max_element(extremes.unfit.begin(), extremes.unfit.end()) == 0.0f;
+    return slack_.column < std::numeric_limits<float>::infinity();
   }
 
   /// The same for links across seams and over rims.
@@ -222,7 +182,7 @@ class SlackFinder {
     for (int32_t e = ends[0]; e < ends[1]; ++e) {
       const ReposeLinks::End& end = links_.ends[static_cast<size_t>(e)];
       const Bare own(surface_.texel(end.texel));
-      if (own.there == 0.0f) continue;
+      if (!own.is_there) continue;
       const auto link = static_cast<size_t>(end.link);
       if (link >= links_.across.size()) {
         const glm::vec3 rim = surface_.point(links_.rims[link - links_.across.size()].point);
@@ -232,8 +192,8 @@ class SlackFinder {
       }
       const auto [a, b] = links_.across[link].ends();
       const Bare other(surface_.texel(end.sign < 0 ? b : a));
-      if (other.there == 0.0f) continue;
-      if (other.wall != 0.0f || other.side != slack_.side) return false;
+      if (!other.is_there) continue;
+      if (other.is_wall || other.side != slack_.side) return false;
       if (end.sign > 0) continue;
       slack_.inside =
           std::min(slack_.inside, margin(own, other.point, 0.5f * (own.curvature + other.curvature),
@@ -258,9 +218,10 @@ class SlackFinder {
   int32_t block_;
   const ReposeLimits& limits_;
   BlockSlack slack_;
-  BarePlanes planes_;
-  /// Of the cells in `planes_`.
-  float steepest_ = 0.0f;
+  /// Walls are left out: no snow can rest on them.
+  BareWindow bare_;
+  /// shared::column_height; infinite where no snow can rest.
+  TileWindow::Plane column_;
 };
 
 }  // namespace

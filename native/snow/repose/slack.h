@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "snow/repose/link_limits.h"
 #include "snow/repose/links.h"
 #include "snow/repose/surface.h"
-#include "snow/repose/tile.h"
 
 namespace snowbough::snow {
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/parallel_for.h"
+#include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
 #include "snow/scene/projection.h"
 #include "snow/seams/curvature.h"
@@ -25,6 +26,75 @@ std::vector<float> curvatures_of(const ObjectDescription& description,
     curvatures[t] = 2.0f / 3.0f * (terms[3 * t].y + terms[3 * t + 1].y + terms[3 * t + 2].y);
   }
   return curvatures;
+}
+
+/// Points, areas and upward parts of texels on one triangle (`surface`: xyz normal, w area in m2),
+/// from their weights and shares. Returns whether all have an area.
+SNOWBOUGH_WIDE bool find_surfaces(const ReposeSurface::Linear& points, const glm::vec4& surface,
+                                  const glm::vec2* __restrict weights,
+                                  const float* __restrict share, int32_t count,
+                                  const ReposeSurface::Row& to) {
+  const glm::vec3 a = points.first;
+  const glm::vec3 b = points.to_second;
+  const glm::vec3 c = points.to_third;
+  const float whole = surface.w;
+  const float normal_z = surface.z;
+  float* __restrict const x = to.x;
+  float* __restrict const y = to.y;
+  float* __restrict const z = to.z;
+  float* __restrict const area = to.area;
+  float* __restrict const up = to.up;
+  int32_t none = 0;
+  // As in texel(), where sums begin with 0, so that no zero is negative.
+  for (int32_t i = 0; i < count; ++i) {
+    const glm::vec2 w = weights[i];
+    x[i] = 0.0f + (a.x + w.x * b.x + w.y * c.x);
+    y[i] = 0.0f + (a.y + w.x * b.y + w.y * c.y);
+    z[i] = 0.0f + (a.z + w.x * b.z + w.y * c.z);
+  }
+  for (int32_t i = 0; i < count; ++i) {
+    const float own = share[i] * whole;
+    none |= own > 0.0f ? 0 : 1;
+    area[i] = own;
+    up[i] = (0.0f + own * normal_z) / own;
+  }
+  return none == 0;
+}
+
+/// Upward parts of the shading normals of texels on one triangle with the normal `face`.
+SNOWBOUGH_WIDE void find_normals(const ReposeSurface::Linear& normals, const glm::vec3& face,
+                                 const glm::vec2* __restrict weights, int32_t count,
+                                 float* __restrict normal_z) {
+  const glm::vec3 a = normals.first;
+  const glm::vec3 b = normals.to_second;
+  const glm::vec3 c = normals.to_third;
+  const glm::vec3 own = face;
+  for (int32_t i = 0; i < count; ++i) {
+    const glm::vec2 w = weights[i];
+    const float x = a.x + w.x * b.x + w.y * c.x;
+    const float y = a.y + w.x * b.y + w.y * c.y;
+    const float z = a.z + w.x * b.z + w.y * c.z;
+    const float length = std::sqrt(x * x + y * y + z * z);
+    const bool is_smooth = (length > 0.0f) & (x * own.x + y * own.y + z * own.z > 0.0f);
+    // Numbers first, then one division each: a division under a condition would not vectorise.
+    const float divisor = is_smooth ? length : 1.0f;
+    const float mean_x = (is_smooth ? x : own.x) / divisor;
+    const float mean_y = (is_smooth ? y : own.y) / divisor;
+    const float mean_z = (is_smooth ? z : own.z) / divisor;
+    const float again = std::sqrt(mean_x * mean_x + mean_y * mean_y + mean_z * mean_z);
+    normal_z[i] = mean_z / (again > 0.0f ? again : 1.0f);
+  }
+}
+
+void set(const ReposeSurface::Texel& texel, const ReposeSurface::Row& to) {
+  *to.x = texel.point.x;
+  *to.y = texel.point.y;
+  *to.z = texel.point.z;
+  *to.normal_z = texel.normal.z;
+  *to.up = texel.up;
+  *to.area = texel.area;
+  *to.curvature = texel.curvature;
+  *to.two_sided = texel.two_sided ? 1 : 0;
 }
 
 }  // namespace
@@ -65,14 +135,22 @@ void ReposeSurface::set_pose(const SceneObject& object, const std::vector<glm::v
   unit_ = std::ldexp(1.0f / shared::kUnitsAMetre, exponent);
 }
 
-glm::vec3 ReposeSurface::point(int32_t triangle, glm::vec2 weights) const {
-  const int32_t* corners =
-      &object_->description.topology.triangles[3 * static_cast<size_t>(triangle)];
+ReposeSurface::Linear ReposeSurface::points_of(size_t triangle) const {
+  const int32_t* corners = &object_->description.topology.triangles[3 * triangle];
   const auto corner = [&](int k) {
     return (*positions_)[static_cast<size_t>(corners[k])] - anchor_;
   };
-  const glm::vec3 a = corner(0);
-  return a + weights.x * (corner(1) - a) + weights.y * (corner(2) - a);
+  return {corner(0), corner(1) - corner(0), corner(2) - corner(0)};
+}
+
+/// The normals of a smooth-shaded triangle's corners.
+ReposeSurface::Linear ReposeSurface::normals_of(size_t triangle) const {
+  const int32_t* numbers = &object_->description.shading[3 * triangle];
+  const auto corner = [&](int k) {
+    return numbers[k] < 0 ? glm::vec3(triangles_[triangle])
+                          : normals_[static_cast<size_t>(numbers[k])];
+  };
+  return {corner(0), corner(1) - corner(0), corner(2) - corner(0)};
 }
 
 /// Shading normal at a point of a triangle, by the weights of its second and third corner. With
@@ -80,41 +158,15 @@ glm::vec3 ReposeSurface::point(int32_t triangle, glm::vec2 weights) const {
 glm::vec3 ReposeSurface::shading_normal(size_t triangle, glm::vec2 weights) const {
   const glm::vec3 own(triangles_[triangle]);
   if (normals_.empty()) return own;
-  const int32_t* numbers = &object_->description.shading[3 * triangle];
-  const auto corner = [&](int k) {
-    return numbers[k] < 0 ? own : normals_[static_cast<size_t>(numbers[k])];
-  };
-  const glm::vec3 a = corner(0);
-  const glm::vec3 mean = a + weights.x * (corner(1) - a) + weights.y * (corner(2) - a);
+  const glm::vec3 mean = normals_of(triangle).at(weights);
   const float length = glm::length(mean);
   return length > 0.0f && glm::dot(mean, own) > 0.0f ? mean / length : own;
-}
-
-/// texel() of a texel with a single fragment, as most have, to the bit.
-ReposeSurface::Texel ReposeSurface::only_fragment(size_t f) const {
-  const TexelTable& table = *object_->table;
-  const int32_t number = table.fragment_triangle[f];
-  const auto t = static_cast<size_t>(number);
-  const glm::vec4& triangle = triangles_[t];
-  Texel texel;
-  texel.area = table.fragment_share[f] * triangle.w;
-  texel.two_sided = !object_->two_sided.empty() && object_->two_sided[t] != 0;
-  if (texel.area <= 0.0f) return texel;
-  // Sums from 0 on, so that no zero is negative.
-  texel.up = (0.0f + texel.area * triangle.z) / texel.area;
-  texel.point += point(number, table.fragment_barycentric[f]);
-  texel.normal += shading_normal(t, table.fragment_barycentric[f]);
-  if (!curvatures_.empty()) texel.curvature += curvatures_[t];
-  const float length = glm::length(texel.normal);
-  if (length > 0.0f) texel.normal /= length;
-  return texel;
 }
 
 ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
   const TexelTable& table = *object_->table;
   const auto begin = static_cast<size_t>(table.fragment_begin[static_cast<size_t>(index)]);
   const auto end = static_cast<size_t>(table.fragment_begin[static_cast<size_t>(index) + 1]);
-  if (end - begin == 1) return only_fragment(begin);
   Texel texel;
   float upper = 0.0f;
   float upper_up = 0.0f;
@@ -149,28 +201,64 @@ ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
   return texel;
 }
 
-void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, ReposeTile& tile) const {
-  tile.begin_pose();
-  links.for_texels(block, object_->table->texel, [&](int32_t index, size_t cell) {
-    const Texel own = texel(index);
-    tile.x[cell] = own.point.x;
-    tile.y[cell] = own.point.y;
-    tile.z[cell] = own.point.z;
-    tile.normal_z[cell] = own.normal.z;
-    tile.up[cell] = own.up;
-    tile.area[cell] = own.area;
-    tile.curvature[cell] = own.curvature;
-    tile.two_sided[cell] = own.two_sided ? 1 : 0;
-    tile.any_two_sided = tile.any_two_sided || own.two_sided;
-    tile.forward[cell] = links.forward[static_cast<size_t>(index)];
-  });
+/// Evaluates `count` texels that have a single fragment each, from fragment `f` on, all on one
+/// triangle; returns false if any has no area.
+bool ReposeSurface::on_one_triangle(size_t f, int32_t count, const Row& to) const {
+  const TexelTable& table = *object_->table;
+  const auto t = static_cast<size_t>(table.fragment_triangle[f]);
+  const glm::vec4& triangle = triangles_[t];
+  const glm::vec2* const weights = &table.fragment_barycentric[f];
+  const float* const share = &table.fragment_share[f];
+  if (!find_surfaces(points_of(t), triangle, weights, share, count, to)) return false;
+  if (normals_.empty()) {
+    const float length = glm::length(glm::vec3(triangle));
+    std::fill_n(to.normal_z, count, length > 0.0f ? triangle.z / length : triangle.z);
+  } else {
+    find_normals(normals_of(t), glm::vec3(triangle), weights, count, to.normal_z);
+  }
+  std::fill_n(to.curvature, count, curvatures_.empty() ? 0.0f : curvatures_[t]);
+  std::fill_n(to.two_sided, count,
+              object_->two_sided.empty() || object_->two_sided[t] == 0 ? uint8_t{0} : uint8_t{1});
+  return true;
+}
+
+void ReposeSurface::texels(int32_t first, int32_t count, const Row& to) const {
+  const TexelTable& table = *object_->table;
+  const int32_t* const begin = &table.fragment_begin[static_cast<size_t>(first)];
+  for (int32_t i = 0; i < count;) {
+    const int32_t f = begin[i];
+    const int32_t* const triangle = &table.fragment_triangle[static_cast<size_t>(f)];
+    int32_t alike = 0;
+    while (i + alike < count && begin[i + alike + 1] - f == alike + 1 &&
+           triangle[alike] == *triangle) {
+      ++alike;
+    }
+    const Row own = to.at(static_cast<size_t>(i));
+    if (alike == 0 || !on_one_triangle(static_cast<size_t>(f), alike, own)) {
+      set(texel(first + i), own);
+      alike = 1;
+    }
+    i += alike;
+  }
+}
+
+void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, TileGround& ground) const {
+  const Row all{ground.x.data(),         ground.y.data(),        ground.z.data(),
+                ground.normal_z.data(),  ground.up.data(),       ground.area.data(),
+                ground.curvature.data(), ground.two_sided.data()};
+  links.for_runs(
+      block, kAllRows, object_->table->texel,
+      [&](int32_t first, int32_t count, size_t cell) { texels(first, count, all.at(cell)); });
+  ground.any_two_sided = std::any_of(ground.two_sided.begin(), ground.two_sided.end(),
+                                     [](uint8_t two_sided) { return two_sided != 0; });
+  std::copy_n(links.forward_of(block), kTileCells, ground.forward.begin());
   const int32_t* ends = &links.end_begin[static_cast<size_t>(block)];
   for (int32_t e = ends[0]; e < ends[1]; ++e) {
     const ReposeLinks::End& end = links.ends[static_cast<size_t>(e)];
     const auto cell = static_cast<size_t>(end.cell % kTileCells);
-    tile.links[cell] = static_cast<uint8_t>(
+    ground.link_count[cell] = static_cast<uint8_t>(
         std::clamp(end.links, static_cast<int32_t>(shared::kLinks), int32_t{255}));
-    if (static_cast<size_t>(end.link) < links.across.size()) tile.forward[cell] |= kAtSeam;
+    if (static_cast<size_t>(end.link) < links.across.size()) ground.forward[cell] |= kAtSeam;
   }
 }
 

@@ -4,7 +4,7 @@
 #include <glm/vec4.hpp>
 #include <vector>
 
-#include "snow/repose/tile.h"
+#include "snow/repose/tile_ground.h"
 #include "snow/scene/scene_object.h"
 
 namespace snowbough::snow {
@@ -36,15 +36,43 @@ class ReposeSurface {
   /// `index`: of the texel in the TexelTable.
   Texel texel(int32_t index) const;
 
-  /// Fills in a tile's data of the bare surface.
-  void fill_block(const ReposeLinks& links, int32_t block, ReposeTile& tile) const;
+  /// Where to write the properties of consecutive texels: the first element of an array each.
+  struct Row {
+    float *x, *y, *z;
+    float* normal_z;
+    float* up;
+    float* area;
+    float* curvature;
+    uint8_t* two_sided;
 
+    Row at(size_t i) const {
+      return {x + i, y + i, z + i, normal_z + i, up + i, area + i, curvature + i, two_sided + i};
+    }
+  };
+  /// texel() of the `count` texels from `first` on, to the bit; faster where several lie on one
+  /// triangle.
+  void texels(int32_t first, int32_t count, const Row& to) const;
+
+  /// Fills in a block's cells, after TileGround::begin_pose.
+  void fill_block(const ReposeLinks& links, int32_t block, TileGround& ground) const;
+
+  /// A vector that is linear on a triangle: at its first corner, and the ways to the others.
+  struct Linear {
+    glm::vec3 first, to_second, to_third;
+    glm::vec3 at(glm::vec2 weights) const {
+      return first + weights.x * to_second + weights.y * to_third;
+    }
+  };
   /// A point of a triangle, relative to the anchor, by the weights of its second and third corner.
-  glm::vec3 point(int32_t triangle, glm::vec2 weights) const;
+  glm::vec3 point(int32_t triangle, glm::vec2 weights) const {
+    return points_of(static_cast<size_t>(triangle)).at(weights);
+  }
   glm::vec3 point(const ReposeLinks::Point& at) const { return point(at.triangle, at.weights); }
 
  private:
-  Texel only_fragment(size_t f) const;
+  bool on_one_triangle(size_t f, int32_t count, const Row& to) const;
+  Linear points_of(size_t triangle) const;
+  Linear normals_of(size_t triangle) const;
   glm::vec3 shading_normal(size_t triangle, glm::vec2 weights) const;
 
   const SceneObject* object_ = nullptr;

@@ -5,8 +5,7 @@
 
 #include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
-#include "snow/repose/tile.h"
-#include "snow/repose/window.h"
+#include "snow/repose/tiles_around.h"
 
 #define SNOWBOUGH_ROW SNOWBOUGH_WIDE_FLAT
 
@@ -114,29 +113,29 @@ class TileRun {
  public:
   TileRun(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
           std::vector<RimLink>& rims)
-      : around_(tiles, blocks_a_side, block), tile_(*around_.at(0, 0)), rims_(rims) {}
+      : around_(tiles, blocks_a_side, block), links_(around_.at(0, 0)->links), rims_(rims) {}
 
   TileRounds run(int first_round, int rounds) {
     const uint32_t active_rows =
-        tile_.active_rows.load(std::memory_order_relaxed) | tile_.partial_rows;
-    look_ = tile_.flowing | over_rows(active_rows & ~tile_.flowing);
+        links_.active_rows.load(std::memory_order_relaxed) | links_.partial_rows;
+    look_ = links_.flowing | over_rows(active_rows & ~links_.flowing);
     for_bits(look_, [&](int32_t row) {
-      is_wanted_[static_cast<size_t>(row)].fill((tile_.flowing & bit(row)) != 0);
+      is_wanted_[static_cast<size_t>(row)].fill((links_.flowing & bit(row)) != 0);
     });
     TileRounds result;
     result.flows = look_ != 0;
-    if (result.flows && tile_.flow == nullptr) {
-      tile_.flow = std::make_unique<std::array<ReposeTile::Plane, kForwardLinks>>();
+    if (result.flows && links_.flow == nullptr) {
+      links_.flow = std::make_unique<std::array<TilePlane, kForwardLinks>>();
     }
     while (result.flows && result.rounds < rounds) {
       result.flows = run_round(shared::flow_momentum(first_round + result.rounds));
       ++result.rounds;
     }
     result.has_changed = changed_ != 0;
-    tile_.active_rows.store(result.flows ? static_cast<uint32_t>(look_) : 0,
-                            std::memory_order_relaxed);
-    tile_.flowing = result.flows ? static_cast<uint32_t>(wants_) : 0;
-    tile_.partial_rows = result.flows ? 0 : static_cast<uint32_t>(wants_);
+    links_.active_rows.store(result.flows ? static_cast<uint32_t>(look_) : 0,
+                             std::memory_order_relaxed);
+    links_.flowing = result.flows ? static_cast<uint32_t>(wants_) : 0;
+    links_.partial_rows = result.flows ? 0 : static_cast<uint32_t>(wants_);
     for_bits(changed_, [&](int32_t row) { write_row(row); });
     return result;
   }
@@ -145,26 +144,26 @@ class TileRun {
   void load_top(int32_t row) {
     if ((tops_ & bit(row)) != 0) return;
     tops_ |= bit(row);
-    TileWindow::copy_row(around_, row, &ReposeTile::top, top_, 0.0f);
-    TileWindow::copy_row(around_, row, &ReposeTile::gives, gives_, 0.0f);
+    around_.copy_row(row, &ReposeTile::snow, &TileSnow::top, top_, 0.0f);
+    around_.copy_row(row, &ReposeTile::snow, &TileSnow::gives, gives_, 0.0f);
   }
   void load(int32_t row) {
     if ((loaded_ & bit(row)) != 0) return;
     loaded_ |= bit(row);
     load_top(row);
-    TileWindow::for_row(
-        around_, row, [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
-          for (size_t i = 0, at = TileWindow::at(column, row); i < count; ++i, ++at) {
-            const size_t own = cell + i;
-            come_[at] = 0;
-            gain_[at] = wanted_[at] = 0.0f;
-            z_[at] = tile == nullptr ? 0.0f : tile->z[own];
-            lift_[at] = tile == nullptr ? 0.0f : tile->lift[own];
-            held_[at] =
-                tile == nullptr ? 0.0f : tile->held[own] + static_cast<float>(tile->moved[own]);
-            stiffness_[at] = tile == nullptr ? 0.0f : tile->stiffness(own);
-          }
-        });
+    around_.for_row(row, [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
+      for (size_t i = 0, at = TileWindow::at(column, row); i < count; ++i, ++at) {
+        const size_t own = cell + i;
+        come_[at] = 0;
+        gain_[at] = wanted_[at] = 0.0f;
+        z_[at] = tile == nullptr ? 0.0f : tile->ground.z[own];
+        lift_[at] = tile == nullptr ? 0.0f : tile->snow.lift[own];
+        held_[at] = tile == nullptr
+                        ? 0.0f
+                        : tile->snow.held[own] + static_cast<float>(tile->snow.moved[own]);
+        stiffness_[at] = tile == nullptr ? 0.0f : tile->stiffness(own);
+      }
+    });
   }
 
   /// The rows among these with links over their limits.
@@ -177,7 +176,7 @@ class TileRun {
         const auto cells = static_cast<size_t>(row * kReposeBlock);
         if (is_row_over(TileWindow::step(k), top_.data() + TileWindow::at(0, row),
                         gives_.data() + TileWindow::at(0, row),
-                        tile_.limit[static_cast<size_t>(k)].data() + cells)) {
+                        links_.limit[static_cast<size_t>(k)].data() + cells)) {
           over |= bit(row);
           return;
         }
@@ -192,7 +191,7 @@ class TileRun {
   }
 
   float* flow(int32_t k, int32_t row) {
-    return (*tile_.flow)[static_cast<size_t>(k)].data() + static_cast<size_t>(row * kReposeBlock);
+    return (*links_.flow)[static_cast<size_t>(k)].data() + static_cast<size_t>(row * kReposeBlock);
   }
 
   /// Computes the requested flows; returns their rows.
@@ -206,7 +205,7 @@ class TileRun {
       for (int32_t k = 0; k < kForwardLinks; ++k) {
         const auto link = static_cast<size_t>(k);
         const float* const limit =
-            tile_.limit[link].data() + static_cast<size_t>(row * kReposeBlock);
+            links_.limit[link].data() + static_cast<size_t>(row * kReposeBlock);
         // Links without flow in the previous round rarely start.
         is_wanted[link] =
             (is_wanted[link] || is_row_over(TileWindow::step(k), &top_[at], &gives_[at], limit)) &&
@@ -255,7 +254,7 @@ class TileRun {
   }
 
   bool run_round(float momentum) {
-    tile_.flow_rows |= static_cast<uint32_t>(look_);
+    links_.flow_rows |= static_cast<uint32_t>(look_);
     const uint64_t links = want(momentum);
     const uint64_t rims = want_over_rims(momentum);
     wants_ = links | rims;
@@ -278,26 +277,25 @@ class TileRun {
   }
 
   void write_row(int32_t row) {
-    TileWindow::for_row(around_, row,
-                        [&](ReposeTile* tile, size_t cell, int32_t column, size_t count) {
-                          const size_t at = TileWindow::at(column, row);
-                          for (size_t i = 0; tile != nullptr && i < count; ++i) {
-                            if (come_[at + i] == 0) continue;
-                            tile->add(cell + i, static_cast<double>(come_[at + i]));
-                            const int32_t own = column + static_cast<int32_t>(i);
-                            if (TileWindow::is_border(own, row)) activate_others(own, row);
-                          }
-                        });
+    around_.for_row(row, [&](ReposeTile* tile, size_t cell, int32_t column, size_t count) {
+      const size_t at = TileWindow::at(column, row);
+      for (size_t i = 0; tile != nullptr && i < count; ++i) {
+        if (come_[at + i] == 0) continue;
+        tile->add(cell + i, static_cast<double>(come_[at + i]));
+        const int32_t own = column + static_cast<int32_t>(i);
+        if (TileWindow::is_border(own, row)) activate_others(own, row);
+      }
+    });
   }
   /// The tile evaluates its own rows anyway.
   void activate_others(int32_t column, int32_t row) {
-    const uint32_t own = tile_.active_rows.load(std::memory_order_relaxed);
+    const uint32_t own = links_.active_rows.load(std::memory_order_relaxed);
     activate_cell(around_, column, row);
-    tile_.active_rows.store(own, std::memory_order_relaxed);
+    links_.active_rows.store(own, std::memory_order_relaxed);
   }
 
   const TilesAround around_;
-  ReposeTile& tile_;
+  TileLinks& links_;
   std::vector<RimLink>& rims_;
   /// Rows to evaluate in the next round; rows with requests in the last; rows with movement; and
   /// rows whose tops (with the units that cells can give) and all planes are loaded.

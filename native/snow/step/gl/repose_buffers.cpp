@@ -114,8 +114,10 @@ class TableBuilder {
     const size_t cells = tables_.blocks.size() * static_cast<size_t>(kCells);
     tables_.cell_links.assign(cells, static_cast<uint32_t>(shared::kLinks) << 4);
     tables_.first_end.assign(cells, kNowhere);
-    for (size_t i = 0; i < links_.forward.size(); ++i) {
-      tables_.cell_links[cell_of(static_cast<int32_t>(i))] |= links_.forward[i];
+    const std::vector<int32_t>& places = object_.table->texel;
+    for (size_t i = 0; i < places.size(); ++i) {
+      const auto own = static_cast<size_t>(links_.cell_of(places[i]));
+      tables_.cell_links[cell_of(static_cast<int32_t>(i))] |= links_.forward[own] & 15u;
     }
   }
 

@@ -26,11 +26,11 @@ TEST(ReposeCohesion, MakesSlopesSteeperOnTwigs) {
 
 TEST(ReposeCohesion, GivesLinksTheMeanCurvatureOfTheirEnds) {
   ReposeTiles tiles = row_of(3);
-  tiles[0]->curvature[0] = 100.0f;
-  tiles[0]->curvature[1] = 300.0f;
+  tiles[0]->ground.curvature[0] = 100.0f;
+  tiles[0]->ground.curvature[1] = 300.0f;
   set_up_tile_links(tiles, 0, 1, {1.0f / shared::kEven, 0.005f});
-  EXPECT_FLOAT_EQ(tiles[0]->limit[0][0], 0.02f);
-  EXPECT_FLOAT_EQ(tiles[0]->limit[0][1], 0.0196f);
+  EXPECT_FLOAT_EQ(tiles[0]->links.limit[0][0], 0.02f);
+  EXPECT_FLOAT_EQ(tiles[0]->links.limit[0][1], 0.0196f);
 }
 
 }  // namespace

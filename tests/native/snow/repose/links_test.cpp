@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <glm/geometric.hpp>
 #include <memory>
 #include <utility>
@@ -137,6 +138,24 @@ TEST(ReposeLinks, LeaveSnowWhereThreeSheetsMeet) {
   }
 }
 
+TEST(ReposeLinks, FindTheRunsOfARow) {
+  using Run = std::array<int32_t, 3>;
+  const auto runs = [](const Strip& strip, int32_t block, int32_t margin) {
+    std::vector<Run> all;
+    strip.links.for_row_runs(block, 1, margin, strip.table.texel,
+                             [&](int32_t first, int32_t count, int32_t column) {
+                               all.push_back({first, count, column});
+                             });
+    return all;
+  };
+  // The second row of texels, in columns 0 to 15 and 32 to 47 of the map.
+  const Strip apart = two_charts(false);
+  EXPECT_EQ(runs(apart, 0, 0), (std::vector<Run>{{32, 16, 0}}));
+  EXPECT_EQ(runs(apart, 0, 1), (std::vector<Run>{{32, 16, 0}, {48, 1, 32}}));
+  EXPECT_EQ(runs(apart, 1, 1), (std::vector<Run>{{48, 16, 0}}));
+  EXPECT_EQ(runs(apart, 2, 1), std::vector<Run>{});
+}
+
 TEST(ReposeLinkTables, CopiesThatShareATableHaveEqualLinks) {
   const Strip strip = two_charts(false);
   const auto table = std::make_shared<const TexelTable>(strip.table);
@@ -145,10 +164,10 @@ TEST(ReposeLinkTables, CopiesThatShareATableHaveEqualLinks) {
   for (glm::vec3& point : moved) point += glm::vec3(0.3f, 0.7f, 5.1f);
   ReposeLinkTables tables;
   for (const auto& positions : {strip.positions, moved}) {
-    const ReposeLinks links = tables.find(strip.topology, table, positions);
-    EXPECT_EQ(links.forward, strip.links.forward);
-    EXPECT_EQ(links.across.size(), strip.links.across.size());
-    EXPECT_EQ(links.rims.size(), strip.links.rims.size());
+    const auto links = tables.find(strip.topology, table, positions);
+    EXPECT_EQ(links->forward, strip.links.forward);
+    EXPECT_EQ(links->across.size(), strip.links.across.size());
+    EXPECT_EQ(links->rims.size(), strip.links.rims.size());
   }
 }
 
@@ -159,9 +178,9 @@ TEST(ReposeLinkTables, CopiesThatAreTornOpenHaveLinksOfTheirOwn) {
   const auto table = std::make_shared<const TexelTable>(whole.table);
   const std::shared_ptr<const TexelTable> other = table;
   ReposeLinkTables tables;
-  EXPECT_EQ(tables.find(whole.topology, table, whole.positions).rims.size(),
+  EXPECT_EQ(tables.find(whole.topology, table, whole.positions)->rims.size(),
             whole.links.rims.size());
-  EXPECT_EQ(tables.find(torn.topology, table, torn.positions).rims.size(), torn.links.rims.size());
+  EXPECT_EQ(tables.find(torn.topology, table, torn.positions)->rims.size(), torn.links.rims.size());
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "row_of_texels.h"
-#include "snow/repose/window.h"
+#include "snow/repose/tiles_around.h"
 
 namespace snowbough::snow {
 namespace {
@@ -16,7 +16,7 @@ TEST(ReposeOutlets, CutALidOverARimToASlopeAtOnce) {
   EXPECT_TRUE(tiles[0]->cut());
   for (size_t i = 0; i < 32; ++i) {
     const float slope = shared::kCuts * 0.01f * (static_cast<float>(i) + 0.5f);
-    EXPECT_NEAR(tiles[0]->top[i], 0.1f + std::min(slope, 0.2f), 1.1e-5f) << i;
+    EXPECT_NEAR(tiles[0]->snow.top[i], 0.1f + std::min(slope, 0.2f), 1.1e-5f) << i;
   }
   EXPECT_EQ(all_moved(*tiles[0]), std::floor(all_moved(*tiles[0])));
   // Nothing is left for the rounds.
@@ -33,14 +33,14 @@ TEST(ReposeOutlets, BoundSnowByItsDistanceWhereNoLinkLeadsStraightToTheRim) {
     const int32_t column = cell % kReposeBlock;
     const int32_t row = cell / kReposeBlock;
     const auto i = static_cast<size_t>(cell);
-    tile.x[i] = 0.01f * static_cast<float>(column) + 0.005f * static_cast<float>(row);
-    tile.y[i] = 0.01f * static_cast<float>(row);
-    tile.z[i] = 0.1f;
-    tile.normal_z[i] = tile.up[i] = 1.0f;
-    tile.area[i] = 1e-4f;
+    tile.ground.x[i] = 0.01f * static_cast<float>(column) + 0.005f * static_cast<float>(row);
+    tile.ground.y[i] = 0.01f * static_cast<float>(row);
+    tile.ground.z[i] = 0.1f;
+    tile.ground.normal_z[i] = tile.ground.up[i] = 1.0f;
+    tile.ground.area[i] = 1e-4f;
     const bool is_right = column + 1 < kReposeBlock;
     const bool is_above = row + 1 < kReposeBlock;
-    tile.forward[i] =
+    tile.ground.forward[i] =
         static_cast<uint8_t>((is_right ? 1 : 0) | (is_above ? 2 : 0) |
                              (is_right && is_above ? 4 : 0) | (column > 0 && is_above ? 8 : 0));
     if (row == 0) rims.push_back({cell, 0.1f, 0.005f, 1.0f});
@@ -50,7 +50,7 @@ TEST(ReposeOutlets, BoundSnowByItsDistanceWhereNoLinkLeadsStraightToTheRim) {
   for (int32_t row = 0; row < kReposeBlock; ++row) {
     const float away = 0.01f * static_cast<float>(row) + 0.005f;
     const auto middle = static_cast<size_t>(row * kReposeBlock + 16);
-    EXPECT_NEAR(tile.bound[middle], 0.1f + shared::kCuts * away, 0.006f * away) << row;
+    EXPECT_NEAR(tile.outlets.bound[middle], 0.1f + shared::kCuts * away, 0.006f * away) << row;
   }
 }
 
@@ -65,22 +65,22 @@ TEST(ReposeOutlets, LeaveAHeapInlandToTheRounds) {
 
 TEST(ReposeOutlets, TakeAWallForOne) {
   ReposeTiles tiles = row_of(8);
-  tiles[0]->z[7] = 0.0f;
-  tiles[0]->up[7] = tiles[0]->normal_z[7] = 0.05f;
+  tiles[0]->ground.z[7] = 0.0f;
+  tiles[0]->ground.up[7] = tiles[0]->ground.normal_z[7] = 0.05f;
   cover(tiles, std::vector<float>(8, 0.2f));
   lower_tile_bounds(tiles, 0, 1, {});
   tiles[0]->cut();
   // Its own point is far below, and no snow over it bears that beside it.
-  EXPECT_NEAR(tiles[0]->held[6] + tiles[0]->moved[6], 0.0, 1.0);
-  EXPECT_NEAR(tiles[0]->top[5], 0.1f + shared::kCuts * 0.01f, 1e-5f);
+  EXPECT_NEAR(tiles[0]->snow.held[6] + tiles[0]->snow.moved[6], 0.0, 1.0);
+  EXPECT_NEAR(tiles[0]->snow.top[5], 0.1f + shared::kCuts * 0.01f, 1e-5f);
 }
 
 /// Two rows of 32 texels in tiles beside each other, covered by 0.6 m, whose step has begun.
 ReposeTiles two_beside() {
   ReposeTiles tiles(4);
   for (size_t t : {0, 1}) tiles[t] = std::move(row_of(32)[0]);
-  for (size_t i = 0; i < 32; ++i) tiles[1]->x[i] += 0.32f;
-  tiles[0]->forward[31] = 1;
+  for (size_t i = 0; i < 32; ++i) tiles[1]->ground.x[i] += 0.32f;
+  tiles[0]->ground.forward[31] = 1;
   for (size_t t : {0, 1}) {
     for (size_t i = 0; i < 32; ++i) tiles[t]->cover(i, 0.6f, kUnit);
     tiles[t]->begin_step();
@@ -95,21 +95,21 @@ TEST(ReposeOutlets, BoundTheSnowOfTilesBeside) {
   const TileBounds done = lower_tile_bounds(tiles, 0, 2, rim_of(tiles));
   EXPECT_TRUE(done.has_changed);
   EXPECT_EQ(done.seen_by & TileWindow::seen_by(kReposeBlock, 1), 1u << 5);
-  EXPECT_NEAR(tiles[1]->bound[0], 0.1f + shared::kCuts * 0.325f, 1e-5f);
+  EXPECT_NEAR(tiles[1]->outlets.bound[0], 0.1f + shared::kCuts * 0.325f, 1e-5f);
   lower_tile_bounds(tiles, 1, 2, {});
-  EXPECT_NEAR(tiles[1]->bound[31], 0.1f + shared::kCuts * 0.635f, 1e-5f);
+  EXPECT_NEAR(tiles[1]->outlets.bound[31], 0.1f + shared::kCuts * 0.635f, 1e-5f);
 }
 
 TEST(ReposeOutlets, PassOnAgainWhatHasChangedOnly) {
   ReposeTiles tiles = two_beside();
-  for (size_t t : {0, 1}) EXPECT_EQ(tiles[t]->rows_to_pass, kAllWindowRows);
-  tiles[1]->rows_to_pass = 0;
+  for (size_t t : {0, 1}) EXPECT_EQ(tiles[t]->outlets.rows_to_pass, kAllWindowRows);
+  tiles[1]->outlets.rows_to_pass = 0;
   lower_tile_bounds(tiles, 0, 2, rim_of(tiles));
-  EXPECT_EQ(tiles[0]->rows_to_pass, 0u);
-  EXPECT_EQ(tiles[1]->rows_to_pass, 1u);
+  EXPECT_EQ(tiles[0]->outlets.rows_to_pass, 0u);
+  EXPECT_EQ(tiles[1]->outlets.rows_to_pass, 1u);
   lower_tile_bounds(tiles, 1, 2, {});
-  EXPECT_NEAR(tiles[1]->bound[31], 0.1f + shared::kCuts * 0.635f, 1e-5f);
-  EXPECT_EQ(tiles[1]->rows_to_pass, 0u);
+  EXPECT_NEAR(tiles[1]->outlets.bound[31], 0.1f + shared::kCuts * 0.635f, 1e-5f);
+  EXPECT_EQ(tiles[1]->outlets.rows_to_pass, 0u);
 }
 
 TEST(ReposeTile, ForgetsWhatMovedInAStepAndItsFlows) {
@@ -119,13 +119,13 @@ TEST(ReposeTile, ForgetsWhatMovedInAStepAndItsFlows) {
   cover(tiles, heights);
   std::vector<RimLink> rims;
   EXPECT_TRUE(run_tile_rounds(tiles, 0, 1, rims, 0, 2).has_changed);
-  EXPECT_EQ(tiles[0]->moved_rows, 1u);
-  EXPECT_LT(tiles[0]->moved[20], 0.0);
-  EXPECT_NE((*tiles[0]->flow)[0][20], 0.0f);
+  EXPECT_EQ(tiles[0]->snow.moved_rows, 1u);
+  EXPECT_LT(tiles[0]->snow.moved[20], 0.0);
+  EXPECT_NE((*tiles[0]->links.flow)[0][20], 0.0f);
   tiles[0]->begin_step();
-  EXPECT_FALSE(tiles[0]->has_moved());
-  EXPECT_EQ(tiles[0]->moved, decltype(tiles[0]->moved){});
-  EXPECT_EQ((*tiles[0]->flow)[0], ReposeTile::Plane{});
+  EXPECT_FALSE(tiles[0]->snow.has_moved());
+  EXPECT_EQ(tiles[0]->snow.moved, decltype(tiles[0]->snow.moved){});
+  EXPECT_EQ((*tiles[0]->links.flow)[0], TilePlane{});
 }
 
 TEST(TileWindow, SaysWhichTilesSeeACell) {

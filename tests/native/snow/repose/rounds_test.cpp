@@ -88,7 +88,7 @@ TEST(ReposeRounds, LeaveTwoTexelsAsTheyAreUpToTheLimit) {
   cover(tiles, {0.0599f, 0.05f});
   std::vector<RimLink> none;
   EXPECT_FALSE(run_tile_rounds(tiles, 0, 1, none, 0, 8).has_changed);
-  EXPECT_EQ(tiles[0]->moved[0], 0.0);
+  EXPECT_EQ(tiles[0]->snow.moved[0], 0.0);
 }
 
 TEST(ReposeRounds, BringTwoTexelsToTheLimitAndLoseNothing) {
@@ -97,10 +97,10 @@ TEST(ReposeRounds, BringTwoTexelsToTheLimitAndLoseNothing) {
   std::vector<RimLink> none;
   run_to_rest(tiles, none);
   const ReposeTile& tile = *tiles[0];
-  EXPECT_EQ(tile.moved[0] + tile.moved[1], 0.0);
-  EXPECT_LE(tile.top[0] - tile.top[1], 0.0100001f);
-  EXPECT_GE(tile.top[0] - tile.top[1], 0.0085f);
-  EXPECT_NEAR(tile.top[0] + tile.top[1], 0.312f, 1e-6f);
+  EXPECT_EQ(tile.snow.moved[0] + tile.snow.moved[1], 0.0);
+  EXPECT_LE(tile.snow.top[0] - tile.snow.top[1], 0.0100001f);
+  EXPECT_GE(tile.snow.top[0] - tile.snow.top[1], 0.0085f);
+  EXPECT_NEAR(tile.snow.top[0] + tile.snow.top[1], 0.312f, 1e-6f);
 }
 
 TEST(ReposeRounds, SpreadAHeapOverThreeTexelsAlikeOnBothSides) {
@@ -110,9 +110,9 @@ TEST(ReposeRounds, SpreadAHeapOverThreeTexelsAlikeOnBothSides) {
   run_to_rest(tiles, none);
   const ReposeTile& tile = *tiles[0];
   EXPECT_EQ(all_moved(tile), 0.0);
-  EXPECT_EQ(tile.moved[0], tile.moved[2]);
-  EXPECT_LE(tile.top[1] - tile.top[0], 0.0100001f);
-  EXPECT_GT(tile.top[1] - tile.top[0], 0.004f);
+  EXPECT_EQ(tile.snow.moved[0], tile.snow.moved[2]);
+  EXPECT_LE(tile.snow.top[1] - tile.snow.top[0], 0.0100001f);
+  EXPECT_GT(tile.snow.top[1] - tile.snow.top[0], 0.004f);
 }
 
 TEST(ReposeRounds, LetFallOverARimWhatItDoesNotSupport) {
@@ -121,26 +121,26 @@ TEST(ReposeRounds, LetFallOverARimWhatItDoesNotSupport) {
   // The rim is half a texel away.
   std::vector<RimLink> rims{{0, 0.1f, 0.005f, shared::link_rate(tiles[0]->stiffness(0), 0.0f)}};
   run_to_rest(tiles, rims);
-  EXPECT_LE(tiles[0]->top[0] - 0.1f, 0.0050001f);
-  EXPECT_GT(tiles[0]->top[0] - 0.1f, 0.001f);
-  EXPECT_LT(tiles[0]->moved[0], 0.0);
-  EXPECT_EQ(tiles[0]->moved[0], std::floor(tiles[0]->moved[0]));
+  EXPECT_LE(tiles[0]->snow.top[0] - 0.1f, 0.0050001f);
+  EXPECT_GT(tiles[0]->snow.top[0] - 0.1f, 0.001f);
+  EXPECT_LT(tiles[0]->snow.moved[0], 0.0);
+  EXPECT_EQ(tiles[0]->snow.moved[0], std::floor(tiles[0]->snow.moved[0]));
 }
 
 TEST(ReposeRounds, LetFallOntoAWallBelowButLeanOnOneAbove) {
   for (const float wall_z : {0.0f, 0.2f}) {
     ReposeTiles tiles = row_of(2);
-    tiles[0]->z[1] = wall_z;
-    tiles[0]->up[1] = tiles[0]->normal_z[1] = 0.05f;
+    tiles[0]->ground.z[1] = wall_z;
+    tiles[0]->ground.up[1] = tiles[0]->ground.normal_z[1] = 0.05f;
     cover(tiles, {0.08f, 0.01f});
     std::vector<RimLink> none;
     run_to_rest(tiles, none);
     EXPECT_EQ(all_moved(*tiles[0]), 0.0);
     if (wall_z < 0.1f) {
-      EXPECT_LT(tiles[0]->moved[0], 0.0);
-      EXPECT_NEAR(tiles[0]->held[0] + tiles[0]->moved[0], 0.0, 1.0);
+      EXPECT_LT(tiles[0]->snow.moved[0], 0.0);
+      EXPECT_NEAR(tiles[0]->snow.held[0] + tiles[0]->snow.moved[0], 0.0, 1.0);
     } else {
-      EXPECT_EQ(tiles[0]->moved[0], 0.0);
+      EXPECT_EQ(tiles[0]->snow.moved[0], 0.0);
     }
   }
 }
@@ -148,13 +148,13 @@ TEST(ReposeRounds, LetFallOntoAWallBelowButLeanOnOneAbove) {
 TEST(ReposeRounds, EmptyWhatIsSteeperThanTheLimitWhenBare) {
   ReposeTiles tiles = row_of(3);
   for (size_t i = 0; i < 3; ++i) {
-    tiles[0]->z[i] = 0.1f - 0.02f * static_cast<float>(i);
-    tiles[0]->up[i] = tiles[0]->normal_z[i] = 0.447f;
+    tiles[0]->ground.z[i] = 0.1f - 0.02f * static_cast<float>(i);
+    tiles[0]->ground.up[i] = tiles[0]->ground.normal_z[i] = 0.447f;
   }
   cover(tiles, {0.001f, 0.001f, 0.001f});
   std::vector<RimLink> none;
   run_to_rest(tiles, none);
-  EXPECT_NEAR(tiles[0]->held[0] + tiles[0]->moved[0], 0.0, 1.0);
+  EXPECT_NEAR(tiles[0]->snow.held[0] + tiles[0]->snow.moved[0], 0.0, 1.0);
   EXPECT_EQ(all_moved(*tiles[0]), 0.0);
 }
 
@@ -162,8 +162,8 @@ TEST(ReposeRounds, EmptyWhatIsSteeperThanTheLimitWhenBare) {
 ReposeTiles two_tiles(const std::vector<float>& heights) {
   ReposeTiles tiles(4);
   for (size_t t : {0, 1}) tiles[t] = std::move(row_of(32)[0]);
-  for (size_t i = 0; i < 32; ++i) tiles[1]->x[i] += 0.32f;
-  tiles[0]->forward[31] = 1;
+  for (size_t i = 0; i < 32; ++i) tiles[1]->ground.x[i] += 0.32f;
+  tiles[0]->ground.forward[31] = 1;
   for (size_t i = 0; i < heights.size(); ++i) tiles[i / 32]->cover(i % 32, heights[i], kUnit);
   for (size_t t : {0, 1}) tiles[t]->begin_step();
   for (const int32_t block : {0, 1})
@@ -177,20 +177,20 @@ TEST(ReposeRounds, LetATileSleepUntilSnowComesFromBeside) {
   ReposeTiles tiles = two_tiles(heights);
   std::vector<RimLink> none;
   EXPECT_FALSE(run_tile_rounds(tiles, 1, 2, none, 0, 8).has_changed);
-  EXPECT_FALSE(tiles[1]->is_active());
+  EXPECT_FALSE(tiles[1]->links.is_active());
   EXPECT_TRUE(run_tile_rounds(tiles, 0, 2, none, 0, 8).has_changed);
-  EXPECT_GT(tiles[1]->moved[0], 0.0);
-  EXPECT_EQ(tiles[1]->active_rows.load(), 1u);  // its first row
+  EXPECT_GT(tiles[1]->snow.moved[0], 0.0);
+  EXPECT_EQ(tiles[1]->links.active_rows.load(), 1u);  // its first row
   EXPECT_EQ(all_moved(*tiles[0]) + all_moved(*tiles[1]), 0.0);
 }
 
 TEST(ReposeRounds, DoNotAskABareSlopeForSnow) {
   ReposeTiles tiles = row_of(3);
-  for (size_t i = 0; i < 3; ++i) tiles[0]->z[i] = 0.1f - 0.02f * static_cast<float>(i);
+  for (size_t i = 0; i < 3; ++i) tiles[0]->ground.z[i] = 0.1f - 0.02f * static_cast<float>(i);
   cover(tiles, {0.0f, 0.0f, 0.0f});
   std::vector<RimLink> none;
   EXPECT_EQ(run_tile_rounds(tiles, 0, 1, none, 0, 8).rounds, 0);
-  EXPECT_FALSE(tiles[0]->is_active());
+  EXPECT_FALSE(tiles[0]->links.is_active());
 }
 
 TEST(ReposeRounds, CarryABankToRestInAFewRoundsATexel) {
@@ -203,7 +203,7 @@ TEST(ReposeRounds, CarryABankToRestInAFewRoundsATexel) {
   while (run_tile_rounds(tiles, 0, 1, none, rounds, 1).flows && rounds < 1000) ++rounds;
   EXPECT_LT(rounds, 200);
   for (size_t i = 0; i + 1 < 32; ++i) {
-    EXPECT_LE(std::abs(tiles[0]->top[i] - tiles[0]->top[i + 1]), 0.0100001f);
+    EXPECT_LE(std::abs(tiles[0]->snow.top[i] - tiles[0]->snow.top[i + 1]), 0.0100001f);
   }
   EXPECT_EQ(all_moved(*tiles[0]), 0.0);
 }

@@ -20,11 +20,11 @@ inline ReposeTiles row_of(int count) {
   tile.begin_pose();
   for (int i = 0; i < count; ++i) {
     const auto cell = static_cast<size_t>(i);
-    tile.x[cell] = 0.01f * static_cast<float>(i);
-    tile.z[cell] = 0.1f;
-    tile.normal_z[cell] = tile.up[cell] = 1.0f;
-    tile.area[cell] = 1e-4f;
-    tile.forward[cell] = i + 1 < count ? 1 : 0;
+    tile.ground.x[cell] = 0.01f * static_cast<float>(i);
+    tile.ground.z[cell] = 0.1f;
+    tile.ground.normal_z[cell] = tile.ground.up[cell] = 1.0f;
+    tile.ground.area[cell] = 1e-4f;
+    tile.ground.forward[cell] = i + 1 < count ? 1 : 0;
   }
   return tiles;
 }
@@ -36,7 +36,7 @@ inline void cover(ReposeTiles& tiles, const std::vector<float>& heights) {
 }
 
 inline double all_moved(const ReposeTile& tile) {
-  return std::accumulate(tile.moved.begin(), tile.moved.end(), 0.0);
+  return std::accumulate(tile.snow.moved.begin(), tile.snow.moved.end(), 0.0);
 }
 
 /// A level row whose first texel has a rim half a texel away.
