@@ -53,15 +53,15 @@ class Textures:
 
 def _image(path, color_space):
     """The image, once per colour space: a file may be both a colour and a mask."""
-    path = str(Path(path))
+    path = Path(path)
     for image in bpy.data.images:
-        # An image without users was only loaded by Check.
-        if bpy.path.abspath(image.filepath) == path and (
+        # An image without users was only loaded by Check. On Windows, Blender may turn slashes round in a path.
+        if Path(bpy.path.abspath(image.filepath)) == path and (
             image.colorspace_settings.name == color_space or image.users == 0
         ):
             image.colorspace_settings.name = color_space
             return image
-    image = bpy.data.images.load(path)
+    image = bpy.data.images.load(str(path))
     image.colorspace_settings.name = color_space
     return image
 
