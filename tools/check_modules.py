@@ -21,7 +21,7 @@ WINDOWS = {"kernel32.dll", "ntdll.dll", "opengl32.dll", "gdi32.dll", "user32.dll
 MACOS = {"/usr/lib/libSystem.B.dylib"}
 CPU_TYPE_ARM64 = 0x0100000C
 # Names that the linker adds, and the operators new and delete of libc++, which programs may replace.
-MACOS_LINKER = re.compile(r"___dso_handle|__mh_dylib_header|__Z(nw|na|dl|da)[A-Z]\w*")
+MACOS_LINKER = re.compile(r"___dso_handle|__mh_dylib_header|__Z(nw|na|dl|da)\w+")
 # Prefixes of the C library's files in Windows 10.
 WINDOWS_C = ("api-ms-win-crt-", "ucrtbase", "msvcrt.dll")
 
