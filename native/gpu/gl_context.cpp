@@ -27,6 +27,23 @@ GpuInfo read_info(const std::string& device) {
   return info;
 }
 
+std::string missing_feature() {
+  GLint fewest = kStorageBlocks;
+  for (const GLenum stage :
+       {GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS,
+        GL_MAX_TESS_CONTROL_SHADER_STORAGE_BLOCKS, GL_MAX_TESS_EVALUATION_SHADER_STORAGE_BLOCKS,
+        GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS}) {
+    GLint blocks = 0;
+    glGetIntegerv(stage, &blocks);
+    fewest = std::min(fewest, blocks);
+  }
+  return fewest == kStorageBlocks
+             ? ""
+             : "the driver " + gl_string(GL_VERSION) + " has " + std::to_string(fewest) +
+                   " storage blocks in a stage of a shader, and " + std::to_string(kStorageBlocks) +
+                   " are needed: update it";
+}
+
 bool is_software(std::string_view renderer) {
   return renderer.find("llvmpipe") != std::string_view::npos ||
          renderer.find("softpipe") != std::string_view::npos;

@@ -26,6 +26,13 @@ bool renders_in_software();
 
 GpuInfo read_info(const std::string& device);
 
+/// Storage blocks that a stage of a shader may use. OpenGL 4.5 guarantees 8 to compute shaders;
+/// drivers of graphics cards, and Mesa since 22.3, have 16 in every stage.
+inline constexpr int32_t kStorageBlocks = 13;
+/// What the current context lacks of what the shaders need, as a sentence without its full stop;
+/// empty: nothing.
+std::string missing_feature();
+
 /// Why no hardware context is possible, as far as can be known without creating one: no EGL or
 /// OpenGL library, or only software devices. Empty: there may be one.
 std::string why_no_hardware();

@@ -81,6 +81,17 @@ def test_a_variant_compiles_and_its_stages_fit_together(variant, tmp_path):
     assert complaints_of(sources, tmp_path) == []
 
 
+def test_no_stage_has_more_storage_blocks_than_are_asked_of_a_driver():
+    header = (FOLDER.parent / "native" / "gpu" / "gl_context.h").read_text()
+    most = int(re.search(r"kStorageBlocks = (\d+);", header)[1])
+    used = [
+        (len(set(re.findall(r"\bbuffer\s+(\w+)\s*\{", snowbough_native.shader_source(file, defines)))), file)
+        for files, defines in variants()
+        for file in files
+    ]
+    assert max(used)[0] == most, max(used)
+
+
 def test_stages_that_do_not_fit_together_are_told(tmp_path):
     vertex = "#version 450 core\nflat out uint a;\nvoid main() { a = 1u; gl_Position = vec4(0.0); }\n"
     fragment = (
