@@ -119,7 +119,7 @@ bpy.context.scene.frame_set(2)
 
 
 @pytest.mark.parametrize("again", ["pass", 'bpy.ops.preferences.addon_enable(module="snowbough")'])
-def test_the_add_on_may_be_switched_off_in_the_middle_of_a_bake(addon, native, tmp_path, again):
+def test_the_add_on_may_be_switched_off_in_the_middle_of_a_bake(addon, tmp_path, again):
     source, scripts = Path(addon("cli").__file__).parent, tmp_path / "scripts"
     shutil.copytree(source, scripts / "addons" / "snowbough", ignore=shutil.ignore_patterns("__pycache__"))
     program = DISABLED.replace("TESTS", repr(str(Path(__file__).parent))).replace("AGAIN", again)
@@ -127,7 +127,7 @@ def test_the_add_on_may_be_switched_off_in_the_middle_of_a_bake(addon, native, t
     if not bpy.app.binary_path:
         pytest.skip("needs a Blender program")
     # In packages, the module is not in the add-on's folder.
-    modules = str(Path(native.__file__).parent)
+    modules = str(Path(addon("base.native").load().__file__).parent)
     environment = {**os.environ, "BLENDER_USER_SCRIPTS": str(scripts), "SNOWBOUGH_NATIVE": modules}
     done = subprocess.run(
         child.command(program), env=environment, capture_output=True, text=True, timeout=120
