@@ -126,9 +126,9 @@ def test_the_add_on_may_be_switched_off_in_the_middle_of_a_bake(addon, tmp_path,
     program = program.replace("CACHE", repr(str(tmp_path / "cache")))
     if not bpy.app.binary_path:
         pytest.skip("needs a Blender program")
-    # In packages, the module is not in the add-on's folder.
-    modules = str(Path(addon("base.native").load().__file__).parent)
-    environment = {**os.environ, "BLENDER_USER_SCRIPTS": str(scripts), "SNOWBOUGH_NATIVE": modules}
+    if not addon("base.native").module_file():
+        pytest.skip("an extension's folder does not contain its module")
+    environment = {**os.environ, "BLENDER_USER_SCRIPTS": str(scripts)}
     done = subprocess.run(
         child.command(program), env=environment, capture_output=True, text=True, timeout=120
     )
