@@ -5,7 +5,7 @@
 #       build/snowbough-<version>.zip, for the Python that the module in the folder (build/python) was built for.
 #       Blender 3.4 to 4.1 install it as an add-on, 4.2 and later as an extension.
 #   ./tools/package.sh release [linux|windows|macos ...]
-#       build/packages: the release for these systems (default: linux and windows; macos has not been linked yet). It
+#       build/packages: the release for these systems (default: linux and windows; macos has never been run). It
 #       has one zip per system for Blender 4.2 and later, one zip for 3.4 to 4.1, the wheels, and a repository that users add in Blender by path or URL.
 #       Builds missing modules (tools/build_modules.sh).
 set -euo pipefail

@@ -26,8 +26,8 @@ bool renders_in_software();
 
 GpuInfo read_info(const std::string& device);
 
-/// Storage blocks that a stage of a shader may use. OpenGL 4.5 guarantees 8 to compute shaders;
-/// drivers of graphics cards, and Mesa since 22.3, have 16 in every stage.
+/// Storage blocks that a stage of a shader may use. OpenGL 4.5 guarantees only 8, and only to
+/// compute shaders: Mesa's llvmpipe has 8 in version 22.0 and 16 in 22.3, in every stage.
 inline constexpr int32_t kStorageBlocks = 13;
 /// What the current context lacks of what the shaders need, as a sentence without its full stop;
 /// empty: nothing.
