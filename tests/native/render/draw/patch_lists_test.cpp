@@ -95,16 +95,18 @@ TEST(PatchLists, patchesAreListedByClassInTheirOrderAndDrawnByBatch) {
 }
 
 TEST(PatchLists, aRangeStartsWithAWorkGroup) {
-  WorkList list;
-  list.add(4, 0, 65);
-  list.add(5, 0, 0);
-  list.add(6, 7, 1);
-  ASSERT_EQ(list.ranges().size(), 2u);
-  EXPECT_EQ(list.ranges()[1].first_slot, 128);
-  EXPECT_EQ(list.ranges()[1].first_item, 7);
-  EXPECT_EQ(list.groups(), 3);
-  EXPECT_EQ(list.count_of(4), 65);
-  EXPECT_EQ(list.count_of(5), 0);
+  gpu::GpuThread::shared("")->run([] {
+    WorkList list;
+    list.add(4, 0, 65);
+    list.add(5, 0, 0);
+    list.add(6, 7, 1);
+    ASSERT_EQ(list.ranges().size(), 2u);
+    EXPECT_EQ(list.ranges()[1].first_slot, 128);
+    EXPECT_EQ(list.ranges()[1].first_item, 7);
+    EXPECT_EQ(list.groups(), 3);
+    EXPECT_EQ(list.count_of(4), 65);
+    EXPECT_EQ(list.count_of(5), 0);
+  });
 }
 
 }  // namespace
