@@ -24,16 +24,21 @@ float sunlit(vec3 position, vec3 normal, float reach) { return 1.0; }
 /// differences between pixels would outweigh the normal.
 const float kLeastFacing = 0.2;
 
+/// `rise`: differences of the height to the next pixels in x and y.
 /// Source: M. S. Mikkelsen, Bump Mapping Unparametrized Surfaces on the GPU, 2010.
-vec3 with_relief(vec3 position, vec3 normal, float height) {
+vec3 with_rise(vec3 position, vec3 normal, vec2 rise) {
   const vec3 x = dFdx(position);
   const vec3 y = dFdy(position);
   const vec3 r1 = cross(y, normal);
   const vec3 r2 = cross(normal, x);
   const float det = dot(x, r1);
-  const vec3 gradient = sign(det) * (dFdx(height) * r1 + dFdy(height) * r2);
+  const vec3 gradient = sign(det) * (rise.x * r1 + rise.y * r2);
   const vec3 raised = max(abs(det), kLeastFacing * length(cross(x, y))) * normal - gradient;
   return dot(raised, raised) > 0.0 ? normalize(raised) : normal;
+}
+
+vec3 with_relief(vec3 position, vec3 normal, float height) {
+  return with_rise(position, normal, vec2(dFdx(height), dFdy(height)));
 }
 
 // Shading of snow on any object: subsurface scattering, fine bumps, grains and glinting crystals. All patterns are

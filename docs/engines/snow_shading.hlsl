@@ -24,16 +24,21 @@ float sunlit(float3 position, float3 normal, float reach) { return 1.0; }
 /// differences between pixels would outweigh the normal.
 static const float kLeastFacing = 0.2;
 
+/// `rise`: differences of the height to the next pixels in x and y.
 /// Source: M. S. Mikkelsen, Bump Mapping Unparametrized Surfaces on the GPU, 2010.
-float3 with_relief(float3 position, float3 normal, float height) {
+float3 with_rise(float3 position, float3 normal, float2 rise) {
   const float3 x = ddx(position);
   const float3 y = ddy(position);
   const float3 r1 = cross(y, normal);
   const float3 r2 = cross(normal, x);
   const float det = dot(x, r1);
-  const float3 gradient = sign(det) * (ddx(height) * r1 + ddy(height) * r2);
+  const float3 gradient = sign(det) * (rise.x * r1 + rise.y * r2);
   const float3 raised = max(abs(det), kLeastFacing * length(cross(x, y))) * normal - gradient;
   return dot(raised, raised) > 0.0 ? normalize(raised) : normal;
+}
+
+float3 with_relief(float3 position, float3 normal, float height) {
+  return with_rise(position, normal, float2(ddx(height), ddy(height)));
 }
 
 // Shading of snow on any object: subsurface scattering, fine bumps, grains and glinting crystals. All patterns are
