@@ -17,7 +17,7 @@ MAP, REPOSE, OUTPUT = 50, 92, 89
 # Bytes per texel along the rims of charts, about this many map widths per layout; bytes per triangle.
 RIM, RIM_WIDTHS, TRIANGLE = 1536, 6, 235
 # Bytes per texel of all receivers: tables of the output, copies of tables, coverage, the state at a checkpoint.
-BAKE = 72
+BAKE = 30
 # Bytes of the tile of the occlusion render.
 TILE = 80 * 2**20
 
