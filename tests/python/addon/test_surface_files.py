@@ -2,6 +2,7 @@
 """The files of snow surfaces (snowbough.surface): recorded, computed from the cache alone, refused where they are
 damaged, and as before where an update stops. Without Blender."""
 
+import contextlib
 import os
 from types import SimpleNamespace
 
@@ -159,18 +160,21 @@ def test_a_point_cache_in_a_folder_that_is_not_there_names_it(tmp_path):
         point_cache.PointCacheWriter(tmp_path / "gone" / "a.pc2", 1)
 
 
-@pytest.fixture
+@contextlib.contextmanager
 def small_files():
-    """Files cannot grow beyond 64 bytes."""
+    """Files of this process cannot grow beyond 64 bytes, the test's own report included."""
     resource = pytest.importorskip("resource", reason="needs limits of processes")
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (64, before[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
-def test_a_point_cache_that_cannot_grow_is_removed(tmp_path, small_files):
+def test_a_point_cache_that_cannot_grow_is_removed(tmp_path):
     with (
+        small_files(),
         pytest.raises(CacheError, match="a.pc2 could not be written: File too large"),
         point_cache.PointCacheWriter(tmp_path / "a.pc2", 3) as cache,
     ):
