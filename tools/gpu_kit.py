@@ -49,12 +49,12 @@ def fail(text):
     sys.exit(f"gpu_kit: {text}")
 
 
+def left_out(_folder, names):
+    return LEFT_OUT.intersection(names)
+
+
 def copy_python(source, kit):
     """Copies CPython, without the folders in LEFT_OUT, to the kit."""
-
-    def left_out(_folder, names):
-        return LEFT_OUT.intersection(names)
-
     shutil.copytree(source, kit / "python", ignore=left_out)
 
 
@@ -77,9 +77,7 @@ def install(system, wheel, kit):
         done = subprocess.run([*command, "--target", folder, str(wheel), NUMPY], check=False)
         if done.returncode:
             fail(f"pip cannot install {wheel.name} and {NUMPY}")
-        copy_python(folder, kit / "packages")
-        shutil.copytree(kit / "packages" / "python", kit / "python" / site, dirs_exist_ok=True)
-        shutil.rmtree(kit / "packages")
+        shutil.copytree(folder, kit / "python" / site, ignore=left_out, dirs_exist_ok=True)
 
 
 def copy_scripts(kit):
