@@ -183,12 +183,6 @@ EGLContext make_context(EGLDisplay display, std::string& failure) {
     eglDestroyContext(display, context);
     return EGL_NO_CONTEXT;
   }
-  failure = missing_feature();
-  if (!failure.empty()) {
-    eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    eglDestroyContext(display, context);
-    return EGL_NO_CONTEXT;
-  }
   return context;
 }
 

@@ -3,6 +3,7 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace snowbough::gpu {
 namespace {
@@ -27,8 +28,8 @@ GpuInfo read_info(const std::string& device) {
   return info;
 }
 
-std::string missing_feature() {
-  GLint fewest = kStorageBlocks;
+int32_t storage_blocks() {
+  GLint fewest = std::numeric_limits<GLint>::max();
   for (const GLenum stage :
        {GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS,
         GL_MAX_TESS_CONTROL_SHADER_STORAGE_BLOCKS, GL_MAX_TESS_EVALUATION_SHADER_STORAGE_BLOCKS,
@@ -37,11 +38,7 @@ std::string missing_feature() {
     glGetIntegerv(stage, &blocks);
     fewest = std::min(fewest, blocks);
   }
-  return fewest == kStorageBlocks
-             ? ""
-             : "the driver " + gl_string(GL_VERSION) + " has " + std::to_string(fewest) +
-                   " storage blocks in a stage of a shader, and " + std::to_string(kStorageBlocks) +
-                   " are needed: update it";
+  return fewest;
 }
 
 bool is_software(std::string_view renderer) {

@@ -26,12 +26,9 @@ bool renders_in_software();
 
 GpuInfo read_info(const std::string& device);
 
-/// Storage blocks that a stage of a shader may use. OpenGL 4.5 guarantees only 8, and only to
-/// compute shaders: Mesa's llvmpipe has 8 in version 22.0 and 16 in 22.3, in every stage.
-inline constexpr int32_t kStorageBlocks = 13;
-/// What the current context lacks of what the shaders need, as a sentence without its full stop;
-/// empty: nothing.
-std::string missing_feature();
+/// Storage blocks that every stage of a shader may use in the current context. OpenGL 4.5
+/// guarantees 8, and only to compute shaders: Mesa's llvmpipe has 8 in version 22.0 and 16 in 22.3.
+int32_t storage_blocks();
 
 /// Why no hardware context is possible, as far as can be known without creating one: no EGL or
 /// OpenGL library, or only software devices. Empty: there may be one.

@@ -95,12 +95,6 @@ GlContext::GlContext(const std::string& device) {
     const HDC pixels = ::GetDC(window);
     choose_pixels(pixels);
     context_ = make_context(pixels);
-    const std::string missing = missing_feature();
-    if (!missing.empty()) {
-      ::wglMakeCurrent(nullptr, nullptr);
-      ::wglDeleteContext(static_cast<HGLRC>(context_));
-      throw std::runtime_error(missing + ", or choose the engine CPU");
-    }
   } catch (...) {
     ::DestroyWindow(window);
     throw;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "render/frame_drawing.h"
@@ -16,6 +17,12 @@ struct Renderer::Drawing {
   std::optional<FrameReader> reader;
 
   void make() {
+    const int32_t blocks = gpu::storage_blocks();
+    if (blocks < kStorageBlocks) {
+      throw std::runtime_error("the OpenGL driver has " + std::to_string(blocks) +
+                               " storage blocks in a stage of a shader, and drawing needs " +
+                               std::to_string(kStorageBlocks) + ": update the driver");
+    }
     objects.emplace();
     frames.emplace(*objects);
     reader.emplace();

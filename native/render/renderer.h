@@ -21,6 +21,9 @@ namespace snowbough::render {
 
 class SceneObjects;
 
+/// Storage blocks that a stage of the renderer's shaders uses at most, see gpu::storage_blocks.
+inline constexpr int32_t kStorageBlocks = 13;
+
 /// Pixels of a picture: height x width x 4 (sRGB, alpha 1 where something was drawn), row 0 at the
 /// bottom.
 struct Picture {
@@ -79,7 +82,8 @@ struct TreeLevels {
 /// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, sections 3.4 and 4.2.2.
 class Renderer {
  public:
-  /// `device` as for GpuThread. @throws std::runtime_error if no context can be created.
+  /// `device` as for GpuThread. @throws std::runtime_error if no context can be created, or if its
+  /// driver has fewer than kStorageBlocks storage blocks.
   ///
   /// With `waits` false, the constructor and all functions that change the scene return
   /// immediately, even before the context exists. `take_frame` then throws errors of these calls,

@@ -81,8 +81,9 @@ def test_a_variant_compiles_and_its_stages_fit_together(variant, tmp_path):
     assert complaints_of(sources, tmp_path) == []
 
 
-def test_no_stage_has_more_storage_blocks_than_are_asked_of_a_driver():
-    header = (FOLDER.parent / "native" / "gpu" / "gl_context.h").read_text()
+def test_no_stage_has_more_storage_blocks_than_drivers_are_asked_for():
+    """OpenGL 4.5 guarantees 8 to the passes of snow; the renderer asks for more."""
+    header = (FOLDER.parent / "native" / "render" / "renderer.h").read_text()
     most = int(re.search(r"kStorageBlocks = (\d+);", header)[1])
     used = [
         (len(set(re.findall(r"\bbuffer\s+(\w+)\s*\{", snowbough_native.shader_source(file, defines)))), file)
@@ -90,6 +91,9 @@ def test_no_stage_has_more_storage_blocks_than_are_asked_of_a_driver():
         for file in files
     ]
     assert max(used)[0] == most, max(used)
+    snow = "".join(path.read_text() for path in (FOLDER.parent / "native" / "snow").rglob("*.cpp"))
+    of_snow = [(count, file) for count, file in used if f'"{file}"' in snow]
+    assert len(of_snow) > 20 and max(of_snow)[0] <= 8, max(of_snow)
 
 
 def test_stages_that_do_not_fit_together_are_told(tmp_path):
