@@ -34,7 +34,8 @@ void main() {
     const int cell = block * kReposeCells + i;
     const int units = units_over(texelFetch(cells, cell), texelFetch(bounds, cell).x);
     if (units > 0) {
-      moved[cell] = other_moved[cell] = -units;
+      moved[cell] = -units;
+      other_moved[cell] = -units;
       cuts = 1u;
     }
   }

@@ -13,8 +13,11 @@ void main() {
   const int block = listed_block();
   for (int i = int(gl_LocalInvocationID.x); block >= 0 && i < kReposeCells; i += 64) {
     const int cell = block * kReposeCells + i;
-    moved[cell] = other_moved[cell] = 0;
-    flows[cell] = other_flows[cell] = vec4(0.0);
-    bounds[cell] = other_bounds[cell] = kUnbounded;
+    moved[cell] = 0;
+    other_moved[cell] = 0;
+    flows[cell] = vec4(0.0);
+    other_flows[cell] = vec4(0.0);
+    bounds[cell] = kUnbounded;
+    other_bounds[cell] = kUnbounded;
   }
 }

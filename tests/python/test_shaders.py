@@ -81,6 +81,38 @@ def test_a_variant_compiles_and_its_stages_fit_together(variant, tmp_path):
     assert complaints_of(sources, tmp_path) == []
 
 
+def reads_of_write_only(source):
+    """Where a shader reads its writeonly buffers, as NVIDIA's compiler sees it: also in `a[i] = b[i] = 0`, which reads
+    b. Names and texts before them."""
+    declared = r"\bwriteonly\s+buffer\s+\w+\s*\{\s*\w+\s+(\w+)\s*\[[^}]*\}|KERNEL_BLOCK_WRITEONLY\(\w+, \w+, (\w+)\)"
+    text = re.sub(r"//.*|^\s*#.*", "", source, flags=re.MULTILINE)
+    names = ["".join(groups) for groups in re.findall(declared, text)]
+    body = re.sub(declared, "", text)
+    found = []
+    for name in names:
+        for place in re.finditer(rf"\b{name}\s*\[", body):
+            before = body[: place.start()].rstrip()
+            if before[-1] not in ";{})":
+                found.append((name, before[-20:]))
+    return found
+
+
+def test_no_shader_reads_a_writeonly_buffer():
+    read = {
+        file: reads_of_write_only(snowbough_native.shader_source(file, defines))
+        for files, defines in variants()
+        for file in files
+    }
+    assert len(read) > 30
+    assert {file: places for file, places in read.items() if places} == {}
+
+
+def test_a_chained_assignment_to_a_writeonly_buffer_is_found():
+    source = "layout(std430) writeonly buffer B { int b[]; };\nvoid main() { a[0] = b[0] = 1; }"
+    assert [name for name, _ in reads_of_write_only(source)] == ["b"]
+    assert reads_of_write_only(source.replace("a[0] = ", "if (true) ")) == []
+
+
 def test_no_stage_has_more_storage_blocks_than_drivers_are_asked_for():
     """OpenGL 4.5 guarantees 8 to the passes of snow; the renderer asks for more."""
     header = (FOLDER.parent / "native" / "render" / "renderer.h").read_text()
