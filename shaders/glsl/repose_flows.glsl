@@ -62,7 +62,9 @@ void request_from(int block, int i, int round_of_sweep, float momentum) {
       }
       flows[k * kReposeWindowCells + i] = next;
       if (next != 0) {
-        atomicAdd(requests[next > 0 ? i : to], abs(next));
+        // NVIDIA's compiler fails at a choice within the index.
+        const int giver = next > 0 ? i : to;
+        atomicAdd(requests[giver], abs(next));
         row_flows[round_of_sweep * kReposeWindow + i / kReposeWindow] = has_flow[round_of_sweep] = 1u;
       }
     }

@@ -113,6 +113,19 @@ def test_a_chained_assignment_to_a_writeonly_buffer_is_found():
     assert reads_of_write_only(source.replace("a[0] = ", "if (true) ")) == []
 
 
+def test_no_atomic_function_chooses_its_target_in_an_index():
+    """NVIDIA's compiler (driver 580) then ends with 'unexpected expression in DUI_foreachId'."""
+    choice = re.compile(r"\batomic\w+\(\s*\w+\[[^\]]*\?")
+    assert choice.search("atomicAdd(requests[next > 0 ? i : to], 1);")
+    found = [
+        (file, match[0])
+        for files, defines in variants()
+        for file in files
+        if (match := choice.search(snowbough_native.shader_source(file, defines)))
+    ]
+    assert found == []
+
+
 def test_no_stage_has_more_storage_blocks_than_drivers_are_asked_for():
     """OpenGL 4.5 guarantees 8 to the passes of snow; the renderer asks for more."""
     header = (FOLDER.parent / "native" / "render" / "renderer.h").read_text()

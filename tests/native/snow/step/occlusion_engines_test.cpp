@@ -102,7 +102,8 @@ TEST(CpuOcclusion, IsWhatThePassesInOpenGLFind) {
           ASSERT_NEAR(made.corners[i].x, corners[i].x, 1e-3f) << i;
           ASSERT_NEAR(made.corners[i].y, corners[i].y, 1e-3f) << i;
           ASSERT_NEAR(made.corners[i].z, corners[i].z, 1e-6f) << i;
-          ASSERT_NEAR(made.corners[i].w, corners[i].w, 1e-4f * (0.1f + std::abs(corners[i].w)))
+          // A graphics card need not round divisions correctly: 1.6e-4 on an NVIDIA H100.
+          ASSERT_NEAR(made.corners[i].w, corners[i].w, 3e-4f * (0.1f + std::abs(corners[i].w)))
               << i;
         }
         for (size_t i = 0; i < surface.size(); ++i) {
