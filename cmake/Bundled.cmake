@@ -124,7 +124,7 @@ if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
   target_link_options(unwinder PRIVATE -nostdlib -Wl,-soname,libgcc_s.so.1)
 endif()
 
-# SNOWBOUGH_WIDE (base/simd.h): functions compiled for AVX2 and for the baseline. The format of Linux's libraries can
+# SNOWBOUGH_WIDE (base/simd.h): functions compiled for AVX-512, AVX2 and the baseline. The format of Linux's libraries can
 # choose between them at load time, that of Windows' libraries cannot. zig's runtime library does not contain the test
 # of the processor that the choice calls.
 if(CMAKE_SYSTEM_NAME STREQUAL "Linux")

@@ -10,6 +10,11 @@ endif()
 # The same input must give bit-identical results, so the compiler must not choose fused multiply-add by itself.
 target_compile_options(snowbough_warnings INTERFACE -ffp-contract=off)
 
+# Functions compiled for AVX-512 (base/simd.h) use its whole registers: compilers prefer halves of them.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND NOT APPLE)
+  target_compile_options(snowbough_warnings INTERFACE -mprefer-vector-width=512)
+endif()
+
 # Batches of files compile together: reading the headers takes half of a file's time. Names in the anonymous namespaces
 # of one library must therefore differ. The preset `dev` switches it off, so that one changed file compiles alone.
 option(SNOWBOUGH_UNITY "Compile several sources of a library together" ON)

@@ -8,13 +8,13 @@
 #include <emmintrin.h>
 #endif
 
-/// Marks a function whose loops gain from wide registers: it is compiled for AVX2 and for the
-/// baseline, and chosen at run time. Without fused multiply-add both give the same bits.
+/// Marks a function whose loops gain from wide registers: it is compiled for AVX-512, AVX2 and the
+/// baseline, and chosen at run time. Without fused multiply-add all give the same bits.
 /// cmake/Bundled.cmake defines SNOWBOUGH_CLONES for Clang.
 #if (defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
      !defined(__SANITIZE_ADDRESS__)) ||                                 \
     defined(SNOWBOUGH_CLONES)
-#define SNOWBOUGH_WIDE __attribute__((target_clones("avx2", "default")))
+#define SNOWBOUGH_WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define SNOWBOUGH_WIDE
 #endif

@@ -98,17 +98,18 @@ TEST(CpuOcclusion, IsWhatThePassesInOpenGLFind) {
         const TrianglesSetUp made = set_up_bench(bench);
         const auto corners = bench.scene.triangle_corners.read_all<glm::vec4>();
         const auto surface = bench.scene.triangle_surface.read_all<glm::vec4>();
+        // A graphics card need not round divisions correctly: 1.6e-4 (w) and 1.5e-5 (surface's y) on an
+        // NVIDIA H100.
         for (size_t i = 0; i < corners.size(); ++i) {
           ASSERT_NEAR(made.corners[i].x, corners[i].x, 1e-3f) << i;
           ASSERT_NEAR(made.corners[i].y, corners[i].y, 1e-3f) << i;
           ASSERT_NEAR(made.corners[i].z, corners[i].z, 1e-6f) << i;
-          // A graphics card need not round divisions correctly: 1.6e-4 on an NVIDIA H100.
           ASSERT_NEAR(made.corners[i].w, corners[i].w, 3e-4f * (0.1f + std::abs(corners[i].w)))
               << i;
         }
         for (size_t i = 0; i < surface.size(); ++i) {
           ASSERT_NEAR(made.surface[i].x, surface[i].x, 1e-5f) << i;
-          ASSERT_NEAR(made.surface[i].y, surface[i].y, 1e-5f * surface[i].y) << i;
+          ASSERT_NEAR(made.surface[i].y, surface[i].y, 3e-5f * surface[i].y) << i;
           ASSERT_NEAR(made.surface[i].z, surface[i].z, 1e-5f) << i;
         }
         const PixelRect pixels = bench.tiles.front().pixels;
