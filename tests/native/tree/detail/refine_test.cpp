@@ -1,4 +1,3 @@
-#include "tree/detail/refine.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
