@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "base/group_by_key.h"
 #include "base/union_find.h"
 #include "snow/surface/vectors.h"
 
@@ -55,7 +56,6 @@ float far_extent(const Rim& rim, const base::TriangleTree& tree, float most) {
   return most;
 }
 
-/// The faces at each edge.
 struct EdgeFaces {
   std::array<int32_t, 2> face{-1, -1};
   int32_t count = 0;
@@ -151,22 +151,22 @@ Rims::Rims(const SurfaceMesh& mesh, const base::TriangleTree& tree,
   for (const auto& triangle : mesh.triangle) part_of_triangle_.push_back(part[triangle[0]]);
 
   const RimFinder finder(mesh, shading);
+  std::vector<Rim> found;
   for (size_t e = 0; e < edges.ends.size(); ++e) {
     Rim rim;
     if (!finder.find(edges.ends[e], faces[e], rim)) continue;
     rim.part = part[edges.ends[e][0]];
     rim.far_extent = far_extent(rim, tree, far_reach);
-    rims_.push_back(rim);
+    found.push_back(rim);
   }
-  std::stable_sort(rims_.begin(), rims_.end(),
-                   [](const Rim& a, const Rim& b) { return a.part < b.part; });
-  part_begin_.assign(mesh.position.size() + 1, 0);
+  const auto for_rims = [&](const auto& visit) {
+    for (const Rim& rim : found) visit(rim.part, rim);
+  };
+  base::group_by_key(mesh.position.size(), for_rims, part_begin_, rims_);
   std::vector<CellGrid::Box> boxes;
   for (const Rim& rim : rims_) {
-    ++part_begin_[static_cast<size_t>(rim.part) + 1];
     boxes.push_back({glm::min(rim.from, rim.to), glm::max(rim.from, rim.to)});
   }
-  for (size_t p = 0; p + 1 < part_begin_.size(); ++p) part_begin_[p + 1] += part_begin_[p];
   grid_ = CellGrid(boxes, reach);
 }
 
