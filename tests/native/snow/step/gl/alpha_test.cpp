@@ -173,21 +173,5 @@ TEST(OcclusionAlpha, MemoryCountsAMaskThatTwoObjectsShareOnce) {
   EXPECT_EQ(estimate_shared_memory({&a, &b}).geometry - opaque, 4 * 32 + 16 + (1 << 17));
 }
 
-TEST(AlphaMask, HalfAlphaIsThere) {
-  EXPECT_EQ(make_alpha_mask(3, 1, 0, {127, 128, 255}).bits, std::vector<uint32_t>{0b110u});
-}
-
-TEST(AlphaMask, WhatDoesNotFitIsRefused) {
-  EXPECT_THROW(make_alpha_mask(0, 1, 0, {}), std::invalid_argument);
-  EXPECT_THROW(make_alpha_mask(2, 2, 0, {0, 0, 0}), std::invalid_argument);
-  EXPECT_THROW(alpha_extension("repeat"), std::invalid_argument);
-  SceneObject object = alpha_card("a", 0.0f);
-  cut(object, left_half());
-  EXPECT_NO_THROW(check_alpha(object.description.alpha, 2));
-  EXPECT_THROW(check_alpha(object.description.alpha, 3), std::invalid_argument);
-  object.description.alpha.mask[1] = 1;
-  EXPECT_THROW(check_alpha(object.description.alpha, 2), std::invalid_argument);
-}
-
 }  // namespace
 }  // namespace snowbough::snow
