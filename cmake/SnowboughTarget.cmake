@@ -26,3 +26,10 @@ function(snowbough_library name)
   target_link_libraries(${name} PRIVATE snowbough_warnings)
   set_target_properties(${name} PROPERTIES UNITY_BUILD ${SNOWBOUGH_UNITY} UNITY_BUILD_BATCH_SIZE 8)
 endfunction()
+
+# snowbough_room(NAME FOLDERS... ): the library of all sources in the folders.
+function(snowbough_room name)
+  list(TRANSFORM ARGN APPEND "/*.cpp")
+  file(GLOB sources CONFIGURE_DEPENDS RELATIVE "${CMAKE_CURRENT_SOURCE_DIR}" ${ARGN})
+  snowbough_library(${name} ${sources})
+endfunction()

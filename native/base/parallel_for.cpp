@@ -1,7 +1,5 @@
 #include "base/parallel_for.h"
 
-#include <algorithm>
-#include <atomic>
 #include <exception>
 #include <mutex>
 

@@ -188,9 +188,6 @@ void Program::set(const std::string& name, uint32_t value) {
 void Program::set(const std::string& name, const glm::vec2& value) {
   glProgramUniform2fv(id_, find(name, Kind::kUniform, "uniform").location, 1, &value.x);
 }
-void Program::set(const std::string& name, const glm::vec3& value) {
-  glProgramUniform3fv(id_, find(name, Kind::kUniform, "uniform").location, 1, &value.x);
-}
 void Program::set(const std::string& name, const glm::vec4& value) {
   glProgramUniform4fv(id_, find(name, Kind::kUniform, "uniform").location, 1, &value.x);
 }
@@ -199,10 +196,6 @@ void Program::set(const std::string& name, const glm::ivec2& value) {
 }
 void Program::set(const std::string& name, const glm::uvec2& value) {
   glProgramUniform2uiv(id_, find(name, Kind::kUniform, "uniform").location, 1, &value.x);
-}
-void Program::set(const std::string& name, const glm::mat4& value) {
-  glProgramUniformMatrix4fv(id_, find(name, Kind::kUniform, "uniform").location, 1, GL_FALSE,
-                            &value[0][0]);
 }
 
 void Program::bind(const std::string& block, const Buffer& buffer) {
@@ -225,10 +218,9 @@ void Program::bind_texture(const std::string& sampler, const BufferTexture& text
   glBindTextureUnit(find(sampler, Kind::kSampler, "sampler").unit, texture.id());
 }
 
-void Program::bind_image(const std::string& image, const Texture& texture, GLenum access,
-                         int32_t layer) {
-  glBindImageTexture(find(image, Kind::kImage, "image").unit, texture.id(), 0, layer < 0,
-                     layer < 0 ? 0 : layer, access, texture.format());
+void Program::bind_image(const std::string& image, const Texture& texture, GLenum access) {
+  glBindImageTexture(find(image, Kind::kImage, "image").unit, texture.id(), 0, GL_TRUE, 0, access,
+                     texture.format());
 }
 
 void Program::require_ready() const {

@@ -3,9 +3,7 @@
 #include <epoxy/gl.h>
 
 #include <cstdint>
-#include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
-#include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <map>
 #include <string>
@@ -53,21 +51,17 @@ class Program {
   void set(const std::string& name, int32_t value);
   void set(const std::string& name, uint32_t value);
   void set(const std::string& name, const glm::vec2& value);
-  void set(const std::string& name, const glm::vec3& value);
   void set(const std::string& name, const glm::vec4& value);
   void set(const std::string& name, const glm::ivec2& value);
   void set(const std::string& name, const glm::uvec2& value);
-  void set(const std::string& name, const glm::mat4& value);
 
   /// Binds a whole buffer, or `bytes` from `offset`, to a storage or uniform block.
   void bind(const std::string& block, const Buffer& buffer);
   void bind(const std::string& block, const Buffer& buffer, int64_t offset, int64_t bytes);
-  /// Binds a texture to a sampler.
   void bind_texture(const std::string& sampler, const Texture& texture);
   void bind_texture(const std::string& sampler, const BufferTexture& texture);
-  /// Binds mip level 0 of a texture (all layers of an array, or one layer) to an image.
-  void bind_image(const std::string& image, const Texture& texture, GLenum access,
-                  int32_t layer = -1);
+  /// Binds mip level 0 of a texture, with all layers of an array, to an image.
+  void bind_image(const std::string& image, const Texture& texture, GLenum access);
 
   /// Runs a compute program. @throws std::logic_error naming inputs that were not set.
   void dispatch(int32_t groups_x, int32_t groups_y = 1, int32_t groups_z = 1);

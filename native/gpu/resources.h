@@ -3,8 +3,6 @@
 #include <epoxy/gl.h>
 
 #include <cstdint>
-#include <span>
-#include <string>
 #include <utility>
 #include <vector>
 

@@ -15,12 +15,6 @@ Query::~Query() {
   }
 }
 
-bool Query::is_ready() const {
-  GLint ready = 0;
-  glGetQueryObjectiv(id_, GL_QUERY_RESULT_AVAILABLE, &ready);
-  return ready != 0;
-}
-
 uint64_t Query::result() const {
   GLuint64 value = 0;
   glGetQueryObjectui64v(id_, GL_QUERY_RESULT, &value);

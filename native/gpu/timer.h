@@ -21,8 +21,6 @@ class Query : public Handle {
   Query& operator=(Query&&) noexcept = default;
   ~Query();
 
-  /// Whether `result` would return at once.
-  bool is_ready() const;
   /// Waits until the GPU has reached the query.
   uint64_t result() const;
 };

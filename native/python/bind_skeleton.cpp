@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
-#include <memory>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -87,12 +85,12 @@ Skeleton read_tree(const py::object& path, const std::string& up_axis, const std
   });
 }
 
-std::vector<int32_t> indices_from(const InputArray<int32_t>& array, int32_t least, size_t below,
+std::vector<int32_t> indices_from(const InputArray<int32_t>& array, size_t below,
                                   const std::string& what) {
   if (array.ndim() != 1) throw std::invalid_argument(what + " must have shape (N,)");
   std::vector<int32_t> indices(array.data(), array.data() + array.size());
   for (const int32_t index : indices) {
-    if (index >= least && index < static_cast<int64_t>(below)) continue;
+    if (index >= 0 && index < static_cast<int64_t>(below)) continue;
     throw std::invalid_argument(what + " holds " + std::to_string(index) + ", out of range");
   }
   return indices;
@@ -105,8 +103,8 @@ tree::ObjScene scene_from_arrays(size_t vertices, const InputArray<int32_t>& fac
                                  std::vector<std::string> names,
                                  std::vector<std::string> materials) {
   tree::ObjScene scene;
-  scene.corner_vertex = indices_from(corner_vertex, 0, vertices, "corner_vertex");
-  scene.face_begin = indices_from(face_begin, 0, scene.corner_vertex.size() + 1, "face_begin");
+  scene.corner_vertex = indices_from(corner_vertex, vertices, "corner_vertex");
+  scene.face_begin = indices_from(face_begin, scene.corner_vertex.size() + 1, "face_begin");
   const bool faces_have_corners =
       scene.face_begin.size() > 1 && scene.face_begin.front() == 0 &&
       scene.face_begin.back() == static_cast<int32_t>(scene.corner_vertex.size()) &&

@@ -1,9 +1,7 @@
 #include "render/renderer.h"
 
 #include <algorithm>
-#include <optional>
 #include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "render/frame_drawing.h"

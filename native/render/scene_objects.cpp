@@ -4,7 +4,6 @@
 #include <glm/geometric.hpp>
 #include <stdexcept>
 #include <tuple>
-#include <utility>
 
 namespace snowbough::render {
 namespace {

@@ -1,10 +1,8 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "base/progress.h"
-#include "tree/mesh/bones_reduce.h"
 #include "tree/mesh/mesh_check.h"
 #include "tree/skeleton/skeleton.h"
 #include "tree/skeleton/tree_mesh.h"

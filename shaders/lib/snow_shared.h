@@ -212,8 +212,6 @@ const uint kBlocksAGroup = kTexelGroup / kBlock;
 const uint kGroupListBegin = 8u;
 /// A group's state: snow lies on one of its texels.
 const uint kHoldsSnow = 1u;
-/// Maximum number of work groups in one dimension that OpenGL guarantees.
-const uint kMostGroups = 65535u;
 /// Largest LOCAL_SIZE, see native/snow/step/gl/driver.h.
 const uint kMaxLocalSize = 64u;
 /// Pixels of a row per work group.

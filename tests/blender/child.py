@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blenders that tests start."""
 
+import subprocess
 import sys
 
 import bpy
+import pytest
+from conftest import ROOT
 
 # Blender as a module may crash or wait for ever in its own handler at exit: 4.2.23 and 4.5.15 do.
 END_AT_ONCE = """
@@ -22,3 +25,12 @@ def command(program):
         options = ["-b", "--factory-startup", "--python-exit-code", "1"]
         return [bpy.app.binary_path, *options, "--python-expr", program]
     return [sys.executable, "-c", f"{END_AT_ONCE}\n{program}\nend()"]
+
+
+def bake(blend, *arguments):
+    """A bake on the command line, by the checkout's script; the ended process. Skips if this Blender is a module."""
+    if not bpy.app.binary_path:
+        pytest.skip("this Blender is a Python module and has no command line")
+    command = [bpy.app.binary_path, "-b", str(blend), "--factory-startup", "--python-exit-code", "1"]
+    command += ["-P", str(ROOT / "addon" / "snowbough" / "cli.py"), "--", "bake", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120)

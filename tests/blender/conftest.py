@@ -28,6 +28,12 @@ def addon():
 
 
 @pytest.fixture
+def native():
+    """The native module of the installed add-on."""
+    return addon_module("base.native").load()
+
+
+@pytest.fixture
 def stand_in(monkeypatch):
     """stand_in(SnowSimulation=...): a copy of the native module with other things under these names takes its place in
     sys.modules, where the add-on looks it up."""

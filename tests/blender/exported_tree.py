@@ -6,6 +6,8 @@ import sys
 import bpy
 import numpy as np
 from conftest import ROOT
+from mathutils import Vector
+from synthetic_tree import evaluated_vertices
 
 sys.path.insert(0, str(ROOT / "tests" / "support"))
 import glb  # noqa: E402
@@ -38,6 +40,26 @@ def leafy_file(folder, native):
     path = folder / "leafy.obj"
     path.write_text("\n".join([text, *head, "g leaves", "usemtl leaf", *cards, ""]))
     return path
+
+
+def import_collection(path=MAPLE, **settings):
+    """The collection of an imported tree."""
+    assert bpy.ops.import_scene.xfrog_tree(filepath=str(path), **settings) == {"FINISHED"}
+    return bpy.data.collections[path.stem]
+
+
+def assert_weighted(bark):
+    for vertex in bark.data.vertices:
+        assert 1 <= len(vertex.groups) <= 4
+        assert abs(sum(entry.weight for entry in vertex.groups) - 1) < 1e-6
+
+
+def assert_follows(bark, rig):
+    """The whole bark moves with the root bone."""
+    rest = evaluated_vertices(bark)
+    root = next(bone for bone in rig.pose.bones if bone.parent is None)
+    root.location = root.bone.matrix_local.to_3x3().inverted() @ Vector((1, 2, 3))
+    assert np.allclose(evaluated_vertices(bark) - rest, (1, 2, 3), atol=1e-4)
 
 
 def import_tree(path=MAPLE, **options):

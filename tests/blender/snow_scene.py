@@ -68,6 +68,15 @@ def bake(**arguments):
     bpy.ops.snowbough.bake(**arguments)
 
 
+def bake_part(addon, first=None, last=None, objects=(), resume=False, on_frame=None, **options):
+    """A bake of a part of the shot, with more options of make_request(); returns the RunningBake."""
+    scene, from_scene = bpy.context.scene, addon("bake.from_scene")
+    request = from_scene.make_request(scene, resume, first, last, objects, **options)
+    running = from_scene.prepare_bake(scene, request, on_frame)
+    addon("bake.engine").run(bpy.context, running)
+    return running
+
+
 def warnings(addon, depsgraph=None):
     """The warnings that a bake on the command line prints."""
     scene, depsgraph = bpy.context.scene, depsgraph or bpy.context.evaluated_depsgraph_get()
@@ -151,3 +160,23 @@ def texel(map_, u, v):
 def open_ground(map_):
     """Mean height of a map away from its border."""
     return float(np.mean(map_[8:-8, 8:-8]))
+
+
+def node_tree():
+    """A tree with one geometry in and one out: (tree, input node, output node)."""
+    tree = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
+    if hasattr(tree, "interface"):
+        for in_out in ("INPUT", "OUTPUT"):
+            tree.interface.new_socket("Geometry", in_out=in_out, socket_type="NodeSocketGeometry")
+    else:
+        tree.inputs.new("NodeSocketGeometry", "Geometry")
+        tree.outputs.new("NodeSocketGeometry", "Geometry")
+    return tree, tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+
+
+def instance_geometry(tree, obj):
+    """The output of a new node of the tree that has an object as an instance."""
+    info = tree.nodes.new("GeometryNodeObjectInfo")
+    info.inputs["Object"].default_value = obj
+    info.inputs["As Instance"].default_value = True
+    return info.outputs["Geometry"]

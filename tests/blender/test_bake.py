@@ -11,11 +11,6 @@ import pytest
 import snow_scene as s
 
 
-@pytest.fixture
-def native(addon):
-    return addon("base.native").load()
-
-
 def test_open_ground_holds_the_planned_depth_on_every_frame(native, tmp_path):
     s.receive(s.square("Ground"))
     s.settings(tmp_path, (3, 6), end_depth=0.08)

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 import pytest
+from realtime_shot import rendered as picture_of
 
 WIDTH, HEIGHT = 96, 64
 
@@ -43,12 +44,7 @@ def rendered(addon, tmp_path):
         scene.render.image_settings.file_format = "OPEN_EXR"
         scene.render.image_settings.color_depth = "32"
         scene.render.filepath = str(tmp_path / "bark.exr")
-        bpy.ops.render.render(write_still=True)
-        image = bpy.data.images.load(scene.render.filepath)
-        pixels = np.empty(len(image.pixels), np.float32)
-        image.pixels.foreach_get(pixels)
-        bpy.data.images.remove(image)
-        return pixels.reshape(HEIGHT, WIDTH, -1)[..., :3].mean(axis=2)
+        return picture_of(scene)[..., :3].mean(axis=2)
 
     return render
 

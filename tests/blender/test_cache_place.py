@@ -98,10 +98,7 @@ def test_a_renamed_file_goes_on_with_its_bake(shot, addon, tmp_path):
 
 @pytest.mark.parametrize("noted", [True, False])
 def test_a_renamed_scene_goes_on_with_its_bake(shot, addon, tmp_path, noted):
-    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
-    running = from_scene.prepare_bake(bpy.context.scene, from_scene.make_request(bpy.context.scene, last=1))
-    engine.run(bpy.context, running)
-    addon("bake.outcome").conclude(bpy.context.scene, running)
+    addon("bake.outcome").conclude(bpy.context.scene, s.bake_part(addon, last=1))
     own = shown()
     if not noted:  # baked by an earlier version
         bpy.context.scene.snowbough.cache_scene = ""
@@ -133,10 +130,7 @@ def test_a_copy_of_a_scene_and_a_new_scene_of_its_old_name_get_their_own_folders
 def test_what_was_baked_before_the_file_was_saved_is_resumed_and_freed(addon, tmp_path):
     s.receive(s.square("Ground"))
     s.settings(tmp_path / "cache", frames=(1, 4))
-    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
-    running = from_scene.prepare_bake(bpy.context.scene, from_scene.make_request(bpy.context.scene, last=2))
-    engine.run(bpy.context, running)
-    addon("bake.outcome").conclude(bpy.context.scene, running)
+    addon("bake.outcome").conclude(bpy.context.scene, s.bake_part(addon, last=2))
     own = shown()
     assert own.parent.parent.name == "Scene"
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))

@@ -10,11 +10,6 @@ FRAMES = (1, 6)
 
 
 @pytest.fixture
-def native(addon):
-    return addon("base.native").load()
-
-
-@pytest.fixture
 def at_frames():
     """at_frames({3: function}) calls a function at each change to that frame, in a handler."""
     handlers = []
@@ -189,11 +184,9 @@ def test_a_bake_that_stopped_around_an_edit_resumes_to_the_same_bytes(addon, sce
     )
     s.bake()
     whole = s.files_of(tmp_path)
-    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
     for last in (3, 4, 5):
         bpy.ops.snowbough.free_bake()
-        request = from_scene.make_request(bpy.context.scene, last=last)
-        engine.run(bpy.context, from_scene.prepare_bake(bpy.context.scene, request))
+        s.bake_part(addon, last=last)
         s.bake(resume=True)
         assert s.files_of(tmp_path) == whole
 

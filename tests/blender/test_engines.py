@@ -9,18 +9,13 @@ import subprocess
 import sys
 
 import bpy
+import child
 import numpy as np
 import pytest
 import snow_scene as s
-from conftest import ROOT
 from test_resume import blender_command, run_blender
 
 PACKAGE = os.environ["SNOWBOUGH_TEST_ADDON"]
-
-
-@pytest.fixture
-def native(addon):
-    return addon("base.native").load()
 
 
 @pytest.fixture
@@ -68,15 +63,6 @@ def logs(root):
 def checkpoint_drivers(root):
     """What the checkpoints in a cache say computed them."""
     return {json.loads(path.read_text())["driver"] for path in root.rglob("state_*.json")}
-
-
-def run_part(addon, first, last, **options):
-    """A bake of a part of the shot; returns the RunningBake."""
-    from_scene, bake_engine = addon("bake.from_scene"), addon("bake.engine")
-    request = from_scene.make_request(bpy.context.scene, first=first, last=last, **options)
-    running = from_scene.prepare_bake(bpy.context.scene, request)
-    bake_engine.run(bpy.context, running)
-    return running
 
 
 # -- the choice ---------------------------------------------------------------------------------------
@@ -194,7 +180,7 @@ def test_the_log_begins_with_engine_driver_and_reason(native, engine, tmp_path):
 def test_a_checkpoint_carries_engine_and_driver(addon, native, engine, tmp_path):
     s.moving_scene(tmp_path)
     engine("CPU")
-    assert run_part(addon, 1, 6).error is None
+    assert s.bake_part(addon, 1, 6).error is None
     with native.Engine("CPU") as held:
         assert checkpoint_drivers(tmp_path) == {f"CPU, {held.info['driver']}"}
 
@@ -223,7 +209,7 @@ def card_fails(native, stand_in):
 def test_after_a_fallback_log_and_checkpoint_name_what_really_ran(addon, native, card_fails, tmp_path):
     s.moving_scene(tmp_path)
     card_fails()
-    assert run_part(addon, 1, 6).error is None
+    assert s.bake_part(addon, 1, 6).error is None
     with native.Engine("CPU") as held:
         ran = f"CPU, {held.info['driver']}"
     assert checkpoint_drivers(tmp_path) == {ran}
@@ -236,17 +222,17 @@ def test_after_a_fallback_log_and_checkpoint_name_what_really_ran(addon, native,
 
 def test_a_fallback_does_not_continue_what_opengl_began(addon, card_fails, tmp_path):
     s.moving_scene(tmp_path)
-    assert run_part(addon, 1, 4).error is None
+    assert s.bake_part(addon, 1, 4).error is None
     for path in tmp_path.rglob("state_*.json"):
         folder, frame = addon("cache.folder"), int(path.stem[-4:])
         sidecar = folder.read_sidecar(path.parent, frame)
         folder.write_sidecar(path.parent, frame, {**sidecar, "driver": "GL, A Card, 4.6"})
     card_fails()
-    error = run_part(addon, 5, 12).error
+    error = s.bake_part(addon, 5, 12).error
     assert isinstance(error, addon("cache.errors").InputsChanged)
     assert "GL, A Card, 4.6; this is CPU, processor" in str(error)
     assert not list(tmp_path.rglob("height_0005.exr"))
-    assert run_part(addon, 5, 12, allow_other_driver=True).error is None
+    assert s.bake_part(addon, 5, 12, allow_other_driver=True).error is None
     assert len(list(tmp_path.rglob("height_0012.exr"))) == 3
 
 
@@ -300,14 +286,14 @@ def test_an_engine_continues_the_others_bake_only_when_allowed(
 ):
     s.moving_scene(tmp_path)
     engine(begun)
-    assert run_part(addon, 1, 6).error is None
+    assert s.bake_part(addon, 1, 6).error is None
     before = s.files_of(tmp_path)
     engine(resumed)
-    error = run_part(addon, 1, 12, resume=True).error
+    error = s.bake_part(addon, 1, 12, resume=True).error
     assert isinstance(error, addon("cache.errors").InputsChanged)
     assert f"another engine or driver ({begun}, " in str(error) and f"this is {resumed}, " in str(error)
     assert s.files_of(tmp_path) == before
-    assert run_part(addon, 1, 12, resume=True, allow_other_driver=True).error is None
+    assert s.bake_part(addon, 1, 12, resume=True, allow_other_driver=True).error is None
     assert len(list(tmp_path.rglob("height_0012.exr"))) == 3
 
 
@@ -408,20 +394,12 @@ def test_without_egl_receivers_in_two_runs_make_the_same_bytes(addon, shot, with
 # -- the command line ---------------------------------------------------------------------------------
 
 
-def command_line(blend, *arguments):
-    if not bpy.app.binary_path:
-        pytest.skip("this Blender is a Python module and has no command line")
-    command = [bpy.app.binary_path, "-b", str(blend), "--factory-startup", "--python-exit-code", "1"]
-    command += ["-P", str(ROOT / "addon" / "snowbough" / "cli.py"), "--", "bake", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120)
-
-
 @pytest.mark.parametrize("name", ["AUTO", "GL", "CPU"])
 def test_the_command_line_takes_an_engine(native, needs_gl, tmp_path, name):
     s.receive(s.square("Ground"))
     s.settings(tmp_path / "cache", (1, 2))
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
-    done = command_line(tmp_path / "shot.blend", "--engine", name)
+    done = child.bake(tmp_path / "shot.blend", "--engine", name)
     assert done.returncode == 0, done.stderr
     with native.Engine(name) as held:
         info = held.info
@@ -432,7 +410,7 @@ def test_the_command_line_refuses_an_engine_that_is_none(tmp_path):
     s.receive(s.square("Ground"))
     s.settings(tmp_path / "cache", (1, 2))
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
-    done = command_line(tmp_path / "shot.blend", "--engine", "VULKAN")
+    done = child.bake(tmp_path / "shot.blend", "--engine", "VULKAN")
     # Some Pythons put choices in quotes, others do not.
     assert done.returncode == 2 and "AUTO, GL, CPU" in done.stderr.replace("'", "")
     assert not (tmp_path / "cache").exists()
@@ -451,11 +429,11 @@ def age(root):
 
 def test_a_checkpoint_of_the_first_deposit_is_refused_naming_it(addon, tmp_path):
     s.moving_scene(tmp_path)
-    assert run_part(addon, 1, 6).error is None
+    assert s.bake_part(addon, 1, 6).error is None
     age(tmp_path)
     before = s.files_of(tmp_path)
     for allowed in (False, True):
-        error = run_part(addon, 1, 12, resume=True, allow_other_driver=allowed).error
+        error = s.bake_part(addon, 1, 12, resume=True, allow_other_driver=allowed).error
         assert isinstance(error, addon("cache.errors").InputsChanged)
         assert "deposit: not set, now gathered" in str(error) and "bake again from the start" in str(error)
     assert s.files_of(tmp_path) == before

@@ -13,16 +13,10 @@ import bpy
 import numpy as np
 import pytest
 from conftest import ROOT, SHARED_DATA
-from mathutils import Vector
-from synthetic_tree import evaluated_vertices
+from exported_tree import MAPLE, assert_follows, assert_weighted, import_collection
+from forest import write_forest
 
-MAPLE = ROOT / "tests" / "data" / "small_maple.obj"
 CLI = ROOT / "addon" / "snowbough" / "cli.py"
-
-
-def _import(path=MAPLE, **settings):
-    assert bpy.ops.import_scene.xfrog_tree(filepath=str(path), **settings) == {"FINISHED"}
-    return bpy.data.collections[path.stem]
 
 
 def _report(collection):
@@ -44,7 +38,7 @@ def _refused(path, **settings):
 
 
 def test_collection_armature_and_bark_have_the_files_name():
-    collection = _import()
+    collection = import_collection()
     assert sorted(obj.name for obj in collection.objects) == ["small_maple", "small_maple_bark"]
     rig, bark = bpy.data.objects["small_maple"], bpy.data.objects["small_maple_bark"]
     assert rig.type == "ARMATURE" and bark.parent == rig
@@ -55,7 +49,7 @@ def test_collection_armature_and_bark_have_the_files_name():
 
 
 def test_bark_has_its_uv_maps_in_order_and_the_branch_levels():
-    mesh = _import().objects["small_maple_bark"].data
+    mesh = import_collection().objects["small_maple_bark"].data
     assert [layer.name for layer in mesh.uv_layers] == ["bark", "snow"]
     faces = mesh.attributes["branch_level"]
     assert (faces.domain, faces.data_type, len(faces.data)) == ("FACE", "INT", len(mesh.polygons))
@@ -68,7 +62,7 @@ def test_bark_has_its_uv_maps_in_order_and_the_branch_levels():
 def test_bark_is_what_the_native_module_built(addon):
     options = addon("tree.import_options").ImportOptions()
     tree = addon("tree.import_tree").read_native(MAPLE, options).meshes[0][1]
-    mesh = _import().objects["small_maple_bark"].data
+    mesh = import_collection().objects["small_maple_bark"].data
     assert not mesh.validate()
     points = np.empty(len(mesh.vertices) * 3, np.float32)
     mesh.vertices.foreach_get("co", points)
@@ -82,29 +76,24 @@ def test_bark_is_what_the_native_module_built(addon):
 
 
 def test_weights_sum_to_one_with_at_most_four_bones():
-    bark = _import(max_bones=50).objects["small_maple_bark"]
+    bark = import_collection(max_bones=50).objects["small_maple_bark"]
     names = {bone.name for bone in bpy.data.objects["small_maple"].data.bones}
     assert {group.name for group in bark.vertex_groups} == names
-    for vertex in bark.data.vertices:
-        assert 1 <= len(vertex.groups) <= 4
-        assert abs(sum(entry.weight for entry in vertex.groups) - 1) < 1e-6
+    assert_weighted(bark)
 
 
 @pytest.mark.parametrize("budget", [1, 20, 100])
 def test_max_bones_keeps_that_many_and_the_whole_tree_still_follows(budget):
-    collection = _import(max_bones=budget)
+    collection = import_collection(max_bones=budget)
     rig, bark = collection.objects["small_maple"], collection.objects["small_maple_bark"]
     assert len(rig.data.bones) == budget
-    rest = evaluated_vertices(bark)
-    root = next(bone for bone in rig.pose.bones if bone.parent is None)
-    root.location = root.bone.matrix_local.to_3x3().inverted() @ Vector((1, 2, 3))
-    assert np.allclose(evaluated_vertices(bark) - rest, (1, 2, 3), atol=1e-4)
+    assert_follows(bark, rig)
 
 
 def test_weights_are_those_of_the_native_module(addon):
     options = addon("tree.import_options").ImportOptions(lod=1)
     tree = addon("tree.import_tree").read_native(MAPLE, options).meshes[0][1]
-    bark = _import(lod=1).objects["small_maple_bark"]
+    bark = import_collection(lod=1).objects["small_maple_bark"]
     names = addon("tree.bone_names").fitting_names(tree.bone_names)
     assert [group.name for group in bark.vertex_groups] == names
     for vertex, bones, weights in zip(
@@ -115,12 +104,12 @@ def test_weights_are_those_of_the_native_module(addon):
 
 
 def test_max_bone_level_keeps_the_trunk_only():
-    rig = _import(max_bone_level=0).objects["small_maple"]
+    rig = import_collection(max_bone_level=0).objects["small_maple"]
     assert {bone.name.rpartition(".")[0] for bone in rig.data.bones} == {"trunk1"}
 
 
 def test_the_lod_option_and_the_chain_share_one_armature():
-    collection = _import(lod_chain=True)
+    collection = import_collection(lod_chain=True)
     rig = collection.objects["small_maple"]
     barks = [collection.objects[f"small_maple_bark_LOD{k}"] for k in range(4)]
     faces = [len(bark.data.polygons) for bark in barks]
@@ -128,24 +117,24 @@ def test_the_lod_option_and_the_chain_share_one_armature():
     assert {bark.modifiers[0].object for bark in barks} == {rig}
     assert [bark.hide_render for bark in barks] == [False, True, True, True]
     bpy.ops.wm.read_homefile(use_empty=True)
-    single = _import(lod=3).objects["small_maple_bark"]
+    single = import_collection(lod=3).objects["small_maple_bark"]
     assert len(single.data.polygons) == faces[0]
 
 
 def test_importing_twice_makes_two_trees():
-    _import()
-    _import()
+    import_collection()
+    import_collection()
     assert len(bpy.data.collections) == 2 and len(bpy.data.armatures) == 2
 
 
 def test_importing_from_another_objects_edit_mode_works():
     bpy.ops.mesh.primitive_cube_add()
     bpy.ops.object.mode_set(mode="EDIT")
-    assert "small_maple" in _import().objects
+    assert "small_maple" in import_collection().objects
 
 
 def test_the_report_is_on_the_collection():
-    report = _report(_import(max_bones=100))
+    report = _report(import_collection(max_bones=100))
     assert report["form"] == "SQUARES_PER_GROUP"
     assert sum(report["branches_per_level"]) == report["branches"] == 18
     assert report["bones"] == 100
@@ -203,7 +192,7 @@ def test_leaves_are_a_second_object_on_the_armature(tmp_path):
     image.filepath_raw, image.file_format = str(tmp_path / "leaf.png"), "PNG"
     image.save()
     bpy.data.images.remove(image)
-    collection = _import(_leafy(tmp_path, "leaf.png"))
+    collection = import_collection(_leafy(tmp_path, "leaf.png"))
     leaves, rig = collection.objects["leafy_leaves"], collection.objects["leafy"]
     assert [layer.name for layer in leaves.data.uv_layers] == ["leaf", "snow"]
     assert leaves.parent == rig and leaves.modifiers[0].object == rig
@@ -216,22 +205,22 @@ def test_leaves_are_a_second_object_on_the_armature(tmp_path):
 
 
 def test_a_missing_texture_is_a_warning_with_its_name(tmp_path):
-    report = _report(_import(_leafy(tmp_path, "not_there.png")))
+    report = _report(import_collection(_leafy(tmp_path, "not_there.png")))
     assert any("not_there.png" in text for text in report["warnings"])
 
 
 def test_foliage_can_be_left_out(tmp_path):
-    assert "leafy_leaves" not in _import(_leafy(tmp_path, "x.png"), foliage=False).objects
+    assert "leafy_leaves" not in import_collection(_leafy(tmp_path, "x.png"), foliage=False).objects
 
 
 def test_foliage_is_what_is_named(tmp_path):
     path = _leafy(tmp_path, "x.png")
-    assert "leafy_leaves" in _import(path, foliage_names="leaves").objects
+    assert "leafy_leaves" in import_collection(path, foliage_names="leaves").objects
     assert "starts with 'petals'" in _refused(path, foliage_names="petals")
 
 
 def test_snow_maps_remember_the_resolution_they_are_for(addon, tmp_path):
-    objects = _import(_leafy(tmp_path, "x.png"), snow_resolution=512).objects
+    objects = import_collection(_leafy(tmp_path, "x.png"), snow_resolution=512).objects
     assert [objects[f"leafy_{part}"]["snowbough_snow_resolution"] for part in ("bark", "leaves")] == [
         512,
         512,
@@ -249,7 +238,7 @@ def test_snow_maps_remember_the_resolution_they_are_for(addon, tmp_path):
 def test_wood_that_is_left_out_is_reported_with_its_share(addon, tmp_path):
     path = tmp_path / "sheet.obj"
     path.write_text(MAPLE.read_text() + "\ng bark_sheet\nv 9 9 9\nv 9 8 9\nv 8 8 9\nv 8 9 9\nf -4 -3 -2 -1\n")
-    report = _report(_import(path, foliage=False))
+    report = _report(import_collection(path, foliage=False))
     (line,) = addon("tree.import_tree").warning_lines({**report, "warnings": []})
     assert line.startswith("bark_sheet was left out: a single plane, not a limb: ")
     assert line.endswith(" % of the wood's area")
@@ -264,8 +253,8 @@ def test_a_lone_pole_comes_in_with_a_warning_and_a_tree_without(tmp_path):
     pole = tmp_path / "pole.obj"
     pole.write_text("g post\n" + "\n".join(lines) + "\n")
     expected = "nothing in the file has branches or leaves"
-    assert [text for text in _report(_import(pole))["warnings"] if text.startswith(expected)]
-    assert not [text for text in _report(_import())["warnings"] if text.startswith(expected)]
+    assert [text for text in _report(import_collection(pole))["warnings"] if text.startswith(expected)]
+    assert not [text for text in _report(import_collection())["warnings"] if text.startswith(expected)]
 
 
 def test_too_little_memory_is_reported(stand_in):
@@ -353,7 +342,7 @@ def test_presets_set_only_what_the_operator_has():
         if path.stem == "Film_close-up":
             values["detail"] = "GAME"  # keeps this test quick
         bpy.ops.wm.read_homefile(use_empty=True)
-        _import(**values)
+        import_collection(**values)
 
 
 @pytest.mark.parametrize("name", ["Broad-leaf", "Evergreen", "Game_engine", "Film_close-up"])
@@ -429,40 +418,12 @@ def test_the_command_line_refuses_bad_input_with_a_message(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["empty.obj"]
 
 
-def _write_forest(path, limbs=4000, rings=30):
-    """A thick trunk with many limbs of four-sided rings: about 22 MB, seconds of work."""
-    ring = ((1, 0), (0, 1), (-1, 0), (0, -1))
-    faces = "".join(
-        "f "
-        + " ".join(
-            str(corner - 4 * rings)
-            for corner in (4 * r + k, 4 * r + (k + 1) % 4, 4 * r + 4 + (k + 1) % 4, 4 * r + 4 + k)
-        )
-        + "\n"
-        for r in range(rings - 1)
-        for k in range(4)
-    )
-    steps = np.arange(rings)[:, None, None]
-    with path.open("w") as file:
-        for limb in range(limbs + 1):
-            turn, height = 2.4 * limb, 0.01 * limb
-            across = np.array((np.cos(turn), np.sin(turn), 0.0))
-            side = np.array((-np.sin(turn), np.cos(turn), 0.0))
-            squares = np.array([x * side + (0, 0, y) for x, y in ring])
-            if limb == 0:
-                rows = 0.5 * np.array([(x, y, 0) for x, y in ring]) + steps * (0, 0, 0.012 * limbs / rings)
-            else:
-                rows = 0.02 * squares + steps * 0.1 * across + (0, 0, height)
-            file.write("".join("v %.5f %.5f %.5f\n" % tuple(row) for row in rows.reshape(-1, 3).tolist()))
-            file.write(faces)
-
-
 def test_ctrl_c_stops_the_command_line_and_leaves_nothing(tmp_path):
     if not Path("/proc/self/fd").is_dir():
         pytest.skip("needs /proc to see when the file is being read")
     forest, results = tmp_path / "forest.obj", tmp_path / "results"
     results.mkdir()
-    _write_forest(forest)
+    write_forest(forest, limbs=4000, rings=30)  # about 22 MB, seconds of work
     arguments = ["import", forest, "--out", results / "t.blend", "--json", results / "r.json"]
     running = subprocess.Popen(
         [*_program(), "-P", str(CLI), "--", *map(str, arguments)],
@@ -521,7 +482,7 @@ def _shared_trees():
 @pytest.mark.parametrize("name", _shared_trees() or ["tubes/AL06a.obj"])
 def test_every_shared_tree_comes_in_closed_without_options(addon, shared_tree, name):
     path = shared_tree(name)
-    collection = _import(path)
+    collection = import_collection(path)
     mesh = collection.objects[f"{path.stem}_bark"].data
     corners = addon("base.compat").read_corner_vertices(mesh).reshape(-1, 4)
     check = addon("base.native").load().check_mesh(addon("base.compat").read_positions(mesh), corners)
@@ -532,14 +493,14 @@ def test_every_shared_tree_comes_in_closed_without_options(addon, shared_tree, n
 
 @pytest.mark.parametrize("name", ["tubes/AL06a.obj", "squares/AL06a_squares.obj"])
 def test_real_exports_come_in_whole(shared_tree, name):
-    report = _report(_import(shared_tree(name)))
+    report = _report(import_collection(shared_tree(name)))
     assert report["branches"] == 199
     assert report["surface"]["components"] == 1 and report["surface"]["closed"]
     assert report["skipped_parts"] == []
 
 
 def test_a_real_tree_keeps_all_its_branches_under_a_bone_budget(shared_tree):
-    report = _report(_import(shared_tree("tubes/BL02A_Betula_lenta.obj"), max_bones=1000))
+    report = _report(import_collection(shared_tree("tubes/BL02A_Betula_lenta.obj"), max_bones=1000))
     assert (report["branches"], report["bones"]) == (1348, 1000)
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from exported_tree import import_collection
 
 SIDES, RINGS, HEIGHT = 6, 5, 4.0
 
@@ -69,11 +70,6 @@ def pack(tmp_path):
     return tmp_path / "bought.obj"
 
 
-def _import(path, **settings):
-    assert bpy.ops.import_scene.xfrog_tree(filepath=str(path), **settings) == {"FINISHED"}
-    return bpy.data.collections[path.stem]
-
-
 def _warnings(collection):
     return json.loads(collection["snowbough_report"])["warnings"]
 
@@ -101,7 +97,7 @@ def _image_behind(socket):
 
 @pytest.mark.parametrize("settings", [{"lod": 0}, {}, {"lod_chain": True}], ids=str)
 def test_each_face_of_the_wood_has_its_own_material(pack, settings):
-    collection = _import(pack, **settings)
+    collection = import_collection(pack, **settings)
     for bark in collection.objects:
         if bark.type != "MESH" or "bark" not in bark.name:
             continue
@@ -112,7 +108,7 @@ def test_each_face_of_the_wood_has_its_own_material(pack, settings):
 
 
 def test_the_exports_own_coordinates_are_a_third_map(pack, addon):
-    mesh = _import(pack).objects["bought_bark"].data
+    mesh = import_collection(pack).objects["bought_bark"].data
     assert [layer.name for layer in mesh.uv_layers] == ["bark", "snow", "original"]
     assert mesh.uv_layers.active.name == "bark"
     uv = addon("base.compat").read_uv(mesh.uv_layers["original"], len(mesh.loops))
@@ -125,7 +121,7 @@ def test_the_exports_own_coordinates_are_a_third_map(pack, addon):
 
 
 def test_textures_are_found_and_used_on_the_exports_coordinates(pack, addon):
-    bark = _import(pack).objects["bought_bark"]
+    bark = import_collection(pack).objects["bought_bark"]
     surface = _surface(bark.data.materials["lower"])
     assert _image_behind(surface.inputs["Base Color"]) == ("bark.png", "sRGB", (2.0, 3.0), "original")
     bump = surface.inputs["Normal"].links[0].from_node
@@ -139,7 +135,7 @@ def test_textures_are_found_and_used_on_the_exports_coordinates(pack, addon):
 
 
 def test_wood_without_a_texture_has_procedural_bark_in_its_colour(pack):
-    material = _import(pack).objects["bought_bark"].data.materials["upper"]
+    material = import_collection(pack).objects["bought_bark"].data.materials["upper"]
     ramp = next(node for node in material.node_tree.nodes if node.type == "VALTORGB")
     assert tuple(ramp.color_ramp.elements[1].color)[:3] == pytest.approx((0.4, 0.1, 0.1))
     maps = {node.uv_map for node in material.node_tree.nodes if node.type == "UVMAP"}
@@ -147,7 +143,7 @@ def test_wood_without_a_texture_has_procedural_bark_in_its_colour(pack):
 
 
 def test_leaves_let_light_through_and_are_cut(pack, addon):
-    material = _import(pack).objects["bought_leaves"].data.materials[0]
+    material = import_collection(pack).objects["bought_leaves"].data.materials[0]
     tree = material.node_tree
     back = next(node for node in tree.nodes if node.type == "BSDF_TRANSLUCENT")
     tint = back.inputs["Color"].links[0].from_node
@@ -159,7 +155,7 @@ def test_leaves_let_light_through_and_are_cut(pack, addon):
 
 
 def test_no_slot_and_no_material_is_left_unused(pack):
-    collection = _import(pack)
+    collection = import_collection(pack)
     for name, slots in (("bought_bark", ["lower", "upper"]), ("bought_leaves", ["leaf"])):
         mesh = collection.objects[name].data
         assert [material.name for material in mesh.materials] == slots
@@ -168,7 +164,7 @@ def test_no_slot_and_no_material_is_left_unused(pack):
 
 
 def test_a_texture_that_only_an_unused_material_lacks_is_not_missed(pack):
-    assert not [text for text in _warnings(_import(pack)) if "nowhere.png" in text]
+    assert not [text for text in _warnings(import_collection(pack)) if "nowhere.png" in text]
 
 
 def test_a_broken_texture_is_named_once_and_the_material_keeps_its_colour(pack):
@@ -179,7 +175,7 @@ def test_a_broken_texture_is_named_once_and_the_material_keeps_its_colour(pack):
     )
     (pack.parent / "Textures" / "bark.png").write_text("<html>not found</html>")
     (pack.parent / "Textures" / "Leaf.png").write_bytes(b"")
-    collection = _import(pack)
+    collection = import_collection(pack)
     assert [text.lower() for text in _warnings(collection)] == [
         "texture 'bark.png' of material 'lower' cannot be read",
         "texture 'leaf.png' of material 'leaf' cannot be read",
@@ -201,7 +197,7 @@ def test_a_missing_texture_is_named_once_and_leaves_are_green(pack):
         "newmtl lower\nmap_Kd bark.png\nnewmtl upper\nmap_Kd BARK.png\nnewmtl leaf\nKd 1 1 1\n"
         "map_Kd leaf.png\nmap_d leaf.png\n"
     )
-    collection = _import(pack)
+    collection = import_collection(pack)
     assert [text for text in _warnings(collection) if "leaf.png" in text] == [
         "texture 'leaf.png' of material 'leaf' is missing"
     ]
@@ -214,7 +210,7 @@ def test_a_missing_texture_is_named_once_and_leaves_are_green(pack):
 def test_a_black_leaf_without_a_texture_is_green_and_one_of_no_opacity_is_seen(tmp_path):
     _write_tree(tmp_path / "plain.obj", library=False)
     (tmp_path / "plain.mtl").write_text("newmtl leaf\nKd 0 0 0\nd 0\n")
-    surface = _surface(_import(tmp_path / "plain.obj").objects["plain_leaves"].data.materials[0])
+    surface = _surface(import_collection(tmp_path / "plain.obj").objects["plain_leaves"].data.materials[0])
     red, green, _, _ = surface.inputs["Base Color"].default_value
     assert green > red and surface.inputs["Alpha"].default_value == 1.0
 
@@ -224,14 +220,14 @@ def test_leaves_without_a_material_are_green(tmp_path, described):
     _write_tree(tmp_path / "plain.obj", library=False)
     if described:
         (tmp_path / "plain.mtl").write_text("newmtl leaf\nKd 0.7 0.1 0.1\n")
-    surface = _surface(_import(tmp_path / "plain.obj").objects["plain_leaves"].data.materials[0])
+    surface = _surface(import_collection(tmp_path / "plain.obj").objects["plain_leaves"].data.materials[0])
     red, green, _, _ = surface.inputs["Base Color"].default_value
     assert red > green if described else green > red
 
 
 def test_a_file_without_coordinates_wears_its_texture_along_the_limb(pack):
     _write_tree(pack, coordinates=False)
-    bark = _import(pack).objects["bought_bark"]
+    bark = import_collection(pack).objects["bought_bark"]
     assert [layer.name for layer in bark.data.uv_layers] == ["bark", "snow"]
     surface = _surface(bark.data.materials["lower"])
     assert _image_behind(surface.inputs["Base Color"])[3] == "bark"
@@ -244,6 +240,6 @@ def test_wood_without_any_material_keeps_the_procedural_bark(tmp_path):
         if not line.startswith("usemtl"):
             text.append(line)
     (tmp_path / "bare.obj").write_text("\n".join(text))
-    objects = _import(tmp_path / "bare.obj").objects
+    objects = import_collection(tmp_path / "bare.obj").objects
     assert [material.name for material in objects["bare_bark"].data.materials] == ["bare_bark"]
     assert [material.name for material in objects["bare_leaves"].data.materials] == ["bare_leaf"]

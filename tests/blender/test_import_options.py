@@ -8,15 +8,8 @@ import bpy
 import numpy as np
 import pytest
 from conftest import ROOT
-from mathutils import Vector
+from exported_tree import MAPLE, assert_follows, assert_weighted, import_collection
 from synthetic_tree import evaluated_vertices
-
-MAPLE = ROOT / "tests" / "data" / "small_maple.obj"
-
-
-def _import(path=MAPLE, **settings):
-    assert bpy.ops.import_scene.xfrog_tree(filepath=str(path), **settings) == {"FINISHED"}
-    return bpy.data.collections[path.stem]
 
 
 def _points(obj):
@@ -36,7 +29,7 @@ def _attribute(mesh, name, width=1):
 
 @pytest.mark.parametrize("detail", ["DRAFT", "GAME", "DEFAULT", "FILM"])
 def test_a_tree_of_any_detail_is_closed_weighted_unwrapped_and_follows_its_bones(addon, detail):
-    collection = _import(detail=detail)
+    collection = import_collection(detail=detail)
     report = json.loads(collection["snowbough_report"])
     assert report["meshes"][0]["detail"] == detail
     bark = collection.objects["small_maple_bark"]
@@ -45,34 +38,29 @@ def test_a_tree_of_any_detail_is_closed_weighted_unwrapped_and_follows_its_bones
     assert check["closed"] and list(check["euler"]) == [2]
     assert len(bark.data.polygons) == report["meshes"][0]["faces"]
     assert len(bark.data.materials) == 1
-    for vertex in bark.data.vertices:
-        assert 1 <= len(vertex.groups) <= 4
-        assert abs(sum(entry.weight for entry in vertex.groups) - 1) < 1e-6
+    assert_weighted(bark)
     for layer in bark.data.uv_layers:
         uv = addon("base.compat").read_uv(layer, corners.size).reshape(-1, 4, 2)
         (a, b), (c, d) = (uv[:, 2] - uv[:, 0]).T, (uv[:, 3] - uv[:, 1]).T
         area = a * d - b * c
         assert (np.abs(area) > 0).all(), layer.name
-    rest = evaluated_vertices(bark)
-    root = next(bone for bone in collection.objects["small_maple"].pose.bones if bone.parent is None)
-    root.location = root.bone.matrix_local.to_3x3().inverted() @ Vector((1, 2, 3))
-    assert np.allclose(evaluated_vertices(bark) - rest, (1, 2, 3), atol=1e-4)
+    assert_follows(bark, collection.objects["small_maple"])
 
 
 def test_details_get_finer_and_default_is_the_default():
     faces = []
     for detail in ("DRAFT", "GAME", "DEFAULT", "FILM"):
         bpy.ops.wm.read_homefile(use_empty=True)
-        faces.append(len(_import(detail=detail).objects["small_maple_bark"].data.polygons))
+        faces.append(len(import_collection(detail=detail).objects["small_maple_bark"].data.polygons))
     assert faces == sorted(faces) and len(set(faces)) == 4
     bpy.ops.wm.read_homefile(use_empty=True)
-    bark = _import().objects["small_maple_bark"]
+    bark = import_collection().objects["small_maple_bark"]
     assert len(bark.data.polygons) == faces[2]
     assert "snowbough_lod" not in bark
 
 
 def test_scripts_may_say_a_level_instead():
-    bark = _import(lod=0, detail="FILM").objects["small_maple_bark"]
+    bark = import_collection(lod=0, detail="FILM").objects["small_maple_bark"]
     assert len(bark.data.polygons) < 2000 and bark["snowbough_lod"] == 0
 
 
@@ -94,11 +82,11 @@ def _height(collection):
     ids=str,
 )
 def test_a_tree_comes_in_the_files_units(settings, scene_scale, factor):
-    plain = _import()
+    plain = import_collection()
     points, height = _points(plain.objects["small_maple_bark"]), _height(plain)
     bpy.ops.wm.read_homefile(use_empty=True)
     bpy.context.scene.unit_settings.scale_length = scene_scale
-    scaled = _import(**settings)
+    scaled = import_collection(**settings)
     assert _height(scaled) == pytest.approx(factor * height, rel=1e-4)
     ours = _points(scaled.objects["small_maple_bark"])
     assert np.ptp(ours, axis=0) == pytest.approx(factor * np.ptp(points, axis=0), rel=0.02)
@@ -107,7 +95,7 @@ def test_a_tree_comes_in_the_files_units(settings, scene_scale, factor):
 @pytest.mark.parametrize("scene_scale", [1.0, 0.01])
 def test_a_tree_comes_to_a_height_in_metres(scene_scale):
     bpy.context.scene.unit_settings.scale_length = scene_scale
-    collection = _import(height=9.0, unit="FEET")
+    collection = import_collection(height=9.0, unit="FEET")
     assert _height(collection) * scene_scale == pytest.approx(9.0, rel=1e-4)
     assert np.ptp(_points(collection.objects["small_maple_bark"])[:, 2]) * scene_scale == pytest.approx(
         9.0, rel=0.03
@@ -200,19 +188,19 @@ def _shown_bones(rig):
 
 @pytest.mark.parametrize("shown", [False, True])
 def test_bones_are_shown_on_demand(shown):
-    rig = _import(show_bones=shown).objects["small_maple"]
+    rig = import_collection(show_bones=shown).objects["small_maple"]
     assert not rig.hide_get()
     assert len(_shown_bones(rig)) == (len(rig.data.bones) if shown else 0)
 
 
 def test_a_tree_whose_bones_are_hidden_sways():
-    _import(max_bones=20)
+    import_collection(max_bones=20)
     assert bpy.ops.snowbough.add_sway() == {"FINISHED"}
     assert len(bpy.data.actions) == 1
 
 
 def test_wind_attributes_tell_each_points_branch(addon):
-    collection = _import(wind_attributes=True, lod=0)
+    collection = import_collection(wind_attributes=True, lod=0)
     bark = collection.objects["small_maple_bark"]
     options = addon("tree.import_options").ImportOptions(lod=0)
     tree = addon("tree.native_tree").read_native(MAPLE, options)
@@ -234,11 +222,11 @@ def test_wind_attributes_tell_each_points_branch(addon):
 
 
 def test_without_the_option_there_are_no_wind_attributes():
-    assert "_PIVOT" not in _import().objects["small_maple_bark"].data.attributes
+    assert "_PIVOT" not in import_collection().objects["small_maple_bark"].data.attributes
 
 
 def test_an_asset_has_a_picture_of_its_tree_that_is_saved(tmp_path):
-    collection = _import(mark_asset=True)
+    collection = import_collection(mark_asset=True)
     assert collection.asset_data is not None and "small_maple" in collection.asset_data.description
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "asset.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "asset.blend"))
@@ -255,7 +243,7 @@ def test_an_asset_has_a_picture_of_its_tree_that_is_saved(tmp_path):
 
 
 def test_without_the_option_it_is_no_asset():
-    assert _import().asset_data is None
+    assert import_collection().asset_data is None
 
 
 @pytest.mark.parametrize("height, hints", [(6010.0, ["the tree is 6,010 m high"]), (100.0, [])])

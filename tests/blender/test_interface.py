@@ -4,11 +4,10 @@
 import inspect
 import os
 import re
-import subprocess
 
 import bpy
+import child
 import pytest
-from conftest import ROOT
 from snow_scene import bake, receive, settings, square
 
 PACKAGE = os.environ["SNOWBOUGH_TEST_ADDON"]
@@ -235,14 +234,10 @@ def test_freeing_a_bake_leaves_no_missing_file_on_its_receivers(tmp_path):
 
 
 def test_a_bake_on_the_command_line_prints_its_own_lines_only(tmp_path):
-    if not bpy.app.binary_path:
-        pytest.skip("this Blender is a Python module and has no command line")
     settings(tmp_path / "cache", (1, 3))
     receive(square("Ground"))
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
-    command = [bpy.app.binary_path, "-b", str(tmp_path / "shot.blend"), "--factory-startup"]
-    command += ["--python-exit-code", "1", "-P", str(ROOT / "addon" / "snowbough" / "cli.py"), "--", "bake"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    done = child.bake(tmp_path / "shot.blend")
     assert done.returncode == 0, done.stderr
     # What any Blender in the background says of itself.
     blenders_own = re.compile(r"Blender \d|Read blend|Blender quit|\d\d:\d\d\.\d+ +[\w.]+ +\| |$")

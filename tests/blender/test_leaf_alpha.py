@@ -13,11 +13,6 @@ import snow_scene as s
 RING = np.pad(np.zeros((2, 2)), 1, constant_values=1.0)
 
 
-@pytest.fixture
-def native(addon):
-    return addon("base.native").load()
-
-
 def image(name="leaf", alpha=RING, color=None, path=None):
     """An image of one colour (or with `color` in all channels) and an alpha, packed or saved to `path`."""
     height, width = alpha.shape
@@ -243,12 +238,8 @@ def test_equal_bakes_of_leaves_are_equal_bytes_and_resume_to_them(addon, tmp_pat
     s.settings(tmp_path / "whole", (1, 6), noise_density=0.5, checkpoint_interval=2)
     s.bake()
     bpy.context.scene.snowbough.cache_directory = str(tmp_path / "parts")
-    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
     for names in (["Ground"], ["Leaf"]):
-        request = from_scene.make_request(bpy.context.scene, False, 1, 3, names)
-        running = from_scene.prepare_bake(bpy.context.scene, request)
-        engine.run(bpy.context, running)
-        assert running.error is None
+        assert s.bake_part(addon, 1, 3, names).error is None
     s.bake(resume=True)
     assert s.files_of(tmp_path / "parts") == s.files_of(tmp_path / "whole")
 

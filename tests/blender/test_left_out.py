@@ -9,38 +9,17 @@ import pytest
 import snow_scene as s
 
 
-@pytest.fixture
-def native(addon):
-    return addon("base.native").load()
-
-
-@pytest.fixture
-def scatter():
+def scatter(obj, instance, with_mesh=False):
     """A nodes modifier that gives an object instances of another one on its points, and nothing else."""
-
-    def build(obj, instance, with_mesh=False):
-        tree = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
-        if hasattr(tree, "interface"):
-            for in_out in ("INPUT", "OUTPUT"):
-                tree.interface.new_socket("Geometry", in_out=in_out, socket_type="NodeSocketGeometry")
-        else:
-            tree.inputs.new("NodeSocketGeometry", "Geometry")
-            tree.outputs.new("NodeSocketGeometry", "Geometry")
-        given, made = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
-        points = tree.nodes.new("GeometryNodeInstanceOnPoints")
-        info = tree.nodes.new("GeometryNodeObjectInfo")
-        info.inputs["Object"].default_value = instance
-        info.inputs["As Instance"].default_value = True
-        join = tree.nodes.new("GeometryNodeJoinGeometry")
-        tree.links.new(given.outputs[0], points.inputs["Points"])
-        tree.links.new(info.outputs["Geometry"], points.inputs["Instance"])
-        tree.links.new(points.outputs["Instances"], join.inputs[0])
-        if with_mesh:
-            tree.links.new(given.outputs[0], join.inputs[0])
-        tree.links.new(join.outputs[0], made.inputs[0])
-        obj.modifiers.new("Scatter", "NODES").node_group = tree
-
-    return build
+    tree, given, made = s.node_tree()
+    points, join = tree.nodes.new("GeometryNodeInstanceOnPoints"), tree.nodes.new("GeometryNodeJoinGeometry")
+    tree.links.new(given.outputs[0], points.inputs["Points"])
+    tree.links.new(s.instance_geometry(tree, instance), points.inputs["Instance"])
+    tree.links.new(points.outputs["Instances"], join.inputs[0])
+    if with_mesh:
+        tree.links.new(given.outputs[0], join.inputs[0])
+    tree.links.new(join.outputs[0], made.inputs[0])
+    obj.modifiers.new("Scatter", "NODES").node_group = tree
 
 
 def run_cli(addon, tmp_path, **options):
@@ -99,14 +78,11 @@ def test_what_was_asked_for_by_name_is_not_left_out_in_silence(addon, tmp_path):
     hidden.hide_render = True
     s.receive(s.square("Ground"), hidden)
     s.settings(tmp_path / "cache")
-    request = addon("bake.from_scene").make_request(bpy.context.scene, objects=["Hidden"])
-    running = addon("bake.from_scene").prepare_bake(bpy.context.scene, request)
-    addon("bake.engine").run(bpy.context, running)
-    assert "make it renderable" in str(running.error)
+    assert "make it renderable" in str(s.bake_part(addon, objects=["Hidden"]).error)
 
 
 @pytest.mark.parametrize("receiver", ["Scatterer", "Stone"])
-def test_scattered_objects_are_refused_with_the_way_out(addon, scatter, tmp_path, receiver):
+def test_scattered_objects_are_refused_with_the_way_out(addon, tmp_path, receiver):
     ground, scatterer, stone = s.square("Ground", 6.0), s.square("Scatterer", z=1.0), s.square("Stone", 0.2)
     scatter(scatterer, stone)
     bpy.context.scene.collection.objects.unlink(stone)
@@ -117,7 +93,7 @@ def test_scattered_objects_are_refused_with_the_way_out(addon, scatter, tmp_path
     assert "Realize Instances" in report["refused"][receiver]
 
 
-def test_ground_that_scatters_and_is_there_itself_carries_snow(addon, scatter, native, tmp_path):
+def test_ground_that_scatters_and_is_there_itself_carries_snow(addon, native, tmp_path):
     ground, stone = s.square("Ground", 4.0), s.square("Stone", 0.2, z=0.5)
     scatter(ground, stone, with_mesh=True)
     bpy.context.scene.collection.objects.unlink(stone)

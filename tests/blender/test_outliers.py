@@ -10,11 +10,6 @@ from realtime_shot import camera_at, rendered, set_up
 NOWHERE = [1e30, 3e6, float("nan"), float("inf")]
 
 
-@pytest.fixture
-def native(addon):
-    return addon("base.native").load()
-
-
 def add_stray(obj, x):
     """Adds a triangle whose first vertex is at a place that far away."""
     mesh = obj.data

@@ -25,11 +25,6 @@ def ground():
 
 
 @pytest.fixture
-def native(addon):
-    return addon("base.native").load()
-
-
-@pytest.fixture
 def preview(addon):
     """preview(): the preview of the current frame, started without a picture, which needs a window."""
     live = addon("preview.live")

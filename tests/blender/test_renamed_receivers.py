@@ -21,11 +21,7 @@ def undisturbed(tmp_path):
 
 
 def bake_part(addon, last, objects=()):
-    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
-    running = from_scene.prepare_bake(
-        bpy.context.scene, from_scene.make_request(bpy.context.scene, last=last, objects=objects)
-    )
-    engine.run(bpy.context, running)
+    running = s.bake_part(addon, last=last, objects=objects)
     addon("bake.outcome").conclude(bpy.context.scene, running)
     return running
 

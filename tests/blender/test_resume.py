@@ -32,18 +32,9 @@ def undisturbed(addon, tmp_path):
     return s.files_of(tmp_path / "whole")
 
 
-def run_part(addon, first, last, objects=(), resume=False):
-    """A bake of a part of the shot; returns the Session."""
-    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
-    request = from_scene.make_request(bpy.context.scene, resume, first, last, objects)
-    running = from_scene.prepare_bake(bpy.context.scene, request)
-    engine.run(bpy.context, running)
-    return running
-
-
 def test_a_bake_that_stopped_at_any_frame_resumes_to_the_same_bytes(addon, undisturbed, tmp_path):
     for last in (1, 4, 7, 11):
-        assert run_part(addon, 1, last).error is None
+        assert s.bake_part(addon, 1, last).error is None
         half = s.files_of(tmp_path / "cache")
         assert any(name.endswith(f"state_{last:04d}") for name in half)
         s.bake(resume=True)
@@ -52,10 +43,8 @@ def test_a_bake_that_stopped_at_any_frame_resumes_to_the_same_bytes(addon, undis
 
 
 def test_esc_stops_between_frames_and_keeps_what_is_done(addon, undisturbed, tmp_path):
-    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
-    running = from_scene.prepare_bake(bpy.context.scene, from_scene.make_request(bpy.context.scene))
-    running.on_frame = lambda result: engine.stop() if result.frame == 5 else None
-    engine.run(bpy.context, running)
+    stop = addon("bake.engine").stop
+    running = s.bake_part(addon, on_frame=lambda result: stop() if result.frame == 5 else None)
     assert running.cancelled and running.error is None
     assert 5 <= running.job.results[-1].frame < 12
     s.bake(resume=True)
@@ -63,15 +52,15 @@ def test_esc_stops_between_frames_and_keeps_what_is_done(addon, undisturbed, tmp
 
 
 def test_parts_of_the_receivers_make_the_same_bytes(addon, undisturbed, tmp_path):
-    assert run_part(addon, 1, 12, ["Cart"]).error is None
-    assert run_part(addon, 1, 6, ["Ground", "Flag"]).error is None
-    assert run_part(addon, 7, 12, ["Flag"]).error is None
-    assert run_part(addon, 1, 12, ["Ground"], resume=True).error is None
+    assert s.bake_part(addon, 1, 12, ["Cart"]).error is None
+    assert s.bake_part(addon, 1, 6, ["Ground", "Flag"]).error is None
+    assert s.bake_part(addon, 7, 12, ["Flag"]).error is None
+    assert s.bake_part(addon, 1, 12, ["Ground"], resume=True).error is None
     assert s.files_of(tmp_path / "cache") == undisturbed
 
 
 def test_the_middle_of_a_shot_needs_a_checkpoint(addon, undisturbed, tmp_path):
-    error = run_part(addon, 6, 12).error
+    error = s.bake_part(addon, 6, 12).error
     assert isinstance(
         error, addon("cache.errors").NoCheckpoint
     ) and "Frame 6 needs the checkpoint of frame 5" in str(error)
@@ -90,7 +79,7 @@ def test_resume_of_a_finished_bake_changes_nothing(undisturbed, tmp_path):
 
 
 def test_a_moved_object_is_named_with_its_frame(addon, undisturbed):
-    assert run_part(addon, 1, 8).error is None
+    assert s.bake_part(addon, 1, 8).error is None
     cart = bpy.data.objects["Cart"]
     cart.location = (0, 0, 2)
     cart.keyframe_insert("location", frame=5)
@@ -115,9 +104,9 @@ def test_every_receivers_recorded_scene_is_compared(addon, undisturbed, tmp_path
     """One receiver was baked while the flag stood elsewhere, the others, later in order, from the scene as it is."""
     flag = bpy.data.objects["Flag"]
     flag.location.x = 0.5
-    assert run_part(addon, 1, last, ["Cart"]).error is None
+    assert s.bake_part(addon, 1, last, ["Cart"]).error is None
     flag.location.x = 0.0
-    assert run_part(addon, 1, last, ["Flag", "Ground"]).error is None
+    assert s.bake_part(addon, 1, last, ["Flag", "Ground"]).error is None
     before = s.files_of(tmp_path / "cache")
     with pytest.raises(RuntimeError, match=r"not the one that Cart .*\(Flag: transform changed at frame 1\)"):
         s.bake(resume=True)
@@ -126,9 +115,9 @@ def test_every_receivers_recorded_scene_is_compared(addon, undisturbed, tmp_path
 
 def test_a_resumed_receiver_is_compared_with_the_finished_ones_beside_it(addon, undisturbed, tmp_path):
     bpy.data.objects["Flag"].location.x = 0.5
-    assert run_part(addon, 1, 12, ["Ground"]).error is None
+    assert s.bake_part(addon, 1, 12, ["Ground"]).error is None
     bpy.data.objects["Flag"].location.x = 0.0
-    assert run_part(addon, 1, 6, ["Cart", "Flag"]).error is None
+    assert s.bake_part(addon, 1, 6, ["Cart", "Flag"]).error is None
     with pytest.raises(
         RuntimeError, match=r"not the one that Ground .*\(Flag: transform changed at frame 1\)"
     ):
@@ -144,14 +133,14 @@ def test_a_finished_bake_with_other_settings_is_told(undisturbed, tmp_path):
 
 
 def test_a_changed_mesh_is_named(addon, undisturbed):
-    assert run_part(addon, 1, 8).error is None
+    assert s.bake_part(addon, 1, 8).error is None
     bpy.data.objects["Ground"].data.vertices[0].co.z = -0.5
     with pytest.raises(RuntimeError, match="Ground: shape changed at frame 1"):
         s.bake(resume=True)
 
 
 def test_a_changed_setting_is_named(addon, undisturbed):
-    assert run_part(addon, 1, 8).error is None
+    assert s.bake_part(addon, 1, 8).error is None
     bpy.context.scene.snowbough.max_depth = 0.5
     with pytest.raises(RuntimeError, match="max depth: 1 m, now 0.5 m"):
         s.bake(resume=True)
@@ -201,6 +190,18 @@ def run_blender(*arguments, **options):
         timeout=120,
         **options,
     )
+
+
+def start_baking(addon, tmp_path, report):
+    """Starts a bake on the command line; returns it when its second frame is done."""
+    running = subprocess.Popen(
+        blender_command(addon, tmp_path / "shot.blend", "--json", str(report)),
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    for line in running.stdout:
+        if line.startswith("SNOWBOUGH frame=2"):
+            break
+    return running
 
 
 def test_the_command_line_prints_a_parsable_line_a_frame(addon, undisturbed, tmp_path):
@@ -351,6 +352,12 @@ def test_the_lock_of_a_bake_killed_at_its_very_end_goes_with_the_next_one(addon,
     assert s.files_of(tmp_path / "cache") == undisturbed
 
 
+def locked_half(addon, tmp_path):
+    """Bakes the first four frames; returns a lock on the folder of one receiver."""
+    assert s.bake_part(addon, 1, 4).error is None
+    return addon("cache.lock").lock_folder(next((tmp_path / "cache").rglob("object.json")).parent)
+
+
 def start_waiting(addon, tmp_path, *arguments):
     """Starts a command that bakes what another bake has locked; returns it when it waits."""
     running = subprocess.Popen(
@@ -365,9 +372,7 @@ def start_waiting(addon, tmp_path, *arguments):
 
 
 def test_a_command_with_attempts_waits_for_the_other_bake(addon, undisturbed, tmp_path):
-    assert run_part(addon, 1, 4).error is None
-    folder = next((tmp_path / "cache").rglob("object.json")).parent
-    with addon("cache.lock").lock_folder(folder):
+    with locked_half(addon, tmp_path):
         running = start_waiting(addon, tmp_path, "--resume", "yes", "--attempts", "100", "--wait", "1")
     error = running.communicate(timeout=120)[1]
     assert running.returncode == 0, error
@@ -375,9 +380,7 @@ def test_a_command_with_attempts_waits_for_the_other_bake(addon, undisturbed, tm
 
 
 def test_a_command_whose_attempts_are_used_up_says_what_to_do(addon, undisturbed, tmp_path):
-    assert run_part(addon, 1, 4).error is None
-    folder = next((tmp_path / "cache").rglob("object.json")).parent
-    with addon("cache.lock").lock_folder(folder):
+    with locked_half(addon, tmp_path):
         done = run_blender(
             addon, tmp_path / "shot.blend", "--resume", "yes", "--attempts", "2", "--wait", "1"
         )
@@ -388,9 +391,7 @@ def test_a_command_whose_attempts_are_used_up_says_what_to_do(addon, undisturbed
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows sends no such signals")
 def test_ctrl_c_ends_the_waiting(addon, undisturbed, tmp_path):
-    assert run_part(addon, 1, 4).error is None
-    folder = next((tmp_path / "cache").rglob("object.json")).parent
-    with addon("cache.lock").lock_folder(folder):
+    with locked_half(addon, tmp_path):
         running = start_waiting(addon, tmp_path, "--resume", "yes", "--attempts", "2", "--wait", "3600")
         running.send_signal(signal.SIGINT)
         running.communicate(timeout=120)
@@ -401,13 +402,7 @@ def test_ctrl_c_ends_the_waiting(addon, undisturbed, tmp_path):
 @pytest.mark.parametrize("times", [1, 2, 5])
 def test_ctrl_c_however_often_ends_with_130_and_can_be_resumed(addon, undisturbed, tmp_path, times):
     report = tmp_path / "report.json"
-    running = subprocess.Popen(
-        blender_command(addon, tmp_path / "shot.blend", "--json", str(report)),
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    for line in running.stdout:
-        if line.startswith("SNOWBOUGH frame=2"):
-            break
+    running = start_baking(addon, tmp_path, report)
     for _ in range(times):
         running.send_signal(signal.SIGINT)
         time.sleep(0.002)
@@ -444,7 +439,7 @@ def test_a_damaged_file_of_a_finished_bake_is_made_again(addon, undisturbed, tmp
 
 @pytest.mark.parametrize("name", ["state_0004.json", "state_0004"])
 def test_a_damaged_file_has_the_caches_code_and_says_what_to_do(addon, undisturbed, tmp_path, name):
-    assert run_part(addon, 1, 6).error is None
+    assert s.bake_part(addon, 1, 6).error is None
     path = next((tmp_path / "cache").rglob(f"Cart-*/{name}"))
     for later in path.parent.glob("state_0006*"):
         later.unlink()
@@ -455,13 +450,11 @@ def test_a_damaged_file_has_the_caches_code_and_says_what_to_do(addon, undisturb
 
 
 def test_a_cache_that_is_deleted_under_a_bake_does_not_say_to_make_room(addon, undisturbed, tmp_path):
-    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
-    running = from_scene.prepare_bake(bpy.context.scene, from_scene.make_request(bpy.context.scene))
-    running.on_frame = lambda result: (
-        # A file may be renamed meanwhile.
-        shutil.rmtree(tmp_path / "cache", ignore_errors=True) if result.frame == 5 else None
-    )
-    engine.run(bpy.context, running)
+    def delete(result):
+        if result.frame == 5:
+            shutil.rmtree(tmp_path / "cache", ignore_errors=True)  # a file may be renamed meanwhile
+
+    running = s.bake_part(addon, on_frame=delete)
     assert addon("bake.cli").exit_code(running.error) in (5, 7)
     assert "free disk space" not in str(running.error) and "again" in str(running.error)
 
@@ -472,13 +465,7 @@ def test_a_bake_whose_lock_was_taken_stops_with_its_own_code_and_leaves_the_othe
 ):
     """The lock is deleted by hand, and a second bake clears the folder and goes ahead."""
     report = tmp_path / "report.json"
-    first = subprocess.Popen(
-        blender_command(addon, tmp_path / "shot.blend", "--json", str(report)),
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    for line in first.stdout:
-        if line.startswith("SNOWBOUGH frame=2"):
-            break
+    first = start_baking(addon, tmp_path, report)
     locks = sorted((tmp_path / "cache").rglob("lock"))
     assert len(locks) == 3
     os.kill(first.pid, signal.SIGSTOP)
@@ -534,15 +521,11 @@ def test_a_read_only_disk_is_refused_and_can_be_used_later(addon, undisturbed, s
 
 
 def test_a_lost_folder_stops_with_a_message(addon, undisturbed, tmp_path):
-    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
-    running = from_scene.prepare_bake(bpy.context.scene, from_scene.make_request(bpy.context.scene))
-
     def lose(result):
         if result.frame == 5:
             (tmp_path / "cache").rename(tmp_path / "elsewhere")
 
-    running.on_frame = lose
-    engine.run(bpy.context, running)
+    running = s.bake_part(addon, on_frame=lose)
     assert isinstance(running.error, (addon("cache.errors").CacheError, addon("bake.map_writer").WriteFailed))
     shutil.rmtree(tmp_path / "cache", ignore_errors=True)
     (tmp_path / "elsewhere").rename(tmp_path / "cache")

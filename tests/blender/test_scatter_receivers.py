@@ -6,30 +6,15 @@ import pytest
 import snow_scene as s
 
 
-def node_tree():
-    """A tree with one geometry in and one out: (tree, input node, output node)."""
-    tree = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
-    if hasattr(tree, "interface"):
-        for in_out in ("INPUT", "OUTPUT"):
-            tree.interface.new_socket("Geometry", in_out=in_out, socket_type="NodeSocketGeometry")
-    else:
-        tree.inputs.new("NodeSocketGeometry", "Geometry")
-        tree.outputs.new("NodeSocketGeometry", "Geometry")
-    return tree, tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
-
-
 def scatter(obj, instance, realize=True, with_mesh=False):
     """Distribute Points > Instance on Points (> Realize Instances) on an object."""
-    tree, given, made = node_tree()
+    tree, given, made = s.node_tree()
     points = tree.nodes.new("GeometryNodeDistributePointsOnFaces")
     on_points = tree.nodes.new("GeometryNodeInstanceOnPoints")
-    info = tree.nodes.new("GeometryNodeObjectInfo")
-    info.inputs["Object"].default_value = instance
-    info.inputs["As Instance"].default_value = True
     points.inputs["Density"].default_value = 10.0
     tree.links.new(given.outputs[0], points.inputs["Mesh"])
     tree.links.new(points.outputs["Points"], on_points.inputs["Points"])
-    tree.links.new(info.outputs["Geometry"], on_points.inputs["Instance"])
+    tree.links.new(s.instance_geometry(tree, instance), on_points.inputs["Instance"])
     last = on_points.outputs["Instances"]
     if realize:
         node = tree.nodes.new("GeometryNodeRealizeInstances")
@@ -116,7 +101,7 @@ def test_a_mesh_of_points_is_refused(addon):
 
 def test_faces_that_only_nodes_make_are_refused_with_the_way_out(addon):
     points = s.mesh_object("Points", [(0, 0, 0), (1, 0, 0)], [])
-    tree, _, made = node_tree()
+    tree, _, made = s.node_tree()
     cube = tree.nodes.new("GeometryNodeMeshCube")
     tree.links.new(cube.outputs[0], made.inputs[0])
     points.modifiers.new("Cube", "NODES").node_group = tree

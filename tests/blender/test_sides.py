@@ -12,11 +12,6 @@ import snow_scene as s
 
 
 @pytest.fixture
-def native(addon):
-    return addon("base.native").load()
-
-
-@pytest.fixture
 def map_of(native, tmp_path):
     """Bakes what is on the list and gives the last map of a receiver."""
 

@@ -7,11 +7,6 @@ import pytest
 import snow_scene as s
 
 
-@pytest.fixture
-def native(addon):
-    return addon("base.native").load()
-
-
 def activate(obj):
     bpy.context.view_layer.objects.active = obj
 
@@ -80,14 +75,6 @@ def heights_of_the_sheet(addon):
     return [seen[frame] for frame in sorted(seen)]
 
 
-def part(addon, first, last, objects=()):
-    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
-    request = from_scene.make_request(bpy.context.scene, False, first, last, objects)
-    running = from_scene.prepare_bake(bpy.context.scene, request)
-    engine.run(bpy.context, running)
-    assert running.error is None, running.error
-
-
 @pytest.mark.parametrize("kind", KINDS)
 def test_snow_falls_on_a_baked_simulation_where_it_is(addon, native, tmp_path, kind):
     falling_scene(tmp_path, kind)
@@ -109,13 +96,13 @@ def test_a_baked_simulation_resumes_and_splits_to_the_same_bytes(addon, tmp_path
     s.bake()
     scene = bpy.context.scene
     scene.snowbough.cache_directory = str(tmp_path / "resumed")
-    part(addon, 1, 5)
+    assert s.bake_part(addon, 1, 5).error is None
     scene.frame_set(7)  # what the viewport shows meanwhile does not matter
     s.bake(resume=True)
     scene.snowbough.cache_directory = str(tmp_path / "split")
-    part(addon, 1, 8, ["Ground"])
-    part(addon, 1, 4, ["Falling"])
-    part(addon, 5, 8, ["Falling"])
+    assert s.bake_part(addon, 1, 8, ["Ground"]).error is None
+    assert s.bake_part(addon, 1, 4, ["Falling"]).error is None
+    assert s.bake_part(addon, 5, 8, ["Falling"]).error is None
     whole = s.files_of(tmp_path / "whole")
     assert s.files_of(tmp_path / "resumed") == whole
     assert s.files_of(tmp_path / "split") == whole
@@ -127,7 +114,7 @@ def test_cloth_that_is_not_baked_plays_from_the_first_frame_also_when_resumed(ad
     s.bake()
     bpy.ops.ptcache.free_bake_all()
     scene = bpy.context.scene
-    for name, begin in (("fresh", lambda: None), ("resumed", lambda: part(addon, 1, 5))):
+    for name, begin in (("fresh", lambda: None), ("resumed", lambda: s.bake_part(addon, 1, 5))):
         scene.snowbough.cache_directory = str(tmp_path / name)
         begin()
         scene.frame_set(8)  # a jump, which spoils what the viewport has cached

@@ -503,18 +503,9 @@ def undisturbed(tmp_path):
     return files
 
 
-def bake_part(addon, last, objects=()):
-    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
-    request = from_scene.make_request(bpy.context.scene, False, 1, last, objects)
-    running = from_scene.prepare_bake(bpy.context.scene, request)
-    engine.run(bpy.context, running)
-    assert running.error is None
-    return running
-
-
 @pytest.mark.parametrize("last", [1, 5])
 def test_a_resumed_bake_writes_the_same_surfaces(addon, undisturbed, tmp_path, last):
-    bake_part(addon, last)
+    assert s.bake_part(addon, 1, last).error is None
     half = s.files_of(tmp_path / "cache")
     assert surface_files(half) == surface_files(undisturbed)
     assert any(half[name] != undisturbed[name] for name in surface_files(half))
@@ -538,16 +529,13 @@ def test_a_stopped_bake_has_surfaces_of_what_is_done(addon, undisturbed, tmp_pat
 
 
 def test_a_bake_that_was_stopped_while_its_surfaces_were_made_resumes(addon, undisturbed, tmp_path):
-    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
-    running = from_scene.prepare_bake(bpy.context.scene, from_scene.make_request(bpy.context.scene))
-    running.on_frame = lambda result: engine.stop() if result.frame == 6 else None
-    engine.run(bpy.context, running)
-    assert running.cancelled
+    stop = addon("bake.engine").stop
+    assert s.bake_part(addon, on_frame=lambda result: stop() if result.frame == 6 else None).cancelled
     s.bake(resume=True)
     assert s.files_of(tmp_path / "cache") == undisturbed
 
 
 def test_a_bake_in_parts_of_the_receivers_writes_the_same_bytes(addon, undisturbed, tmp_path):
-    bake_part(addon, 6, ["Flag"])
-    bake_part(addon, 6, ["Ground", "Cart"])
+    assert s.bake_part(addon, 1, 6, ["Flag"]).error is None
+    assert s.bake_part(addon, 1, 6, ["Ground", "Cart"]).error is None
     assert s.files_of(tmp_path / "cache") == undisturbed

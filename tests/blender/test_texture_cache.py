@@ -5,6 +5,7 @@ import bpy
 import numpy as np
 import pytest
 import snow_scene
+from realtime_shot import rendered
 
 
 @pytest.fixture
@@ -33,9 +34,7 @@ def render(tmp_path):
     def picture(cached):
         scene.render.use_texture_cache = scene.render.use_auto_generate_texture_cache = cached
         scene.render.filepath = str(tmp_path / f"cached_{cached}.exr")
-        bpy.ops.render.render(write_still=True)
-        image = bpy.data.images.load(scene.render.filepath)
-        return np.array(image.pixels[:], dtype=np.float32).reshape(64, 64, 4)[..., :3]
+        return rendered(scene)[..., :3]
 
     return picture
 

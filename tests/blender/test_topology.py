@@ -7,11 +7,6 @@ import pytest
 import snow_scene as s
 
 
-@pytest.fixture
-def native(addon):
-    return addon("base.native").load()
-
-
 def keyed(modifier, name, *values):
     """Keyframes (frame, value) of a modifier's setting, in steps."""
     for frame, value in values:
@@ -107,14 +102,6 @@ def changing_scene(folder, **values):
     return ground, plate
 
 
-def part(addon, first, last, objects=(), resume=False):
-    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
-    request = from_scene.make_request(bpy.context.scene, resume, first, last, objects)
-    running = from_scene.prepare_bake(bpy.context.scene, request)
-    engine.run(bpy.context, running)
-    assert running.error is None, running.error
-
-
 @pytest.fixture
 def undisturbed(tmp_path):
     """The bytes of a whole bake of the changing scene; from then on the cache is tmp/cache."""
@@ -146,15 +133,15 @@ def test_the_scene_of_these_tests_changes_as_it_says(addon, tmp_path):
 
 @pytest.mark.parametrize("last", [3, 4, 6, 8, 11])
 def test_a_bake_that_stopped_around_a_change_resumes_to_the_same_bytes(addon, undisturbed, tmp_path, last):
-    part(addon, 1, last)
+    assert s.bake_part(addon, 1, last).error is None
     s.bake(resume=True)
     assert s.files_of(tmp_path / "cache") == undisturbed
 
 
 def test_a_bake_that_is_split_by_receivers_makes_the_same_bytes(addon, undisturbed, tmp_path):
-    part(addon, 1, 12, ["Plate"])
-    part(addon, 1, 5, ["Ground"])
-    part(addon, 6, 12, ["Ground"])
+    assert s.bake_part(addon, 1, 12, ["Plate"]).error is None
+    assert s.bake_part(addon, 1, 5, ["Ground"]).error is None
+    assert s.bake_part(addon, 6, 12, ["Ground"]).error is None
     assert s.files_of(tmp_path / "cache") == undisturbed
 
 

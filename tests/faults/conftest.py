@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+import shot  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -17,3 +18,10 @@ def memory_folder():
     place = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
     with tempfile.TemporaryDirectory(prefix="snowbough-faults-", dir=place) as folder:
         yield Path(folder)
+
+
+@pytest.fixture(scope="module")
+def whole(memory_folder):
+    """The bytes of a bake that was never disturbed."""
+    shot.bake(memory_folder / "whole" / "cache")
+    return shot.files_of(memory_folder / "whole" / "cache")

@@ -32,13 +32,6 @@ def library(memory_folder):
     return path
 
 
-@pytest.fixture(scope="module")
-def whole(memory_folder):
-    """The bytes of a bake that was never disturbed."""
-    shot.bake(memory_folder / "whole" / "cache")
-    return shot.files_of(memory_folder / "whole" / "cache")
-
-
 @pytest.fixture
 def bake(library, memory_folder):
     """bake(fault, arguments of shot.py): a bake into the folder `cache` with a fault; returns the ended process."""

@@ -91,15 +91,9 @@ def test_a_finished_bake_is_only_repaired_from_the_same_scene(finished):
     assert shot.files_of(finished) == before
 
 
-def test_a_stopped_bake_goes_on_before_its_damaged_frame(stopped, whole):
-    flip(found(stopped, "Ground-*/height_0004.exr"))
-    job = shot.bake(stopped, resume=True)
-    assert job.results[0].frame == 4
-    assert shot.files_of(stopped) == whole
-
-
-def test_a_stopped_bake_does_not_go_on_from_the_checkpoint_of_a_damaged_frame(stopped, whole):
-    flip(found(stopped, "Ground-*/height_0005.exr"))
+@pytest.mark.parametrize("damaged", ["height_0004.exr", "height_0005.exr"])
+def test_a_stopped_bake_goes_on_from_the_checkpoint_before_its_damaged_frame(stopped, whole, damaged):
+    flip(found(stopped, f"Ground-*/{damaged}"))
     job = shot.bake(stopped, resume=True)
     assert job.results[0].frame == 4
     assert shot.files_of(stopped) == whole

@@ -17,13 +17,6 @@ HERE = Path(__file__).resolve().parent
 PAIRS = int(os.environ.get("SNOWBOUGH_TEST_PAIRS", 10))
 
 
-@pytest.fixture(scope="module")
-def whole(memory_folder):
-    """The bytes of a bake that was never disturbed."""
-    shot.bake(memory_folder / "whole" / "cache")
-    return shot.files_of(memory_folder / "whole" / "cache")
-
-
 @pytest.fixture
 def cache(memory_folder):
     """An empty cache."""

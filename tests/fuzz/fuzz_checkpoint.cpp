@@ -2,7 +2,6 @@
 // check sum; or a checkpoint, which must come back from its file as it was.
 #include <zlib.h>
 
-#include <bit>
 #include <stdexcept>
 
 #include "fuzz_input.h"

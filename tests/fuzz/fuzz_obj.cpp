@@ -1,6 +1,5 @@
 // OBJ files. The first byte chooses the size of the read buffer: the scene and the error must not
 // depend on it. Then the tree reader takes the whole file.
-#include <optional>
 #include <sstream>
 #include <stdexcept>
 

@@ -1,5 +1,4 @@
 // The snow surface of a small mesh, planned and posed.
-#include <stdexcept>
 
 #include "fuzz_mesh.h"
 #include "snow/surface/snow_surface.h"

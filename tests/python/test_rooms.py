@@ -1,6 +1,5 @@
-"""Includes and imports between rooms go one way: never upwards and in no circle."""
+"""Includes between rooms go one way: never upwards and in no circle. test_addon_rooms.py is about imports."""
 
-import ast
 import re
 from pathlib import Path
 from typing import NamedTuple
@@ -32,7 +31,7 @@ ROOMS = {
 
 
 class Arrow(NamedTuple):
-    """One include or import. Paths are relative to the root, the target's without what a module ends in."""
+    """One include. Paths are relative to the root."""
 
     file: Path
     line: int
@@ -58,39 +57,9 @@ def includes(root):
                     break
 
 
-def imports(root, package="addon/snowbough"):
-    """Arrows between the modules of the add-on, those inside of functions included."""
-    for path in sorted((root / package).rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(), str(path))):
-            for target in imported(node, path, root / package):
-                yield Arrow(path.relative_to(root), node.lineno, target.relative_to(root))
-
-
-def imported(node, path, package):
-    """Paths in the package that an import statement names."""
-    if isinstance(node, ast.Import):
-        return [named for name in node.names if (named := absolute(name.name, package))]
-    if not isinstance(node, ast.ImportFrom):
-        return []
-    if node.level:
-        base = path.parents[node.level - 1].joinpath(*(node.module or "").split("."))
-    else:
-        base = absolute(node.module, package)
-    if base is None:
-        return []
-    # What is imported from a folder may be a module of it; a name that its __init__ defines is the folder's.
-    named = [base / name.name for name in node.names]
-    return [to if to.is_dir() or to.with_suffix(".py").exists() else base for to in named]
-
-
-def absolute(name, package):
-    first, *rest = name.split(".")
-    return package.joinpath(*rest) if first == package.name else None
-
-
 def place_in(folder, path):
-    """The room of a folder in which a path lies, or the file or module that stands in the folder itself."""
-    return path.relative_to(folder).parts[0].removesuffix(".py") if path != folder else "__init__"
+    """The room of a folder in which a path lies, or the file that stands in the folder itself."""
+    return path.relative_to(folder).parts[0]
 
 
 def arrows_within(arrows, folder):
@@ -139,9 +108,9 @@ def circular(arrows, folder, is_room):
 
 
 def wrong_arrows(root, floors, rooms):
-    """One line for each include and import that runs upwards or in a circle, with file and line."""
+    """One line for each include that runs upwards or in a circle, with file and line."""
     root = root.resolve()
-    arrows = [*includes(root), *imports(root)]
+    arrows = list(includes(root))
 
     def is_room(path):
         return (root / path).is_dir()
@@ -157,7 +126,7 @@ def wrong_arrows(root, floors, rooms):
             yield from circular(arrows, folder, is_room)
 
 
-def test_no_include_or_import_runs_upwards_or_in_a_circle():
+def test_no_include_runs_upwards_or_in_a_circle():
     assert list(wrong_arrows(ROOT, FLOORS, ROOMS)) == []
 
 
@@ -175,7 +144,6 @@ def test_the_processors_engine_includes_nothing_of_opengl():
 
 def test_arrows_are_found_at_all():
     assert len(list(includes(ROOT))) > 500
-    assert len(list(imports(ROOT))) > 100
 
 
 def test_floors_know_only_floors_listed_before_them():
@@ -187,8 +155,7 @@ def test_floors_know_only_floors_listed_before_them():
 @pytest.mark.parametrize("folder", ROOMS)
 def test_listed_rooms_are_there(folder):
     for room in ROOMS[folder].split():
-        place = ROOT / folder / room
-        assert place.is_dir() or place.with_suffix(".py").is_file()
+        assert (ROOT / folder / room).is_dir()
 
 
 @pytest.fixture
@@ -262,42 +229,4 @@ def test_a_circle_of_rooms_without_an_order_is_told_with_each_of_its_includes(ho
         "native/snow/a/x.h:1: native/snow/b/y.h: a and b know each other",
         "native/snow/b/y.h:2: native/snow/c/z.h: b and c know each other",
         "native/snow/c/z.h:1: native/snow/a/x.h: c and a know each other",
-    ]
-
-
-@pytest.mark.parametrize(
-    "statement",
-    [
-        "from ..ui import panels",
-        "from ..ui.panels import draw",
-        "from .. import ui",
-        "import snowbough.ui.panels",
-        "from snowbough.ui import panels",
-    ],
-)
-def test_an_import_of_a_higher_room_is_told_however_it_is_written(house, statement):
-    wrong = house(
-        {
-            "addon/snowbough/__init__.py": "from .ui import panels\n",
-            "addon/snowbough/names.py": "",
-            "addon/snowbough/cache/files.py": f"from .. import names\n\n\ndef later():\n    {statement}\n",
-            "addon/snowbough/ui/panels.py": "from ..cache.files import later\nimport bpy\n",
-        },
-        {"addon/snowbough": "names cache ui"},
-    )
-    assert len(wrong) == 1
-    assert wrong[0].startswith("addon/snowbough/cache/files.py:5: addon/snowbough/ui")
-    assert wrong[0].endswith(": cache must not know ui")
-
-
-def test_a_circle_of_imports_is_told(house):
-    wrong = house(
-        {
-            "addon/snowbough/a/x.py": "from ..b import y\n",
-            "addon/snowbough/b/y.py": "from snowbough.a.x import f\n",
-        }
-    )
-    assert wrong == [
-        "addon/snowbough/a/x.py:1: addon/snowbough/b/y: a and b know each other",
-        "addon/snowbough/b/y.py:1: addon/snowbough/a/x: b and a know each other",
     ]

@@ -189,7 +189,8 @@ class Playback:
 
     def _step(self, pose, depth, dt):
         moved, self._moved = self._moved, {}
-        self.simulation.step(moved, depth=depth, direction=_direction(pose), dt=dt)
+        direction = plan.fall_direction(pose.fall_angle, pose.bearing)
+        self.simulation.step(moved, depth=depth, direction=direction, dt=dt)
 
     def _settle_pose(self, pose):
         """Applies the pose in a step without snow, if anything has moved."""
@@ -356,10 +357,6 @@ class Playback:
 def _automatic_limit(info):
     software = info["name"] != "GL" or is_software(info["driver"])
     return RESOLUTION_ON_PROCESSOR if software else RESOLUTION
-
-
-def _direction(pose):
-    return plan.fall_direction(pose.fall_angle, pose.bearing)
 
 
 def _same_scene(one, other):

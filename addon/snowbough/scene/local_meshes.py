@@ -84,7 +84,7 @@ class LocalMeshes:
             self._shared[pointer] = (None, None)
             return self._shared[pointer]
         try:
-            record = MeshRecord(mesh, self._alphas_of(obj, mesh))
+            record = MeshRecord(mesh, [self._alpha_of(material) for material in materials_of(obj, mesh)])
             record.is_another, record.is_edited = swapped, self._updates.is_edited(obj)
             record.may_change = (
                 temporary or not _is_deforming_only(obj.original) or self._updates.may_be_edited(obj)
@@ -108,10 +108,6 @@ class LocalMeshes:
         before = self._identities.get(own, mesh)
         self._identities[own] = mesh
         return mesh != before
-
-    def _alphas_of(self, obj, mesh):
-        """AlphaImage or None for each material index of an object's evaluated mesh."""
-        return [self._alpha_of(material) for material in materials_of(obj, mesh)]
 
     def _alpha_of(self, material):
         if material is None:

@@ -50,11 +50,9 @@ class SNOWBOUGH_OT_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
     )
 
     @classmethod
-    def ready(cls, context):
-        if not any(entry.object for entry in context.scene.snowbough.receivers):
-            cls.poll_message_set("Add snow to objects first")
-            return False
-        return True
+    def obstacle(cls, context):
+        listed = any(entry.object for entry in context.scene.snowbough.receivers)
+        return None if listed else "Add snow to objects first"
 
     def _prepare(self, context):
         request = from_scene.make_request(context.scene, resume=self.resume)
@@ -82,8 +80,7 @@ class SNOWBOUGH_OT_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
 
     def _refuse(self, error):
         session.last_outcome = ("ERROR", outcome.one_line(error))
-        self.report({"ERROR"}, session.last_outcome[1])
-        return {"CANCELLED"}
+        return self.refuse(session.last_outcome[1])
 
 
 class SNOWBOUGH_OT_stop_bake(bpy.types.Operator):
@@ -126,8 +123,7 @@ class SNOWBOUGH_OT_free_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
         try:
             self._questions = _removal_texts(context.scene)
         except (CacheError, OSError) as error:
-            self.report({"ERROR"}, outcome.one_line(error))
-            return {"CANCELLED"}
+            return self.refuse(outcome.one_line(error))
         return context.window_manager.invoke_props_dialog(self, width=DIALOG_WIDTH)
 
     def draw(self, _context):
@@ -141,8 +137,7 @@ class SNOWBOUGH_OT_free_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
             texts = _removal_texts(scene)
             removed = sum(versions.free(found) for found in cache_place.own_bakes(scene))
         except (CacheError, OSError) as error:
-            self.report({"ERROR"}, outcome.one_line(error))
-            return {"CANCELLED"}
+            return self.refuse(outcome.one_line(error))
         for entry in scene.snowbough.receivers:
             if entry.folder and not baked_frames(bpy.path.abspath(entry.folder)):
                 entry.folder = entry.baked_as = ""

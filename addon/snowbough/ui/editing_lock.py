@@ -89,19 +89,24 @@ class SNOWBOUGH_OT_lock_editing(bpy.types.Operator):
 class NotWhileBaking:
     """Mix-in for operators that change what a bake reads: disabled, with the reason, while a bake runs.
 
-    A subclass overrides ready(context), which calls poll_message_set if the operator cannot run.
+    A subclass overrides obstacle(context), which returns why the operator cannot run, or None.
     """
 
     @classmethod
     def poll(cls, context):
-        if session.bake is not None:
-            cls.poll_message_set("A bake is running")
-            return False
-        return cls.ready(context)
+        reason = "A bake is running" if session.bake is not None else cls.obstacle(context)
+        if reason is not None:
+            cls.poll_message_set(reason)
+        return reason is None
 
     @classmethod
-    def ready(cls, _context):
-        return True
+    def obstacle(cls, _context):
+        return None
+
+    def refuse(self, error):
+        """Reports an error, and returns what a cancelled operator returns."""
+        self.report({"ERROR"}, str(error))
+        return {"CANCELLED"}
 
 
 def lock(context):

@@ -42,14 +42,13 @@ class EXPORT_SCENE_OT_snowbough_tree(NotWhileBaking, ExportProperties, bpy.types
     )
 
     @classmethod
-    def ready(cls, context):
+    def obstacle(cls, context):
         try:
             scene_tree.find(context.object)
         except ValueError as error:
             text = str(error)
-            cls.poll_message_set(text[0].upper() + text[1:])
-            return False
-        return True
+            return text[0].upper() + text[1:]
+        return None
 
     def invoke(self, context, event):
         if not self.filepath:
@@ -93,8 +92,7 @@ class EXPORT_SCENE_OT_snowbough_tree(NotWhileBaking, ExportProperties, bpy.types
                 context, context.object, self.filepath, options_of(ExportOptions, self)
             )
         except FAILURES as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return self.refuse(error)
         for text in report["warnings"]:
             self.report({"WARNING"}, text)
         self.report({"INFO"}, export_tree.summary(report))

@@ -227,11 +227,10 @@ class SNOWBOUGH_OT_build_tree_from_selected(NotWhileBaking, ImportProperties, bp
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def ready(cls, context):
+    def obstacle(cls, context):
         if not any(obj.type == "MESH" for obj in context.selected_objects):
-            cls.poll_message_set("Select the mesh objects of a tree")
-            return False
-        return True
+            return "Select the mesh objects of a tree"
+        return None
 
     def draw(self, _context):
         draw_sections(self.layout, self, leave_out={"outside_files"})
@@ -240,8 +239,7 @@ class SNOWBOUGH_OT_build_tree_from_selected(NotWhileBaking, ImportProperties, bp
         try:
             _collection, report = selected_meshes.build(context, options_of(ImportOptions, self))
         except FAILURES as error:
-            self.report({"ERROR"}, import_tree.message(error))
-            return {"CANCELLED"}
+            return self.refuse(import_tree.message(error))
         texts = report["taken"]
         more = f" and {len(texts) - 5} more objects" if len(texts) > 5 else ""
         self.report({"INFO"}, f"Taken: {'; '.join(texts[:5])}{more}")

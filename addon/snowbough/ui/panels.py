@@ -24,15 +24,12 @@ class SNOWBOUGH_UL_receivers(bpy.types.UIList):
         split = layout.split(factor=0.62)
         row = split.row(align=True)
         row.prop(item, "enabled", text="")
-        row.prop(item.object, "name", text="", emboss=False, icon="OUTLINER_OB_" + _icon_kind(item.object))
+        kind = "EMPTY" if item.object.type == "EMPTY" else "MESH"
+        row.prop(item.object, "name", text="", emboss=False, icon=f"OUTLINER_OB_{kind}")
         size = split.row(align=True)
         size.alignment = "RIGHT"
         size.label(text=str(item.resolution) if item.resolution else "auto")
         size.label(text="", icon="CHECKMARK" if item.folder else "BLANK1")
-
-
-def _icon_kind(obj):
-    return obj.type if obj.type in {"MESH", "EMPTY"} else "MESH"
 
 
 class _ScenePanel:

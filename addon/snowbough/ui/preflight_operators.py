@@ -50,8 +50,7 @@ class SNOWBOUGH_OT_fix(NotWhileBaking, bpy.types.Operator):
         entries = [entry for entry in context.scene.snowbough.receivers if entry.object is not None]
         entry = next((entry for entry in entries if entry.object.name == self.object_name), None)
         if entry is None:
-            self.report({"ERROR"}, f"'{self.object_name}' is not a receiver any more: check again")
-            return {"CANCELLED"}
+            return self.refuse(f"'{self.object_name}' is not a receiver any more: check again")
         try:
             if self.kind == "SHOW_IN_RENDER":
                 entry.object.hide_render = False
@@ -59,8 +58,7 @@ class SNOWBOUGH_OT_fix(NotWhileBaking, bpy.types.Operator):
                 clean = uv_maps.clean_uv_map(entry.object.data)
                 entry.uv_map = clean or uv_maps.make_uv_map(context, entry.object)
         except (ValueError, RuntimeError) as error:
-            self.report({"ERROR"}, one_line(error))
-            return {"CANCELLED"}
+            return self.refuse(one_line(error))
         return bpy.ops.snowbough.preflight()
 
 

@@ -16,13 +16,11 @@ class SNOWBOUGH_OT_toggle_preview(NotWhileBaking, bpy.types.Operator):
     bl_label = "Live Preview"
 
     @classmethod
-    def ready(cls, context):
-        if session.preview is not None or any(
-            receiver.object for receiver in context.scene.snowbough.receivers
-        ):
-            return True
-        cls.poll_message_set("Add receivers first: select meshes and use Add Snow to Selected")
-        return False
+    def obstacle(cls, context):
+        listed = any(receiver.object for receiver in context.scene.snowbough.receivers)
+        if session.preview is None and not listed:
+            return "Add receivers first: select meshes and use Add Snow to Selected"
+        return None
 
     def execute(self, context):
         if session.preview is not None:
@@ -31,8 +29,7 @@ class SNOWBOUGH_OT_toggle_preview(NotWhileBaking, bpy.types.Operator):
         try:
             live.start(context.scene, context.evaluated_depsgraph_get())
         except (ValueError, RuntimeError) as error:
-            self.report({"ERROR"}, one_line(error))
-            return {"CANCELLED"}
+            return self.refuse(one_line(error))
         return {"FINISHED"}
 
 

@@ -27,11 +27,8 @@ class SNOWBOUGH_OT_add_receivers(NotWhileBaking, bpy.types.Operator):
     )
 
     @classmethod
-    def ready(cls, context):
-        if not context.selected_objects:
-            cls.poll_message_set("Select meshes, or empties that instance a collection")
-            return False
-        return True
+    def obstacle(cls, context):
+        return None if context.selected_objects else "Select meshes, or empties that instance a collection"
 
     def execute(self, context):
         added, refused = 0, []
@@ -64,11 +61,8 @@ class SNOWBOUGH_OT_remove_receiver(NotWhileBaking, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def ready(cls, context):
-        if not len(context.scene.snowbough.receivers):
-            cls.poll_message_set("The list is empty")
-            return False
-        return True
+    def obstacle(cls, context):
+        return None if len(context.scene.snowbough.receivers) else "The list is empty"
 
     def execute(self, context):
         settings = context.scene.snowbough

@@ -40,17 +40,15 @@ class _ReceiverOperator(NotWhileBaking):
     )
 
     @classmethod
-    def ready(cls, context):
-        if any(receiver.object for receiver in context.scene.snowbough.receivers):
-            return True
-        cls.poll_message_set("Add receivers first: select meshes and use Add Snow to Selected")
-        return False
+    def obstacle(cls, context):
+        if not any(receiver.object for receiver in context.scene.snowbough.receivers):
+            return "Add receivers first: select meshes and use Add Snow to Selected"
+        return None
 
     def execute(self, context):
         receivers = _chosen(context, self.only_selected)
         if not receivers:
-            self.report({"ERROR"}, "No selected object is a receiver: select one, or add it first")
-            return {"CANCELLED"}
+            return self.refuse("No selected object is a receiver: select one, or add it first")
         done = 0
         for receiver in receivers:
             try:
@@ -123,8 +121,8 @@ class SNOWBOUGH_OT_remove(_ReceiverOperator, bpy.types.Operator):
     done_text = "Removed snow"
 
     @classmethod
-    def ready(cls, context):
-        return bool(_unlisted(context)) or super().ready(context)
+    def obstacle(cls, context):
+        return None if _unlisted(context) else super().obstacle(context)
 
     def execute(self, context):
         unlisted = _unlisted(context)

@@ -48,11 +48,9 @@ class SNOWBOUGH_OT_update_surface(NotWhileBaking, bpy.types.Operator):
     bl_options = {"REGISTER"}
 
     @classmethod
-    def ready(cls, context):
-        if any(entry.folder for entry in context.scene.snowbough.receivers):
-            return True
-        cls.poll_message_set("Bake the snow first")
-        return False
+    def obstacle(cls, context):
+        baked = any(entry.folder for entry in context.scene.snowbough.receivers)
+        return None if baked else "Bake the snow first"
 
     def _begin(self, context):
         tasks = surface_preview.tasks(context.scene)
@@ -66,8 +64,7 @@ class SNOWBOUGH_OT_update_surface(NotWhileBaking, bpy.types.Operator):
         scene = context.scene
         surface_preview.refresh(scene, [entry for entry in scene.snowbough.receivers if entry.folder])
         if update.error is not None:
-            self.report({"ERROR"}, str(update.error))
-            return {"CANCELLED"}
+            return self.refuse(update.error)
         if update.stop:
             self.report({"WARNING"}, "Stopped. Unfinished surfaces are unchanged")
             return {"CANCELLED"}
@@ -78,8 +75,7 @@ class SNOWBOUGH_OT_update_surface(NotWhileBaking, bpy.types.Operator):
         try:
             update = self._begin(context)
         except FAILURES as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return self.refuse(error)
         update.run()
         return self._end(context, update)
 
@@ -87,8 +83,7 @@ class SNOWBOUGH_OT_update_surface(NotWhileBaking, bpy.types.Operator):
         try:
             self._update = self._begin(context)
         except FAILURES as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return self.refuse(error)
         self._update.thread.start()
         manager = context.window_manager
         manager.progress_begin(0.0, 1.0)

@@ -54,20 +54,17 @@ class SNOWBOUGH_OT_add_sway(NotWhileBaking, bpy.types.Operator):
     )
 
     @classmethod
-    def ready(cls, context):
+    def obstacle(cls, context):
         if sway.rig_of(context.object) is None:
-            cls.poll_message_set("Select a tree: its armature, or a mesh that the armature deforms")
-            return False
-        return True
+            return "Select a tree: its armature, or a mesh that the armature deforms"
+        return None
 
     def execute(self, context):
         rig = sway.rig_of(context.object)
         if not rig.data.bones:
-            self.report({"ERROR"}, f"The armature {rig.name} has no bones")
-            return {"CANCELLED"}
+            return self.refuse(f"The armature {rig.name} has no bones")
         if rig.library or rig.data.library and not rig.override_library:
-            self.report({"ERROR"}, f"{rig.name} is linked: make a library override to animate it")
-            return {"CANCELLED"}
+            return self.refuse(f"{rig.name} is linked: make a library override to animate it")
         sway.add_sway(
             rig,
             context.scene,

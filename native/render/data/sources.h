@@ -135,7 +135,6 @@ struct SnowDepths {
   float last = 0.1f;
 };
 
-/// The snow on a tree.
 struct TreeSnow {
   /// Heights in metres, width x height, row 0 at v = 0, negative on the back of the surface.
   int32_t width = 0;

@@ -1,7 +1,6 @@
 #include "render/data/view.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/ext/matrix_clip_space.hpp>
 #include <glm/ext/matrix_transform.hpp>

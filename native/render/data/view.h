@@ -5,7 +5,6 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
-#include <string>
 
 #include "render/data/sources.h"
 #include "shaders/lib/tree_shared.h"

@@ -1,7 +1,6 @@
 #include "render/draw/mesh_passes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <stdexcept>
 #include <string>

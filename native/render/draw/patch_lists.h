@@ -17,13 +17,11 @@ class PatchList {
   void clear();
   /// Adds successive patches of an instance to the current batch.
   void add(int32_t instance, int32_t first_item, int32_t count);
-  /// Ends the batch.
   void end_batch();
 
   const std::vector<shared::WorkRange>& ranges() const { return work_.ranges(); }
   bool is_empty() const { return work_.is_empty(); }
   int32_t batch_count() const { return static_cast<int32_t>(batches_.size()); }
-  /// Number of draw commands.
   int32_t command_count() const { return batches_.back().first_draw + batches_.back().draws; }
 
   /// Draw the batches from `begin` to before `end` by one call.

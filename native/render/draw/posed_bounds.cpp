@@ -25,12 +25,6 @@ Box Box::moved(const glm::mat4& matrix) const {
   return box;
 }
 
-Box PosedBounds::at_rest() const {
-  Box all;
-  for (const Box& box : rest_) all.add(box);
-  return all;
-}
-
 Box PosedBounds::posed(std::span<const glm::mat4> matrices) const {
   Box all;
   for (size_t bone = 0; bone < rest_.size(); ++bone) all.add(rest_[bone].moved(matrices[bone]));

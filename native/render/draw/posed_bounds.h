@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
@@ -32,7 +31,6 @@ class PosedBounds {
 
   /// Adds a rest point that a bone moves.
   void add(int32_t bone, const glm::vec3& point) { rest_[bone].add(point); }
-  Box at_rest() const;
   /// `matrices`: one per bone, from the rest pose to the current pose.
   Box posed(std::span<const glm::mat4> matrices) const;
 

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "gpu/resources.h"
-#include "render/data/view.h"
 #include "render/draw/kept_buffer.h"
 #include "render/draw/patch_lists.h"
 #include "render/draw/work_list.h"

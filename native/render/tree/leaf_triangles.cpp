@@ -6,7 +6,6 @@
 #include <numeric>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "render/draw/posed_bounds.h"
 #include "render/tree/drop_order.h"

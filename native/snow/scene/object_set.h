@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <glm/vec3.hpp>
 #include <map>
 #include <memory>

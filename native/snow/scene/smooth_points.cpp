@@ -1,8 +1,8 @@
 #include "snow/scene/smooth_points.h"
 
 #include <algorithm>
-#include <numeric>
-#include <utility>
+
+#include "base/group_by_key.h"
 
 namespace snowbough::snow {
 namespace {
@@ -60,7 +60,6 @@ SmoothPoints find_smooth_points(const std::vector<const SceneObject*>& objects) 
     if (is_smooth(*object)) add_points(*object, first, count, points.of_triangle);
     first += static_cast<size_t>(object->triangle_count());
   }
-  points.begin.assign(static_cast<size_t>(count) + 2, 0);
   const auto for_each_corner = [&](const auto& visit) {
     for (size_t t = 0; t < triangles; ++t) {
       const shared::uvec4& own = points.of_triangle[t];
@@ -71,13 +70,7 @@ SmoothPoints find_smooth_points(const std::vector<const SceneObject*>& objects) 
       visit(own.z, corner + 2);
     }
   };
-  // Shifted by one place, so that the second pass leaves the offsets in their final places.
-  for_each_corner([&](uint32_t point, uint32_t) { ++points.begin[point + 2]; });
-  std::partial_sum(points.begin.begin(), points.begin.end(), points.begin.begin());
-  points.corners.resize(points.begin.back());
-  for_each_corner(
-      [&](uint32_t point, uint32_t corner) { points.corners[points.begin[point + 1]++] = corner; });
-  points.begin.pop_back();
+  base::group_by_key(count, for_each_corner, points.begin, points.corners);
   return points;
 }
 

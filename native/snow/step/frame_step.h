@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "snow/scene/projection.h"
 #include "snow/scene/scene_object.h"
 #include "snow/step/engine/engine.h"
 #include "snow/step/pass_hashes.h"

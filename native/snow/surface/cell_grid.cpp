@@ -1,7 +1,8 @@
 #include "snow/surface/cell_grid.h"
 
 #include <algorithm>
-#include <glm/vec3.hpp>
+
+#include "base/group_by_key.h"
 
 namespace snowbough::snow {
 namespace {
@@ -60,14 +61,13 @@ CellGrid::CellGrid(const std::vector<Box>& boxes, float size) : size_(size) {
   size_t slots = 1;
   while (slots < count) slots *= 2;
   // The number of slots is a power of two. The extra entry marks the end of the last slot.
-  begin_.assign(slots + 1, 0);
-  for_cells([&](const glm::ivec3& at, size_t) { ++begin_[slot_of(at) + 1]; });
-  for (size_t s = 0; s < slots; ++s) begin_[s + 1] += begin_[s];
-  entries_.resize(count);
-  std::vector<uint32_t> next(begin_.begin(), begin_.end() - 1);
-  for_cells([&](const glm::ivec3& at, size_t b) {
-    entries_[next[slot_of(at)]++] = {at, static_cast<int32_t>(b)};
-  });
+  begin_.assign(slots + 1, 0);  // slot_of() uses its size
+  const auto for_entries = [&](const auto& visit) {
+    for_cells([&](const glm::ivec3& at, size_t b) {
+      visit(slot_of(at), Entry{at, static_cast<int32_t>(b)});
+    });
+  };
+  base::group_by_key(slots, for_entries, begin_, entries_);
 }
 
 }  // namespace snowbough::snow

@@ -1,8 +1,6 @@
 #include "snow/surface/flip_edges.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdint>
 #include <glm/geometric.hpp>
 
 #include "base/parallel_for.h"

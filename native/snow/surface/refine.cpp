@@ -202,21 +202,28 @@ class Refiner {
     return true;
   }
 
-  /// Splits every edge where it crosses a cut parallel to a rim. Returns true if it split an edge.
-  bool cut_parallel() {
+  /// Splits edges at the shares that share_of(p, q) returns for their ends, 0 for an edge that
+  /// stays whole. Returns true if it split an edge.
+  template <typename ShareOf>
+  bool split_at(const ShareOf& share_of) {
     if (is_full()) return false;
     const SurfaceEdges edges = surface_edges(mesh_.triangle);
     zones_.find(mesh_, zone_);
-    const std::vector<RimZones::Zone>& zones = zone_;
     std::vector<float> share(edges.ends.size(), 0.0f);
     bool any = false;
     for (size_t e = 0; e < edges.ends.size(); ++e) {
-      const auto [p, q] = edges.ends[e];
-      share[e] = lies_across(p, q) ? 0.5f : cut_of(zones[p], zones[q]);
+      share[e] = share_of(edges.ends[e][0], edges.ends[e][1]);
       any = any || share[e] > 0.0f;
     }
     if (any) split_edges(mesh_, edges, share);
     return any;
+  }
+
+  /// Splits every edge where it crosses a cut parallel to a rim. Returns true if it split an edge.
+  bool cut_parallel() {
+    return split_at([&](int32_t p, int32_t q) {
+      return lies_across(p, q) ? 0.5f : cut_of(zone_[p], zone_[q]);
+    });
   }
 
   /// True if the edge crosses the middle of a narrow top, from one rim's zone into another's.
@@ -254,30 +261,18 @@ class Refiner {
 
   /// Halves long edges along the rims, within their zones. Returns true if it split an edge.
   bool cut_along() {
-    if (is_full()) return false;
-    const SurfaceEdges edges = surface_edges(mesh_.triangle);
-    zones_.find(mesh_, zone_);
-    const std::vector<RimZones::Zone>& zones = zone_;
-    std::vector<float> share(edges.ends.size(), 0.0f);
-    bool any = false;
-    for (size_t e = 0; e < edges.ends.size(); ++e) {
-      const auto [p, q] = edges.ends[e];
-      const RimZones::Zone& a = zones[p];
-      const RimZones::Zone& b = zones[q];
-      if (a.place.is_far_off || b.place.is_far_off) continue;
-      if (std::abs(a.share) > 1.02f || std::abs(b.share) > 1.02f) continue;
+    return split_at([&](int32_t p, int32_t q) {
+      const RimZones::Zone& a = zone_[p];
+      const RimZones::Zone& b = zone_[q];
+      if (a.place.is_far_off || b.place.is_far_off) return 0.0f;
+      if (std::abs(a.share) > 1.02f || std::abs(b.share) > 1.02f) return 0.0f;
       // Halve only edges on one cut. The edges between the cuts follow from them.
-      if (std::abs(a.share - b.share) > kOneCut) continue;
+      if (std::abs(a.share - b.share) > kOneCut) return 0.0f;
       const glm::vec3 axis = glm::cross(a.place.out, a.place.support);
       const float along = std::abs(glm::dot(mesh_.position[q] - mesh_.position[p], axis));
       const float narrow = std::max(a.support / rim_zone(depth_), kLeastAlong);
-      if (along > kAlongRim * unit_ * std::min(narrow, 1.0f)) {
-        share[e] = 0.5f;
-        any = true;
-      }
-    }
-    if (any) split_edges(mesh_, edges, share);
-    return any;
+      return along > kAlongRim * unit_ * std::min(narrow, 1.0f) ? 0.5f : 0.0f;
+    });
   }
 
   /// The faces that carry snow in any frame, the fronts at rims, and a few rings around them.

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <vector>
 
 #include "snow/surface/rim_zones.h"
 #include "snow/surface/rims.h"

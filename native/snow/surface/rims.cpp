@@ -5,7 +5,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "base/group_by_key.h"
 #include "base/union_find.h"
+#include "snow/surface/flip_edges.h"
 #include "snow/surface/vectors.h"
 
 namespace snowbough::snow {
@@ -55,24 +57,6 @@ float far_extent(const Rim& rim, const base::TriangleTree& tree, float most) {
   return most;
 }
 
-/// The faces at each edge.
-struct EdgeFaces {
-  std::array<int32_t, 2> face{-1, -1};
-  int32_t count = 0;
-};
-
-std::vector<EdgeFaces> faces_of_edges(const SurfaceEdges& edges) {
-  std::vector<EdgeFaces> faces(edges.ends.size());
-  for (size_t t = 0; t < edges.of_triangle.size(); ++t) {
-    for (const int32_t e : edges.of_triangle[t]) {
-      EdgeFaces& at = faces[e];
-      if (at.count < 2) at.face[at.count] = static_cast<int32_t>(t);
-      ++at.count;
-    }
-  }
-  return faces;
-}
-
 /// Decides for each edge whether it is a rim.
 class RimFinder {
  public:
@@ -80,11 +64,11 @@ class RimFinder {
       : mesh_(mesh), shading_(shading), normals_(triangle_normals(mesh)) {}
 
   /// Returns true if the edge is a rim, and fills in `rim`.
-  bool find(const std::array<int32_t, 2>& ends, const EdgeFaces& faces, Rim& rim) const {
+  bool find(const std::array<int32_t, 2>& ends, const EdgeCorners& faces, Rim& rim) const {
     rim.from = mesh_.position[ends[0]];
     rim.to = mesh_.position[ends[1]];
     if (faces.count == 1) {
-      const int32_t face = faces.face[0];
+      const int32_t face = faces.corner[0].triangle;
       // The open edge of a smooth shell, such as an eye in its socket, is not a rim.
       if (normals_[face].z < kCarries || shading_number(face, ends[0]) >= 0) return false;
       rim.support = normals_[face];
@@ -93,8 +77,8 @@ class RimFinder {
       return true;
     }
     if (faces.count != 2) return false;
-    int32_t carrier = faces.face[0];
-    int32_t far = faces.face[1];
+    int32_t carrier = faces.corner[0].triangle;
+    int32_t far = faces.corner[1].triangle;
     if (normals_[far].z > normals_[carrier].z) std::swap(carrier, far);
     const glm::vec3& a = normals_[carrier];
     const glm::vec3& b = normals_[far];
@@ -144,29 +128,29 @@ Rims::Rims(const SurfaceMesh& mesh, const base::TriangleTree& tree,
            const std::vector<int32_t>& shading, float reach, float far_reach)
     : reach_(reach) {
   const SurfaceEdges edges = surface_edges(mesh.triangle);
-  const std::vector<EdgeFaces> faces = faces_of_edges(edges);
+  const std::vector<EdgeCorners> faces = edge_corners(edges);
   base::UnionFind joined(mesh.position.size());
   for (const auto& [a, b, c] : mesh.triangle) joined.join(joined.join(a, b), c);
   const std::vector<int32_t> part = std::move(joined).all();
   for (const auto& triangle : mesh.triangle) part_of_triangle_.push_back(part[triangle[0]]);
 
   const RimFinder finder(mesh, shading);
+  std::vector<Rim> found;
   for (size_t e = 0; e < edges.ends.size(); ++e) {
     Rim rim;
     if (!finder.find(edges.ends[e], faces[e], rim)) continue;
     rim.part = part[edges.ends[e][0]];
     rim.far_extent = far_extent(rim, tree, far_reach);
-    rims_.push_back(rim);
+    found.push_back(rim);
   }
-  std::stable_sort(rims_.begin(), rims_.end(),
-                   [](const Rim& a, const Rim& b) { return a.part < b.part; });
-  part_begin_.assign(mesh.position.size() + 1, 0);
+  const auto for_rims = [&](const auto& visit) {
+    for (const Rim& rim : found) visit(rim.part, rim);
+  };
+  base::group_by_key(mesh.position.size(), for_rims, part_begin_, rims_);
   std::vector<CellGrid::Box> boxes;
   for (const Rim& rim : rims_) {
-    ++part_begin_[static_cast<size_t>(rim.part) + 1];
     boxes.push_back({glm::min(rim.from, rim.to), glm::max(rim.from, rim.to)});
   }
-  for (size_t p = 0; p + 1 < part_begin_.size(); ++p) part_begin_[p + 1] += part_begin_[p];
   grid_ = CellGrid(boxes, reach);
 }
 

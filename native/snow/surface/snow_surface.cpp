@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <string>
 
 #include "base/parallel_for.h"
 #include "snow/surface/map_sampler.h"

@@ -4,7 +4,6 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
-#include <memory>
 #include <vector>
 
 #include "shaders/lib/snow_surface.h"

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <stdexcept>
-#include <string>
 
 #include "base/parallel_for.h"
 #include "base/union_find.h"

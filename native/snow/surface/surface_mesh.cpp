@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <numeric>
 #include <unordered_map>
 
+#include "base/group_by_key.h"
 #include "base/parallel_for.h"
 #include "snow/repose/welded.h"
 #include "snow/surface/vectors.h"
@@ -81,7 +81,6 @@ SurfaceEdges surface_edges(const std::vector<Triangle>& triangles) {
   };
   int32_t vertices = 0;
   for (const Triangle& t : triangles) vertices = std::max({vertices, t[0] + 1, t[1] + 1, t[2] + 1});
-  std::vector<uint32_t> begin(static_cast<size_t>(vertices) + 1, 0);
   const auto for_sides = [&](const auto& visit) {
     for (size_t t = 0; t < triangles.size(); ++t) {
       for (uint32_t k = 0; k < 3; ++k) {
@@ -90,11 +89,9 @@ SurfaceEdges surface_edges(const std::vector<Triangle>& triangles) {
       }
     }
   };
-  for_sides([&](size_t lower, const Side&) { ++begin[lower + 1]; });
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<Side> sides(triangles.size() * 3);
-  std::vector<uint32_t> next = begin;
-  for_sides([&](size_t lower, const Side& side) { sides[next[lower]++] = side; });
+  std::vector<uint32_t> begin;
+  std::vector<Side> sides;
+  base::group_by_key(static_cast<size_t>(vertices), for_sides, begin, sides);
 
   SurfaceEdges edges;
   edges.of_triangle.resize(triangles.size());

@@ -4,9 +4,9 @@
 #include <bit>
 #include <cmath>
 #include <functional>
-#include <numeric>
 #include <span>
 
+#include "base/group_by_key.h"
 #include "base/parallel_for.h"
 #include "snow/texels/texel_table_builder.h"
 
@@ -38,20 +38,16 @@ Bands sort_into_bands(const std::vector<std::array<int32_t, 2>>& row_ranges, int
   // About 64 k texels per band keep its working arrays in the cache and small at any resolution.
   bands.rows_per_band = std::clamp(65536 / resolution, 1, resolution);
   const int32_t band_count = (resolution + bands.rows_per_band - 1) / bands.rows_per_band;
-  bands.begin.assign(static_cast<size_t>(band_count) + 1, 0);
-  const auto for_each_band = [&](const std::array<int32_t, 2>& rows, auto&& visit) {
-    if (rows[0] > rows[1]) return;
-    for (int32_t b = rows[0] / bands.rows_per_band; b <= rows[1] / bands.rows_per_band; ++b)
-      visit(b);
+  const auto for_each_band = [&](const auto& visit) {
+    for (size_t t = 0; t < row_ranges.size(); ++t) {
+      const auto [low, high] = row_ranges[t];
+      if (low > high) continue;
+      for (int32_t b = low / bands.rows_per_band; b <= high / bands.rows_per_band; ++b) {
+        visit(b, static_cast<int32_t>(t));
+      }
+    }
   };
-  for (const auto& rows : row_ranges) for_each_band(rows, [&](int32_t b) { ++bands.begin[b + 1]; });
-  for (int32_t b = 0; b < band_count; ++b) bands.begin[b + 1] += bands.begin[b];
-  bands.items.resize(static_cast<size_t>(bands.begin.back()));
-  std::vector<int64_t> next(bands.begin.begin(), bands.begin.end() - 1);
-  for (size_t t = 0; t < row_ranges.size(); ++t) {
-    for_each_band(row_ranges[t],
-                  [&](int32_t b) { bands.items[next[b]++] = static_cast<int32_t>(t); });
-  }
+  base::group_by_key(static_cast<size_t>(band_count), for_each_band, bands.begin, bands.items);
   return bands;
 }
 
@@ -168,16 +164,11 @@ class BandCutter {
     return count;
   }
 
-  /// Sorts the parts by texel.
   void sort_parts(int32_t texel_count) {
-    // Two places ahead while counting, one while sorting: the offsets end in their final places.
-    part_begin_.assign(static_cast<size_t>(texel_count) + 2, 0);
-    for (const Fragment& f : cuts_.parts) ++part_begin_[f.texel - first_texel_ + 2];
-    std::partial_sum(part_begin_.begin(), part_begin_.end(), part_begin_.begin());
-    parts_.resize(cuts_.parts.size());
-    for (const Fragment& f : cuts_.parts) {
-      parts_[part_begin_[f.texel - first_texel_ + 1]++] = f;
-    }
+    const auto for_parts = [&](const auto& visit) {
+      for (const Fragment& f : cuts_.parts) visit(f.texel - first_texel_, f);
+    };
+    base::group_by_key(static_cast<size_t>(texel_count), for_parts, part_begin_, parts_);
   }
 
   /// Adds texel i of the band, whose fragments are the last so far.

@@ -1,7 +1,6 @@
 #include "snow/texels/open_sheets.h"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <utility>
 

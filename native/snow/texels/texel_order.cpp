@@ -5,6 +5,7 @@
 #include <numeric>
 #include <span>
 
+#include "base/group_by_key.h"
 #include "shaders/lib/snow_shared.h"
 
 namespace snowbough::snow {
@@ -39,13 +40,12 @@ std::vector<Run> find_runs(const TexelTable& table) {
 /// Stable sort by the runs' keys (below `keys`).
 template <typename Key>
 std::vector<Run> sorted_by(const std::vector<Run>& runs, int32_t keys, const Key& key) {
-  std::vector<int32_t> begin(static_cast<size_t>(keys) + 1, 0);
-  for (const Run& run : runs) ++begin[static_cast<size_t>(key(run)) + 1];
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<Run> sorted(runs.size());
-  for (const Run& run : runs) {
-    sorted[static_cast<size_t>(begin[static_cast<size_t>(key(run))]++)] = run;
-  }
+  const auto for_runs = [&](const auto& visit) {
+    for (const Run& run : runs) visit(key(run), run);
+  };
+  std::vector<int32_t> begin;
+  std::vector<Run> sorted;
+  base::group_by_key(static_cast<size_t>(keys), for_runs, begin, sorted);
   return sorted;
 }
 

@@ -8,12 +8,9 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <utility>
-#include <vector>
 
 #include "base/simd.h"
 #include "tree/crossings/faces.h"
-#include "tree/crossings/fingerprints.h"
 #include "tree/crossings/neighbourhoods.h"
 
 namespace snowbough::tree {

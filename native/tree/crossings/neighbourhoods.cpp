@@ -1,23 +1,16 @@
 #include "tree/crossings/neighbourhoods.h"
 
+#include "base/group_by_key.h"
+
 namespace snowbough::tree {
 
-VertexFaces::VertexFaces(const Surface& surface) : begin_(surface.vertices.size() + 1, 0) {
-  for (const Quad& quad : surface.quads) {
-    for (int32_t v : quad) {
-      ++begin_[v + 1];
+VertexFaces::VertexFaces(const Surface& surface) {
+  const auto for_corners = [&](const auto& visit) {
+    for (size_t f = 0; f < surface.quads.size(); ++f) {
+      for (const int32_t v : surface.quads[f]) visit(v, static_cast<int32_t>(f));
     }
-  }
-  for (size_t v = 0; v + 1 < begin_.size(); ++v) {
-    begin_[v + 1] += begin_[v];
-  }
-  faces_.resize(begin_.back());
-  std::vector<int32_t> next(begin_.begin(), begin_.end() - 1);
-  for (size_t f = 0; f < surface.quads.size(); ++f) {
-    for (int32_t v : surface.quads[f]) {
-      faces_[next[v]++] = static_cast<int32_t>(f);
-    }
-  }
+  };
+  base::group_by_key(surface.vertices.size(), for_corners, begin_, faces_);
 }
 
 Neighbourhoods::Neighbourhoods(const Surface& surface, const VertexFaces& around)

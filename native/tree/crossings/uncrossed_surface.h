@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "base/parallel_for.h"
+#include "tree/surface/limb_path.h"
 #include "tree/surface/surface.h"
 
 namespace snowbough::tree {
@@ -15,7 +16,7 @@ struct UncrossedSurface {
   std::vector<int32_t> narrowed;
 };
 
-/// Runs build_surface repeatedly for the few junctions with intersecting faces: each round narrows
+/// Builds the surface repeatedly for the few junctions with intersecting faces: each round narrows
 /// the bases of the branches that intersect there, moves their first ring out, and drops rings that
 /// cut their neighbours, one step further. It stops when nothing intersects, after two rounds
 /// without improvement, or after six rounds; the round with the fewest intersections wins. Only the

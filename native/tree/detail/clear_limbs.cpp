@@ -9,9 +9,10 @@
 #include <optional>
 #include <utility>
 
+#include "base/group_by_key.h"
 #include "tree/crossings/whole.h"
-#include "tree/detail/neighbours.h"
 #include "tree/detail/uncross.h"
+#include "tree/mesh/neighbours.h"
 
 namespace snowbough::tree {
 namespace {
@@ -262,17 +263,12 @@ class Clearer {
 
   /// Collects the faces of every limb, and the vertices between others.
   void number_faces() {
-    first_faces_.assign(surface_.limbs.size() + 1, 0);
-    for (size_t f = 0; f < fine_.quads.size(); ++f) {
-      ++first_faces_[branch(static_cast<int32_t>(f)) + 1];
-    }
-    std::partial_sum(first_faces_.begin(), first_faces_.end(), first_faces_.begin());
+    const auto for_faces = [&](const auto& visit) {
+      const auto faces = static_cast<int32_t>(fine_.quads.size());
+      for (int32_t f = 0; f < faces; ++f) visit(branch(f), f);
+    };
+    base::group_by_key(surface_.limbs.size(), for_faces, first_faces_, by_limb_);
     between_ = between_others(fine_);
-    by_limb_.resize(fine_.quads.size());
-    std::vector<size_t> next(first_faces_.begin(), first_faces_.end() - 1);
-    for (size_t f = 0; f < fine_.quads.size(); ++f) {
-      by_limb_[next[branch(static_cast<int32_t>(f))]++] = static_cast<int32_t>(f);
-    }
   }
 
   /// Moves intersecting faces and their surroundings back towards the base.

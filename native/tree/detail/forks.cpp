@@ -1,7 +1,6 @@
 #include "tree/detail/forks.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <glm/geometric.hpp>
@@ -11,9 +10,9 @@
 #include <utility>
 
 #include "tree/detail/creases.h"
-#include "tree/detail/neighbours.h"
 #include "tree/detail/uncross.h"
 #include "tree/detail/untangle.h"
+#include "tree/mesh/neighbours.h"
 
 namespace snowbough::tree {
 namespace {

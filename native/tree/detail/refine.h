@@ -1,11 +1,11 @@
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "base/parallel_for.h"
 #include "tree/skeleton/skeleton.h"
 #include "tree/skeleton/tree_mesh.h"
+#include "tree/surface/limb_path.h"
 #include "tree/surface/surface.h"
 #include "tree/tubes/detail.h"
 

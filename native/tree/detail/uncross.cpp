@@ -66,7 +66,7 @@ class Uncrosser {
       for (const int32_t v : forks_.moving) {
         if (wanted[v] != shares[v]) points_[v] = before_[v] + (moved[v] - before_[v]) * wanted[v];
       }
-      find_dirty(shares, wanted, dirty);
+      forks_.find_dirty([&](int32_t v) { return shares[v] != wanted[v]; }, dirty);
       shares = std::move(wanted);
     }
     find(dirty, execution);
@@ -92,17 +92,6 @@ class Uncrosser {
         }
       }
     });
-  }
-
-  /// Finds the forks with a face whose corner has moved.
-  void find_dirty(const std::vector<double>& from, const std::vector<double>& to,
-                  std::vector<uint8_t>& dirty) const {
-    for (size_t j = 0; j < dirty.size(); ++j) {
-      dirty[j] = std::any_of(forks_.faces[j].begin(), forks_.faces[j].end(), [&](int32_t face) {
-        const Quad& quad = forks_.quads[face];
-        return std::any_of(quad.begin(), quad.end(), [&](int32_t v) { return from[v] != to[v]; });
-      });
-    }
   }
 
   /// Limits the difference between neighbours' fractions to kShareStep.

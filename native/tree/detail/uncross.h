@@ -1,11 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
 
 #include "base/parallel_for.h"
-#include "tree/detail/neighbours.h"
+#include "tree/mesh/neighbours.h"
 #include "tree/skeleton/tree_mesh.h"
 
 namespace snowbough::tree {
@@ -18,6 +19,16 @@ struct ForkFaces {
   std::vector<int32_t> moving;
   /// Per fork: the faces with a moving corner, ascending.
   std::vector<std::vector<int32_t>> faces;
+
+  /// Marks the forks with a face one of whose corners has moved: has_moved(vertex).
+  template <typename HasMoved>
+  void find_dirty(const HasMoved& has_moved, std::vector<uint8_t>& dirty) const {
+    for (size_t j = 0; j < dirty.size(); ++j) {
+      dirty[j] = std::any_of(faces[j].begin(), faces[j].end(), [&](int32_t face) {
+        return std::any_of(quads[face].begin(), quads[face].end(), has_moved);
+      });
+    }
+  }
 };
 
 /// Only undoes movements that caused intersections.

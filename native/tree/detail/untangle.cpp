@@ -53,7 +53,9 @@ class Untangler {
           points_[v] = on_surface ? onto_(v, p) : p;
         }
       }
-      find_dirty(around, dirty);
+      std::vector<uint8_t> has_moved(points_.size(), 0);
+      for (const int32_t v : around) has_moved[v] = 1;
+      forks_.find_dirty([&](int32_t v) { return has_moved[v] != 0; }, dirty);
       add_neighbours(around);
       suspects_ = std::move(around);
     }
@@ -127,18 +129,6 @@ class Untangler {
       sum += way * std::min(1.0, pull_[vertex] / std::max(glm::length(way), 1e-30));
     }
     return points_[vertex] + sum / static_cast<double>(beside.size());
-  }
-
-  /// Finds the forks with a face whose corner has moved.
-  void find_dirty(const std::vector<int32_t>& moved, std::vector<uint8_t>& dirty) const {
-    std::vector<uint8_t> has_moved(points_.size(), 0);
-    for (const int32_t v : moved) has_moved[v] = 1;
-    for (size_t j = 0; j < dirty.size(); ++j) {
-      dirty[j] = std::any_of(forks_.faces[j].begin(), forks_.faces[j].end(), [&](int32_t face) {
-        const Quad& quad = forks_.quads[face];
-        return std::any_of(quad.begin(), quad.end(), [&](int32_t v) { return has_moved[v] != 0; });
-      });
-    }
   }
 
   const ForkFaces& forks_;

@@ -1,7 +1,6 @@
 #include "tree/leaves/leaf_uvs.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <glm/common.hpp>
 #include <stdexcept>

@@ -3,11 +3,11 @@
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
 #include <algorithm>
 #include <glm/geometric.hpp>
-#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "base/group_by_key.h"
 #include "base/union_find.h"
 
 namespace snowbough::tree {
@@ -25,25 +25,21 @@ struct HalfEdges {
   HalfEdges(const std::vector<Quad>& quads, size_t vertex_count, MeshCheck& check)
       : mate(quads.size() * 4, -1) {
     // Sorted by the lower vertex in one pass, then by the higher one among the few that share it.
-    std::vector<int32_t> begin(vertex_count + 1, 0);
-    for (const Quad& quad : quads) {
-      for (int k = 0; k < 4; ++k) {
-        ++begin[std::min(quad[k], quad[(k + 1) % 4]) + 1];
-      }
-    }
-    std::partial_sum(begin.begin(), begin.end(), begin.begin());
     struct Entry {
       int32_t high, half;
       bool upwards;
     };
-    std::vector<Entry> entries(quads.size() * 4);
-    std::vector<int32_t> next(begin.begin(), begin.end() - 1);
-    for (size_t f = 0; f < quads.size(); ++f) {
-      for (int k = 0; k < 4; ++k) {
-        const int32_t a = quads[f][k], b = quads[f][(k + 1) % 4];
-        entries[next[std::min(a, b)]++] = {std::max(a, b), static_cast<int32_t>(4 * f + k), a < b};
+    const auto for_half_edges = [&](const auto& visit) {
+      for (size_t f = 0; f < quads.size(); ++f) {
+        for (int k = 0; k < 4; ++k) {
+          const int32_t a = quads[f][k], b = quads[f][(k + 1) % 4];
+          visit(std::min(a, b), Entry{std::max(a, b), static_cast<int32_t>(4 * f + k), a < b});
+        }
       }
-    }
+    };
+    std::vector<int32_t> begin;
+    std::vector<Entry> entries;
+    base::group_by_key(vertex_count, for_half_edges, begin, entries);
     edges.reserve(quads.size() * 2);
     for (size_t v = 0; v < vertex_count; ++v) {
       std::sort(entries.begin() + begin[v], entries.begin() + begin[v + 1],

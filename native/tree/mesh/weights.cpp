@@ -1,7 +1,8 @@
 #include "tree/mesh/weights.h"
 
 #include <algorithm>
-#include <numeric>
+
+#include "base/group_by_key.h"
 
 namespace snowbough::tree {
 namespace {
@@ -91,15 +92,12 @@ void InfluenceSum::finish(int most, std::array<int32_t, 4>& indices,
 VertexWeights make_weights(const Surface& surface, const std::vector<LimbPath>& paths,
                            const Armature& armature, int max_influences) {
   // All influences, vertex by vertex: most have one.
-  std::vector<int32_t> first_influence(surface.vertices.size() + 1, 0);
-  for_each_influence(surface, paths, armature,
-                     [&](int32_t vertex, const BoneInfluence&) { ++first_influence[vertex + 1]; });
-  std::partial_sum(first_influence.begin(), first_influence.end(), first_influence.begin());
-  std::vector<BoneInfluence> influences(first_influence.back());
-  std::vector<int32_t> next(first_influence.begin(), first_influence.end() - 1);
-  for_each_influence(surface, paths, armature, [&](int32_t vertex, const BoneInfluence& influence) {
-    influences[next[vertex]++] = influence;
-  });
+  std::vector<int32_t> first_influence;
+  std::vector<BoneInfluence> influences;
+  base::group_by_key(
+      surface.vertices.size(),
+      [&](const auto& visit) { for_each_influence(surface, paths, armature, visit); },
+      first_influence, influences);
   VertexWeights result;
   result.indices.resize(surface.vertices.size());
   result.weights.resize(surface.vertices.size());

@@ -1,7 +1,6 @@
 #include "tree/obj/obj_fragment.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>

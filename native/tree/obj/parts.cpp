@@ -2,29 +2,13 @@
 
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
-#include <numeric>
 #include <utility>
 
+#include "base/group_by_key.h"
 #include "base/union_find.h"
 
 namespace snowbough::tree {
 namespace {
-
-/// Stable bucket sort of 0..count-1: `bucket(i)` is a bucket's number or -1.
-template <typename Bucket>
-void bucket_sort(int32_t count, int32_t buckets, const Bucket& bucket, std::vector<int32_t>& sorted,
-                 std::vector<int32_t>& begin) {
-  begin.assign(static_cast<size_t>(buckets) + 1, 0);
-  for (int32_t i = 0; i < count; ++i) {
-    if (const int32_t b = bucket(i); b >= 0) ++begin[b + 1];
-  }
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  sorted.resize(begin.back());
-  std::vector<int32_t> next(begin.begin(), begin.end() - 1);
-  for (int32_t i = 0; i < count; ++i) {
-    if (const int32_t b = bucket(i); b >= 0) sorted[next[b]++] = i;
-  }
-}
 
 /// Faces or vertices between two progress reports.
 constexpr int32_t kProgressStep = 1 << 20;
@@ -72,14 +56,20 @@ Parts split_parts(const ObjScene& scene, const base::Progress& progress) {
   for (int32_t v = 0; v < vertex_count; ++v) part_of[v] = part_of[representative[v]];
   base::report_progress(progress, 0.7f);
 
-  bucket_sort(
-      face_count, parts.count(),
-      [&](int32_t f) { return part_of[scene.corner_vertex[scene.face_begin[f]]]; }, parts.faces,
-      parts.face_begin);
+  const auto for_faces = [&](const auto& visit) {
+    for (int32_t f = 0; f < face_count; ++f) {
+      visit(part_of[scene.corner_vertex[scene.face_begin[f]]], f);
+    }
+  };
+  base::group_by_key(static_cast<size_t>(parts.count()), for_faces, parts.face_begin, parts.faces);
   base::report_progress(progress, 0.9f);
-  bucket_sort(
-      vertex_count, parts.count(), [&](int32_t v) { return part_of[v]; }, parts.vertices,
-      parts.vertex_begin);
+  const auto for_vertices = [&](const auto& visit) {
+    for (int32_t v = 0; v < vertex_count; ++v) {
+      if (part_of[v] >= 0) visit(part_of[v], v);
+    }
+  };
+  base::group_by_key(static_cast<size_t>(parts.count()), for_vertices, parts.vertex_begin,
+                     parts.vertices);
   base::report_progress(progress, 1.0f);
   return parts;
 }

@@ -1,7 +1,6 @@
 #include "tree/read/classify.h"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
 #include <optional>
@@ -10,6 +9,7 @@
 
 #include "tree/rings/loose_squares.h"
 #include "tree/rings/squares.h"
+#include "tree/skeleton/centreline.h"
 #include "tree/welded/uneven_tubes.h"
 
 namespace snowbough::tree {
@@ -135,7 +135,7 @@ bool is_cap_of(const ObjScene& scene, const Parts& parts, int32_t part, const Li
 bool is_round(const Limb& limb) {
   const float thickest = *std::max_element(limb.radii.begin(), limb.radii.end());
   return limb.radii.front() < 0.7f * thickest && limb.radii.back() < 0.7f * thickest &&
-         limb_length(limb) < kRoundest * thickest;
+         polyline_length(limb.points) < kRoundest * thickest;
 }
 
 TreeForm form_of_tubes(const ObjScene& scene, const Parts& parts, const PartLabels& labels,

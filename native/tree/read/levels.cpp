@@ -6,7 +6,6 @@
 #include <glm/geometric.hpp>
 #include <map>
 #include <numeric>
-#include <optional>
 #include <set>
 #include <stdexcept>
 #include <string_view>

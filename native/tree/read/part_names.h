@@ -17,7 +17,6 @@ enum class NameMeaning { kSilent, kWood, kFoliage };
 /// French). The last of several words counts: "dogwood_leaf" is foliage, "leaf_stem" is wood.
 NameMeaning meaning_of_name(std::string_view name);
 
-/// The labels of parts.
 struct PartLabels {
   /// Distinct labels in file order: groups, or objects if groups do not distinguish parts.
   std::vector<std::string> names;

@@ -35,22 +35,16 @@ bool tapers(const Branch& branch) {
   return *thin < kEqual * *thick;
 }
 
-float length_of(const Branch& branch) {
-  float length = 0.0f;
-  for (size_t i = 1; i < branch.points.size(); ++i) {
-    length += glm::distance(branch.points[i - 1], branch.points[i]);
-  }
-  return length;
-}
-
 bool is_block(const Branch& branch) {
-  return length_of(branch) < kBlock * *std::max_element(branch.radii.begin(), branch.radii.end());
+  return polyline_length(branch.points) <
+         kBlock * *std::max_element(branch.radii.begin(), branch.radii.end());
 }
 
 /// Vector from end to end of a straight branch; else zero.
 glm::vec3 straight_way(const Branch& branch) {
   const glm::vec3 way = branch.points.back() - branch.points.front();
-  return length_of(branch) <= (1.0f + kBend) * glm::length(way) ? way : glm::vec3(0.0f);
+  return polyline_length(branch.points) <= (1.0f + kBend) * glm::length(way) ? way
+                                                                             : glm::vec3(0.0f);
 }
 
 /// Number of branches that are straight along the longest one, the longest perpendicular to it, or

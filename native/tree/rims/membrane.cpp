@@ -1,7 +1,6 @@
 #include "tree/rims/membrane.h"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/common.hpp>
 
 #include "tree/rims/membrane_patch.h"
@@ -46,10 +45,10 @@ double short_way(double quarters) {
 /// Some rims on one chain during their movement.
 class Membrane {
  public:
-  Membrane(const Graph& graph, const std::vector<Rim>& rims, std::span<const RimReach> reaches,
-           UnrolledLimbs& unrolled, Locals& locals)
-      : graph_(graph),
-        patch_(graph, rims, reaches, unrolled, locals),
+  Membrane(const Neighbours& neighbours, const std::vector<Rim>& rims,
+           std::span<const RimReach> reaches, UnrolledLimbs& unrolled, Locals& locals)
+      : neighbours_(neighbours),
+        patch_(neighbours, rims, reaches, unrolled, locals),
         nodes_(patch_.nodes),
         rim_count_(patch_.rim_count),
         reaches_(reaches),
@@ -84,8 +83,7 @@ class Membrane {
       const double hold = away / std::max(kFade * reach.radius * reach.radius, 1e-30);
       held_.push_back(hold * hold);
       const double quarter = reach.quarter_length;
-      for (int32_t at = graph_.begin[node.vertex]; at < graph_.begin[node.vertex + 1]; ++at) {
-        const int32_t other = graph_.all[at];
+      for (const int32_t other : neighbours_.of(node.vertex)) {
         const glm::dvec2 way = difference(patch_.place(node.vertex), patch_.place(other));
         const double x = way.x * quarter;
         const double y =
@@ -109,8 +107,8 @@ class Membrane {
         MembraneNode& node = nodes_[i];
         glm::dvec2 sum(0.0);
         glm::dvec2 weights(held_[i - rim_count_]);
-        for (int32_t at = graph_.begin[node.vertex]; at < graph_.begin[node.vertex + 1]; ++at) {
-          const int32_t other = patch_.local(graph_.all[at]);
+        for (const int32_t v : neighbours_.of(node.vertex)) {
+          const int32_t other = patch_.local(v);
           const glm::dvec2& w = weights_[weight++];
           weights += w;
           if (other >= 0) sum += nodes_[other].velocity * w;
@@ -156,7 +154,7 @@ class Membrane {
     patch_.finish_step();
   }
 
-  const Graph& graph_;
+  const Neighbours& neighbours_;
   MembranePatch patch_;
   std::vector<MembraneNode>& nodes_;
   const size_t rim_count_;
@@ -174,9 +172,9 @@ glm::dvec2 difference(const TubePlace& from, const TubePlace& to) {
   return {short_way(to.quarter - from.quarter), to.length - from.length};
 }
 
-void move_membrane(const Graph& graph, const std::vector<Rim>& rims,
+void move_membrane(const Neighbours& neighbours, const std::vector<Rim>& rims,
                    std::span<const RimReach> reaches, UnrolledLimbs& unrolled, Locals& locals) {
-  Membrane(graph, rims, reaches, unrolled, locals).move(unrolled.shares);
+  Membrane(neighbours, rims, reaches, unrolled, locals).move(unrolled.shares);
 }
 
 }  // namespace snowbough::tree

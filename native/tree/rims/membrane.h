@@ -1,41 +1,17 @@
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <glm/vec2.hpp>
-#include <numeric>
 #include <span>
 #include <vector>
 
+#include "tree/mesh/neighbours.h"
 #include "tree/rims/rims.h"
 #include "tree/rims/unrolled_limbs.h"
 
 namespace snowbough::tree {
 
-/// Edge neighbours of every vertex on the unrolled faces.
-struct Graph {
-  std::vector<int32_t> begin, all;
-  /// The faces around it, in the same ranges.
-  std::vector<int32_t> face;
-
-  Graph(const std::vector<Quad>& quads, size_t count) : begin(count + 1, 0) {
-    for (const Quad& quad : quads) {
-      for (const int32_t v : quad) ++begin[v + 1];
-    }
-    std::partial_sum(begin.begin(), begin.end(), begin.begin());
-    all.resize(begin.back());
-    face.resize(begin.back());
-    std::vector<int32_t> next(begin.begin(), begin.end() - 1);
-    for (size_t f = 0; f < quads.size(); ++f) {
-      for (int k = 0; k < 4; ++k) {
-        const int32_t at = next[quads[f][k]]++;
-        all[at] = quads[f][(k + 1) % 4];
-        face[at] = static_cast<int32_t>(f);
-      }
-    }
-  }
-};
 /// Difference between two places on the same limb, the short way around.
 glm::dvec2 difference(const TubePlace& from, const TubePlace& to);
 
@@ -69,7 +45,7 @@ struct Locals {
 
 /// Moves the rims of some junctions on one chain, and the vertices within their range, as far as
 /// possible without turning a face over.
-void move_membrane(const Graph& graph, const std::vector<Rim>& rims,
+void move_membrane(const Neighbours& neighbours, const std::vector<Rim>& rims,
                    std::span<const RimReach> reaches, UnrolledLimbs& unrolled, Locals& locals);
 
 }  // namespace snowbough::tree

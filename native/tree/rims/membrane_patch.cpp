@@ -32,10 +32,10 @@ void keep_once(std::vector<int32_t>& numbers) {
 
 }  // namespace
 
-MembranePatch::MembranePatch(const Graph& graph, const std::vector<Rim>& rims,
+MembranePatch::MembranePatch(const Neighbours& neighbours, const std::vector<Rim>& rims,
                              std::span<const RimReach> reaches, UnrolledLimbs& unrolled,
                              Locals& locals)
-    : graph_(graph),
+    : neighbours_(neighbours),
       reaches_(reaches),
       unrolled_(unrolled),
       local_of_(locals.nodes),
@@ -90,8 +90,7 @@ void MembranePatch::find_free(const Rim& rim, int32_t number) {
   std::vector<int32_t> queue;
   for (const RimPoint& point : rim) queue.push_back(point.vertex);
   for (size_t i = 0; i < queue.size(); ++i) {
-    for (int32_t at = graph_.begin[queue[i]]; at < graph_.begin[queue[i] + 1]; ++at) {
-      const int32_t v = graph_.all[at];
+    for (const int32_t v : neighbours_.of(queue[i])) {
       if (local_of_[v] >= 0 || unrolled_.fixed[v] != 0 ||
           reach.from_centre(unrolled_.places[v]) > reach.radius) {
         continue;
@@ -105,9 +104,7 @@ void MembranePatch::find_free(const Rim& rim, int32_t number) {
 
 void MembranePatch::find_faces() {
   for (const MembraneNode& node : nodes) {
-    for (int32_t at = graph_.begin[node.vertex]; at < graph_.begin[node.vertex + 1]; ++at) {
-      faces_.push_back(graph_.face[at]);
-    }
+    for (const int32_t f : neighbours_.faces_of(node.vertex)) faces_.push_back(f);
   }
   keep_once(faces_);
   for (const int32_t f : faces_) {
@@ -175,9 +172,7 @@ void MembranePatch::even_out() {
     for (const int32_t f : turned_) {
       for (const int32_t corner : unrolled_.quads[f]) {
         take(corner);
-        for (int32_t at = graph_.begin[corner]; at < graph_.begin[corner + 1]; ++at) {
-          take(graph_.all[at]);
-        }
+        for (const int32_t v : neighbours_.of(corner)) take(v);
       }
     }
     faces.clear();
@@ -189,7 +184,7 @@ void MembranePatch::even_out() {
     for (const int32_t f : turned_) look_at(f);
     for (const int32_t v : vertices) {
       if (!to_middle(v)) continue;
-      for (int32_t at = graph_.begin[v]; at < graph_.begin[v + 1]; ++at) look_at(graph_.face[at]);
+      for (const int32_t f : neighbours_.faces_of(v)) look_at(f);
     }
     turned_.clear();
     std::copy_if(faces.begin(), faces.end(), std::back_inserter(turned_),
@@ -205,8 +200,8 @@ bool MembranePatch::to_middle(int32_t vertex) {
   const TubePlace now = moved(vertex);
   glm::dvec2 sum(0.0);
   double count = 0.0;
-  for (int32_t at = graph_.begin[vertex]; at < graph_.begin[vertex + 1]; ++at) {
-    const glm::dvec2 way = difference(now, moved(graph_.all[at]));
+  for (const int32_t v : neighbours_.of(vertex)) {
+    const glm::dvec2 way = difference(now, moved(v));
     sum += way * std::min(1.0, reach.spread / std::max(reach.metres(way), 1e-30));
     count += 1.0;
   }

@@ -35,8 +35,8 @@ struct MembraneNode {
 class MembranePatch {
  public:
   /// Takes indices in `locals` for its vertices and faces, and releases them in the destructor.
-  MembranePatch(const Graph& graph, const std::vector<Rim>& rims, std::span<const RimReach> reaches,
-                UnrolledLimbs& unrolled, Locals& locals);
+  MembranePatch(const Neighbours& neighbours, const std::vector<Rim>& rims,
+                std::span<const RimReach> reaches, UnrolledLimbs& unrolled, Locals& locals);
   ~MembranePatch();
   MembranePatch(const MembranePatch&) = delete;
   MembranePatch& operator=(const MembranePatch&) = delete;
@@ -80,7 +80,7 @@ class MembranePatch {
   bool turns(int32_t face) const;
   bool to_middle(int32_t vertex);
 
-  const Graph& graph_;
+  const Neighbours& neighbours_;
   std::span<const RimReach> reaches_;
   UnrolledLimbs& unrolled_;
   /// References into Locals.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <vector>
 
 namespace snowbough::tree {
 namespace {

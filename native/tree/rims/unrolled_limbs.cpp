@@ -69,7 +69,7 @@ std::vector<std::span<const RimReach>> apart(std::span<RimReach> rims) {
 
 void move_rims(const std::vector<Rim>& rims, const std::vector<Fork>& forks, const LimbTubes& tubes,
                int threads, UnrolledLimbs& unrolled) {
-  const Graph graph(unrolled.quads, unrolled.places.size());
+  const Neighbours neighbours(unrolled.quads, unrolled.places.size());
   std::vector<std::pair<int32_t, int32_t>> by_chain;
   for (size_t j = 0; j < forks.size(); ++j) {
     if (forks[j].blends) by_chain.emplace_back(forks[j].parent_chain, static_cast<int32_t>(j));
@@ -90,7 +90,7 @@ void move_rims(const std::vector<Rim>& rims, const std::vector<Fork>& forks, con
     for (size_t i = begin; i < end; ++i) {
       const std::span<RimReach> on_chain(reaches.data() + first[i], first[i + 1] - first[i]);
       for (const std::span<const RimReach> rims_beside : apart(on_chain)) {
-        move_membrane(graph, rims, rims_beside, unrolled, locals);
+        move_membrane(neighbours, rims, rims_beside, unrolled, locals);
       }
     }
   });

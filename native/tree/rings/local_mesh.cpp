@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <numeric>
 #include <utility>
+
+#include "base/group_by_key.h"
 
 namespace snowbough::tree {
 
@@ -56,25 +57,28 @@ LocalMesh weld_equal_positions(const LocalMesh& mesh) {
   return welded;
 }
 
-Topology build_topology(const LocalMesh& mesh) {
-  Topology topology;
-  const size_t count = mesh.positions.size();
-  topology.vertex_face_begin.assign(count + 1, 0);
-  for (const int32_t v : mesh.corners) ++topology.vertex_face_begin[v + 1];
-  std::partial_sum(topology.vertex_face_begin.begin(), topology.vertex_face_begin.end(),
-                   topology.vertex_face_begin.begin());
-  topology.vertex_faces.resize(mesh.corners.size());
-  std::vector<int32_t> next(topology.vertex_face_begin.begin(),
-                            topology.vertex_face_begin.end() - 1);
+std::vector<std::pair<int32_t, int32_t>> polygon_edges(const LocalMesh& mesh) {
   std::vector<std::pair<int32_t, int32_t>> edges;
   for (int32_t f = 0; f < mesh.face_count(); ++f) {
     const std::span<const int32_t> face = mesh.face(f);
-    for (size_t i = 0; i < face.size(); ++i) {
-      topology.vertex_faces[next[face[i]]++] = f;
-      edges.emplace_back(std::minmax(face[i], face[(i + 1) % face.size()]));
+    for (size_t c = 0; c < face.size(); ++c) {
+      edges.emplace_back(std::minmax(face[c], face[(c + 1) % face.size()]));
     }
   }
   std::sort(edges.begin(), edges.end());
+  return edges;
+}
+
+Topology build_topology(const LocalMesh& mesh) {
+  Topology topology;
+  const size_t count = mesh.positions.size();
+  const auto for_corners = [&](const auto& visit) {
+    for (int32_t f = 0; f < mesh.face_count(); ++f) {
+      for (const int32_t v : mesh.face(f)) visit(v, f);
+    }
+  };
+  base::group_by_key(count, for_corners, topology.vertex_face_begin, topology.vertex_faces);
+  const std::vector<std::pair<int32_t, int32_t>> edges = polygon_edges(mesh);
   std::vector<std::vector<int32_t>> neighbours(count);
   for (size_t i = 0; i < edges.size();) {
     size_t j = i;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "tree/obj/obj_scene.h"
@@ -28,6 +29,9 @@ LocalMesh extract_component(const ObjScene& scene, std::span<const int32_t> face
 
 /// Merges vertices at bit-equal positions; faces lose coincident corners.
 LocalMesh weld_equal_positions(const LocalMesh& mesh);
+
+/// The faces' edges as pairs of vertices, the smaller first, once for every face; sorted.
+std::vector<std::pair<int32_t, int32_t>> polygon_edges(const LocalMesh& mesh);
 
 /// Adjacency for a walk over the component.
 struct Topology {

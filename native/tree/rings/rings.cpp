@@ -8,6 +8,7 @@
 #include "base/union_find.h"
 #include "tree/rings/closed_ends.h"
 #include "tree/rings/local_mesh.h"
+#include "tree/skeleton/centreline.h"
 
 namespace snowbough::tree {
 namespace {
@@ -255,7 +256,7 @@ std::optional<Limb> finish_limb(std::optional<Limb> limb, NotATube& why) {
   drop_cap_centre(*limb, true);
   drop_cap_centre(*limb, false);
   const float thickest = *std::max_element(limb->radii.begin(), limb->radii.end());
-  if (limb_length(*limb) < kShortestLimb * thickest) {
+  if (polyline_length(limb->points) < kShortestLimb * thickest) {
     why = NotATube::kDisc;
     return std::nullopt;
   }
@@ -338,14 +339,6 @@ void reverse_limb(Limb& limb) {
   std::reverse(limb.points.begin(), limb.points.end());
   std::reverse(limb.radii.begin(), limb.radii.end());
   std::reverse(limb.areas.begin(), limb.areas.end());
-}
-
-float limb_length(const Limb& limb) {
-  float length = 0.0f;
-  for (size_t i = 1; i < limb.points.size(); ++i) {
-    length += glm::distance(limb.points[i - 1], limb.points[i]);
-  }
-  return length;
 }
 
 std::optional<Limb> trace_tube(const ObjScene& scene, std::span<const int32_t> faces,

@@ -28,9 +28,6 @@ void append_ring(std::span<const glm::vec3> ring, Limb& limb);
 /// Reverses the limb: the tip becomes the root.
 void reverse_limb(Limb& limb);
 
-/// Length of the centreline.
-float limb_length(const Limb& limb);
-
 /// Why a component is not a tube.
 enum class NotATube : uint8_t {
   kNone,

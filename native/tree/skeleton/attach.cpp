@@ -25,19 +25,11 @@ float largest_radius(const Branch& branch) {
   return *std::max_element(branch.radii.begin(), branch.radii.end());
 }
 
-float branch_length(const Branch& branch) {
-  float length = 0.0f;
-  for (size_t i = 1; i < branch.points.size(); ++i) {
-    length += glm::distance(branch.points[i - 1], branch.points[i]);
-  }
-  return length;
-}
-
 /// Rank of each branch from the thickest to the thinnest.
 std::vector<int32_t> thickness_order(const std::vector<Branch>& branches) {
   std::vector<std::tuple<float, float, int32_t>> keys;
   for (size_t b = 0; b < branches.size(); ++b) {
-    keys.emplace_back(-largest_radius(branches[b]), -branch_length(branches[b]),
+    keys.emplace_back(-largest_radius(branches[b]), -polyline_length(branches[b].points),
                       static_cast<int32_t>(b));
   }
   std::sort(keys.begin(), keys.end());

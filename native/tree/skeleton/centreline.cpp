@@ -47,6 +47,14 @@ std::vector<float> arc_lengths(const Branch& branch) {
   return lengths;
 }
 
+float polyline_length(const std::vector<glm::vec3>& points) {
+  float length = 0.0f;
+  for (size_t i = 1; i < points.size(); ++i) {
+    length += glm::distance(points[i - 1], points[i]);
+  }
+  return length;
+}
+
 float radius_at(const Branch& branch, const CentrelinePlace& place) {
   const float a = branch.radii[place.segment];
   const float b = branch.radii[segment_end(branch, place)];

@@ -22,6 +22,9 @@ CentrelinePlace nearest_place(const Branch& branch, const glm::vec3& point);
 /// Distance along the centreline from the root to every point; the first is 0, the last the length.
 std::vector<float> arc_lengths(const Branch& branch);
 
+/// Sum of the distances between successive points.
+float polyline_length(const std::vector<glm::vec3>& points);
+
 /// Radius and area at a place. The radius is interpolated linearly along the segment, and so is the
 /// square root of the area, as in a cone.
 float radius_at(const Branch& branch, const CentrelinePlace& place);

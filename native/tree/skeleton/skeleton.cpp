@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <unordered_map>
 #include <unordered_set>
-#include <utility>
 
 namespace snowbough::tree {
 namespace {

@@ -54,7 +54,7 @@ struct LimbPlan {
 };
 
 /// Builds one limb.
-/// @param narrowing_steps  see build_surface; those of the branch and of its children matter.
+/// @param narrowing_steps  see SurfaceBuilder; those of the branch and of its children matter.
 /// @param start, parent  the branch's start, and its parent's hull; null for a root.
 LimbPart build_limb(const LimbPlan& plan, int32_t branch,
                     const std::vector<uint8_t>& narrowing_steps, const LimbStart& start,

@@ -3,12 +3,9 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <string>
 #include <vector>
 
-#include "tree/skeleton/skeleton.h"
 #include "tree/skeleton/tree_mesh.h"
-#include "tree/surface/limb_path.h"
 
 namespace snowbough::tree {
 
@@ -62,22 +59,5 @@ struct SurfaceOptions {
   bool close_root = true;
   bool close_tips = true;
 };
-
-/// Wraps the skeleton in quads, by index: each step replaces a quad by a tube, so that the surface
-/// is closed and consistently wound for every skeleton, with one component per root. Nothing is
-/// welded.
-///
-/// @param paths limb_paths(skeleton).
-/// @param narrowing_steps per branch, 0 by default: how often its base was narrowed and freed of
-///   rings because it intersected other faces.
-/// @param only per branch, 0 leaves it out, together with its descendants: for examining a part of
-///   the surface, whose faces are the same as in the whole. Of a branch left out only the first
-///   ring exists, by its vertices, if its parent is there. Empty = all.
-///
-/// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, section 3.3, "knuckles".
-Surface build_surface(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
-                      const SurfaceScale& scale, const SurfaceOptions& options,
-                      const std::vector<uint8_t>& narrowing_steps,
-                      const std::vector<uint8_t>& only = {});
 
 }  // namespace snowbough::tree

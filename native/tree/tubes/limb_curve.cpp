@@ -1,7 +1,6 @@
 #include "tree/tubes/limb_curve.h"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
 
 #include "tree/surface/stations.h"

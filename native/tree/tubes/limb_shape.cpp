@@ -1,7 +1,6 @@
 #include "tree/tubes/limb_shape.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 

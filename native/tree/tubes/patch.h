@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <glm/vec2.hpp>
 #include <vector>
 
@@ -37,7 +36,6 @@ int quads_across(const PatchCuts& cuts, int level);
 /// The strip between one quad and two in an odd patch.
 int odd_strip(const PatchCuts& cuts);
 
-/// Number of quads of a patch.
 int64_t count_quads(const PatchCuts& cuts);
 
 /// A vertex of a patch. On an edge, `index` counts along the edge, from corner 0 for low and left,

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
-#include <span>
 #include <vector>
 
 #include "base/progress.h"

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tree/rings/local_mesh.h"
+#include "tree/skeleton/centreline.h"
 #include "tree/welded/ends.h"
 #include "tree/welded/welded.h"
 
@@ -19,19 +20,6 @@ constexpr size_t kLargestLoop = 16;
 constexpr float kSameThickness = 0.02f;
 /// Minimum length of a tube, in largest radii.
 constexpr float kShortest = 3.0f;
-
-/// The polygons' edges, once for every polygon.
-std::vector<std::pair<int32_t, int32_t>> polygon_edges(const LocalMesh& mesh) {
-  std::vector<std::pair<int32_t, int32_t>> edges;
-  for (int32_t f = 0; f < mesh.face_count(); ++f) {
-    const std::span<const int32_t> face = mesh.face(f);
-    for (size_t c = 0; c < face.size(); ++c) {
-      edges.emplace_back(std::minmax(face[c], face[(c + 1) % face.size()]));
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  return edges;
-}
 
 /// Whether the surface is a sphere with these holes: no handles, no edge with three faces.
 bool is_sphere_with_holes(const LocalMesh& mesh, std::vector<std::pair<int32_t, int32_t>> edges,
@@ -101,7 +89,8 @@ std::optional<Limb> limb_through(const LocalMesh& mesh,
 
 bool is_long(const Limb& limb) {
   return limb.points.size() >= 2 &&
-         limb_length(limb) >= kShortest * *std::max_element(limb.radii.begin(), limb.radii.end());
+         polyline_length(limb.points) >=
+             kShortest * *std::max_element(limb.radii.begin(), limb.radii.end());
 }
 
 }  // namespace

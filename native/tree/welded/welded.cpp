@@ -7,7 +7,6 @@
 #include <limits>
 #include <utility>
 
-#include "tree/rings/local_mesh.h"
 #include "tree/welded/arcs.h"
 #include "tree/welded/ends.h"
 #include "tree/welded/geodesic.h"

@@ -8,7 +8,6 @@
 #include <future>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 namespace snowbough::gpu {
 namespace {

@@ -80,14 +80,5 @@ TEST(PassTimer, MeasuresNothingWhereItIsOff) {
   });
 }
 
-TEST(Query, IsReadyOnceItsResultWasRead) {
-  GpuThread::shared()->run([] {
-    const Query query(GL_TIMESTAMP);
-    glQueryCounter(query.id(), GL_TIMESTAMP);
-    EXPECT_GT(query.result(), 0u);
-    EXPECT_TRUE(query.is_ready());
-  });
-}
-
 }  // namespace
 }  // namespace snowbough::gpu

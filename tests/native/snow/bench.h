@@ -1,8 +1,12 @@
 #pragma once
 
 // Small scenes on the GPU, for tests of single passes.
+#include <gtest/gtest.h>
+
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,6 +38,23 @@ inline SceneObject square(const std::string& name, float size, float z, int32_t 
     object.table = std::make_shared<const TexelTable>(build_texel_table(topology));
   }
   return object;
+}
+
+/// Compares an engine's stability with the closed form. stable_height(height, deposit, dt,
+/// max_depth, is_ceiling) steps a texel with a half-life of 2 s.
+template <typename StableHeight>
+void expect_closed_form(const StableHeight& stable_height) {
+  const double k = std::numbers::ln2 / 2.0;
+  EXPECT_FLOAT_EQ(stable_height(0.1f, 0.2f, 1.0f, 0.5f, false), 0.3f);
+  EXPECT_NEAR(stable_height(0.9f, 0.0f, 2.0f, 0.5f, false), 0.7f, 1e-6);
+  EXPECT_NEAR(stable_height(0.5f, 0.3f, 1.0f, 0.5f, false), 0.5 + 0.3 * (1.0 - std::exp2(-0.5)) / k,
+              1e-6);
+  // Crosses at a third of the step.
+  EXPECT_NEAR(stable_height(0.4f, 0.3f, 1.0f, 0.5f, false),
+              0.5 + 0.2 * (1.0 - std::exp2(-1.0 / 3.0)) / (k * 2.0 / 3.0), 1e-6);
+  EXPECT_NEAR(stable_height(0.1f, 0.0f, 20.0f, 0.0f, false), 0.1 * std::exp2(-10.0), 1e-7);
+  // Past vertical, but no time to slide: a huge capacity rounds nothing away.
+  EXPECT_FLOAT_EQ(stable_height(0.001f, 0.002f, 0.0f, 1e6f, true), 0.003f);
 }
 
 /// A scene on the GPU with everything a pass needs. Lives on the GPU thread.

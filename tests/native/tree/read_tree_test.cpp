@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <sstream>
 
 #include "native/tree/tree_text.h"

@@ -245,14 +245,6 @@ def needing_blender(imports, modules):
                     waiting += [one.imported, room_of(one.imported)]
 
 
-def arrows(imports):
-    """Pairs of rooms (importing, imported)."""
-    pairs = {
-        (room_of(one.importer), room_of(one.imported)) for one in imports if one.imported not in BLENDERS
-    }
-    return {(here, there) for here, there in pairs if here != there}
-
-
 # -- the add-on -----------------------------------------------------------------------------------------
 
 
@@ -385,13 +377,3 @@ def test_blender_in_the_init_of_a_room_counts_for_all_that_is_in_it(house):
     assert list(needing_blender(found, ["cellar.coal"])) == [
         "cellar/__init__.py:1: imports bpy, but cellar.coal needs no Blender"
     ]
-
-
-def test_arrows_are_counted_once_for_two_rooms(house):
-    found = house(
-        a__in__x="from ..b import y\nfrom ..b import z\nimport bpy",
-        a__in__w="from ..b import y",
-        b__in__y="",
-        b__in__z="from . import y",
-    )
-    assert arrows(found) == {("a", "b")}

@@ -42,28 +42,24 @@ def test_a_map_that_cannot_be_made_stops_what_follows():
     assert written == []
 
 
-def test_a_full_disk_says_what_to_do():
-    def write():
-        raise OSError("map.exr: No space left on device")
-
-    with (
-        pytest.raises(map_writer.WriteFailed, match=r"map\.exr: No space .* free disk space, then resume"),
-        map_writer.MapWriter() as writer,
-    ):
-        writer.call(write)
-        writer.flush()
-
-
-def test_a_cache_that_was_deleted_is_not_told_to_make_room():
-    def write():
-        raise RuntimeError("cannot write '/c/height_0001.exr': No such file or directory")
-
-    with (
-        pytest.raises(
-            map_writer.WriteFailed, match="No such file.*The folder is gone: restore it and resume"
+@pytest.mark.parametrize(
+    "error, text",
+    [
+        (
+            OSError("map.exr: No space left on device"),
+            r"map\.exr: No space .* free disk space, then resume",
         ),
-        map_writer.MapWriter() as writer,
-    ):
+        (
+            RuntimeError("cannot write '/c/height_0001.exr': No such file or directory"),
+            "No such file.*The folder is gone: restore it and resume",
+        ),
+    ],
+)
+def test_a_full_disk_and_a_deleted_cache_say_what_to_do(error, text):
+    def write():
+        raise error
+
+    with pytest.raises(map_writer.WriteFailed, match=text), map_writer.MapWriter() as writer:
         writer.call(write)
         writer.flush()
 

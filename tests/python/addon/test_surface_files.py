@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import snowbough_native as native
+from cache_files import written
 from snowbough.cache import files, manifest
 from snowbough.cache.errors import CacheError
 from snowbough.surface import compute, mesh_file, point_cache, recording
@@ -66,32 +67,8 @@ def baked(folder, poses=None, matrices=None, frames=DEPTHS):
                 "direction": [0.0, 0.0, -1.0],
             }
         )
-    snowfall = {
-        "frame_start": 1,
-        "frame_end": len(frames),
-        "flutter": 0.0,
-        "pixel_size": 0.01,
-        "totals": [0.1],
-    }
-    manifest.write_manifest(
-        folder,
-        {
-            "object": "Card",
-            "label": "Card",
-            "library": "",
-            "complete": True,
-            "hash": "h",
-            "settings": {
-                "shot": "s",
-                "snowfall": snowfall,
-                "receiver": {"resolution": SIZE, "uv_map": "snow"},
-            },
-            "frames": entries,
-            "cache": "",
-            "files": files.bake_files(1, len(frames)),
-            "share": 1.0,
-        },
-    )
+    bake = written(frames=range(1, len(frames) + 1))
+    manifest.write_manifest(folder, {**bake, "label": "Card", "frames": entries, "share": 1.0})
     return folder
 
 

@@ -62,12 +62,6 @@ def test_a_damaged_state_is_refused_by_name(path, at):
         snowbough_native.read_checkpoint(str(path))
 
 
-def test_a_truncated_state_is_refused(path):
-    path.write_bytes(path.read_bytes()[:-4])
-    with pytest.raises(RuntimeError, match="it is truncated"):
-        snowbough_native.read_checkpoint(str(path))
-
-
 def test_heights_that_are_no_square_are_refused(tmp_path):
     own = {"height": np.zeros((2, 3), dtype=np.float32), "sums": np.zeros(16)}
     with pytest.raises(ValueError, match="'ground'"):

@@ -12,6 +12,7 @@ import sys
 import zlib
 from pathlib import Path
 
+import child
 import numpy as np
 import pytest
 import snowbough_native as native
@@ -22,20 +23,11 @@ CLASSES = [name for name, member in vars(native).items() if isinstance(member, t
 NOT_NUMBERS = [np.nan, np.inf, -np.inf]
 
 
-def in_child(program, seconds=60):
+def in_child(program):
     """Runs lines of Python with the module, numpy and the meshes at hand; returns what they printed."""
-    environment = dict(os.environ, PYTHONPATH=os.pathsep.join([os.path.dirname(native.__file__), *sys.path]))
-    start = "import numpy as np, snowbough_native as native\nfrom snow_meshes import grid\n"
-    done = subprocess.run(
-        [sys.executable, "-c", start + program],
-        env=environment,
-        cwd=Path(__file__).parent,
-        capture_output=True,
-        text=True,
-        timeout=seconds,
+    return child.in_child(
+        f"import numpy as np, snowbough_native as native\nfrom snow_meshes import grid\n{program}"
     )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
 
 
 def stepped():

@@ -2,12 +2,10 @@
 """Processes that are forked, and processes that end while the module computes."""
 
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
-import snowbough_native as native
+from child import in_child
 
 needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
 
@@ -35,17 +33,7 @@ def in_fork(work):
 
 
 def run(program):
-    environment = dict(os.environ, PYTHONPATH=os.pathsep.join([os.path.dirname(native.__file__), *sys.path]))
-    done = subprocess.run(
-        [sys.executable, "-c", START + program],
-        env=environment,
-        cwd=Path(__file__).parent,
-        capture_output=True,
-        text=True,
-        timeout=60,
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout.split("\n")[:-1]
+    return in_child(START + program).split("\n")[:-1]
 
 
 @needs_fork

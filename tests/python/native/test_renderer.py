@@ -297,13 +297,17 @@ def test_a_wireframe_hides_what_is_behind(renderer):
     assert wire[150, 0, 0] == 255
 
 
-def leaf(renderer, image, **options):
-    """A card of 2 x 2 m in front of the tree, facing the camera of `see_leaf`."""
+def set_leaf(renderer, image, uv=None):
+    """Gives the tree a card of 2 x 2 m in front of it, which faces -Y."""
     a, b, c, d = (-1, -3, 1), (1, -3, 1), (1, -3, 3), (-1, -3, 3)
-    uv = np.array([[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]], np.float32)
     renderer.set_leaves(
         "tree", np.array([(a, b, c), (a, c, d)], np.float32), [0, 0], uv, colors=[(1, 1, 1)], images=[image]
     )
+
+
+def leaf(renderer, image, **options):
+    """The picture of such a card."""
+    set_leaf(renderer, image, np.array([[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]], np.float32))
     camera = native.Camera(eye=(0, -9, 2), target=(0, -3, 2), width=200, height=200)
     return renderer.render(camera, native.RenderSettings(sun_direction=(0, -1, 0.5), **options))
 
@@ -363,10 +367,7 @@ def test_leaves_cast_the_shadow_of_their_image_however_far_it_falls(renderer, wa
 
     def shade(alpha):
         image[..., 3] = alpha
-        a, b, c, d = (-1, -3, 1), (1, -3, 1), (1, -3, 3), (-1, -3, 3)
-        renderer.set_leaves(
-            "tree", np.array([(a, b, c), (a, c, d)], np.float32), [0, 0], colors=[(1, 1, 1)], images=[image]
-        )
+        set_leaf(renderer, image)
         camera = native.Camera(eye=(-0.7, wall - 3, 2), target=(-0.7, wall, 2), width=100, height=100)
         return renderer.render(camera, native.RenderSettings(sun_direction=(0, -1, 0)))[50, 50, 0]
 

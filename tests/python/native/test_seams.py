@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from snow_rays import texel_points
 
 snowbough_native = pytest.importorskip("snowbough_native")
 
@@ -78,13 +79,7 @@ def test_snow_on_a_rebuilt_tree_is_even_across_its_seams():
     mesh = snowbough_native.build_tree_mesh(snowbough_native.read_tree(str(path)), snow_resolution=resolution)
     triangles, uv = triangles_of(mesh)
     positions = np.asarray(mesh.vertices)
-    table = snowbough_native.texel_table(triangles, uv, resolution)
-    corners = positions[triangles[table["triangle"]]]
-    b, c = table["barycentric"].T
-    weights = np.stack([1 - b - c, b, c], axis=1)[:, :, None]
-    points = (weights * corners).sum(axis=1)
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.linalg.norm(normals, axis=1)[:, None] + 1e-20
+    points, normals, _, table = texel_points(snowbough_native, positions, triangles, uv, resolution)
     sides = positions[triangles[:, 1:]] - positions[triangles[:, :1]]
     area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
     texel = np.sqrt(area.sum() / 2 / table["coverage"].sum())

@@ -56,12 +56,17 @@ def steepest(heights, texel):
     return math.degrees(math.atan(max(steps) / texel))
 
 
-def heap(repose, resolution=128, engine="CPU"):
-    """A plate of 1.2 m on which snow fell through a hole of 12 cm, at rest; and its texel's size."""
+def plate_below_a_hole():
+    """A plate of 1.2 m, and lids above it that leave a hole of 12 cm."""
     sheets = [grid(0.94, 2.0), grid(0.94, 2.0), grid(0.12, 0.94), grid(0.12, 0.94)]
     places = [(-0.53, 0, 2), (0.53, 0, 2), (0, -0.53, 2), (0, 0.53, 2)]
     meshes = {"plate": grid(1.2, 1.2)}
-    meshes |= {f"lid {i}": moved(mesh, at) for i, (mesh, at) in enumerate(zip(sheets, places))}
+    return meshes | {f"lid {i}": moved(mesh, at) for i, (mesh, at) in enumerate(zip(sheets, places))}
+
+
+def heap(repose, resolution=128, engine="CPU"):
+    """A plate of 1.2 m on which snow fell through a hole of 12 cm, at rest; and its texel's size."""
+    meshes = plate_below_a_hole()
     lids = [name for name in meshes if name != "plate"]
     sim = simulation(meshes, repose, resolution, engine, only_shade=lids)
     fall(sim, meshes, 0.5, 24)
@@ -96,10 +101,7 @@ def test_a_heap_keeps_its_volume_to_a_millionth(engine):
 
 def test_a_heap_over_many_blocks_rests_in_the_step_that_brings_its_snow():
     """Through a hole, 30 mm at a time: a flank of 70 texels is no steeper at the blocks' borders."""
-    sheets = [grid(0.94, 2.0), grid(0.94, 2.0), grid(0.12, 0.94), grid(0.12, 0.94)]
-    places = [(-0.53, 0, 2), (0.53, 0, 2), (0, -0.53, 2), (0, 0.53, 2)]
-    meshes = {"plate": grid(1.2, 1.2)}
-    meshes |= {f"lid {i}": moved(mesh, at) for i, (mesh, at) in enumerate(zip(sheets, places))}
+    meshes = plate_below_a_hole()
     angle = math.radians(40.0)
     with simulation(meshes, angle, 384, only_shade=meshes.keys() - {"plate"}, pixel_size=0.004) as sim:
         fall(sim, meshes, 1.2, 40)
@@ -332,12 +334,17 @@ def test_the_memory_estimate_counts_repose():
     assert 512 * 512 * 60 < kept < 512 * 512 * 100
 
 
+def faces_of(positions, triangles, uv):
+    """(upward part of each triangle's normal, texel table)"""
+    face = np.cross(*(positions[triangles[:, k]] - positions[triangles[:, 0]] for k in (1, 2)))
+    up = face[:, 2] / np.linalg.norm(face, axis=1)
+    return up, native.texel_table(triangles, uv, 128)
+
+
 def test_walls_that_are_shaded_smooth_are_bare_too():
     """A coarse ball's faces at its equator are walls, where their smooth normals still face up a little."""
     positions, triangles, uv = mesh = sphere(0.4, 16, 16)
-    face = np.cross(*(positions[triangles[:, k]] - positions[triangles[:, 0]] for k in (1, 2)))
-    up = face[:, 2] / np.linalg.norm(face, axis=1)
-    table = native.texel_table(triangles, uv, 128)
+    up, table = faces_of(positions, triangles, uv)
     owner = np.full(128 * 128, -1)
     owner[table["texel"]] = table["triangle"]
     walls = ((owner >= 0) & (np.abs(up[owner]) < 0.0999)).reshape(128, 128)
@@ -356,9 +363,7 @@ def test_walls_that_are_shaded_smooth_are_bare_too():
 def test_walls_shed_their_snow_once_however_they_are_shaded(smooth):
     """Half of it in a hundredth of a second, on faces that are walls by their own normals."""
     positions, triangles, uv = sphere(0.4, 16, 16)
-    face = np.cross(*(positions[triangles[:, k]] - positions[triangles[:, 0]] for k in (1, 2)))
-    up = face[:, 2] / np.linalg.norm(face, axis=1)
-    table = native.texel_table(triangles, uv, 128)
+    up, table = faces_of(positions, triangles, uv)
     walls = np.zeros(128 * 128, bool)
     walls[table["texel"]] = (up[table["triangle"]] > 0.0) & (up[table["triangle"]] < 0.0999)
     with native.SnowSimulation(pixel_size=0.004, repose=FRESH, engine="CPU", max_depth=10.0) as sim:

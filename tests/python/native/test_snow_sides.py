@@ -203,11 +203,16 @@ def test_a_leaf_that_faces_down_carries_what_its_alpha_leaves():
     assert float((height * area).sum()) == pytest.approx(-0.05, rel=0.03)
 
 
-def test_a_wavy_smooth_sheet_keeps_its_volume_on_both_sides():
+def wavy_sheet():
+    """A steep sheet, of which some parts hold snow on the front and others on the back."""
     positions, triangles, uv = grid(cells=24)
     positions = positions.copy()
     positions[:, 2] = 0.1 * np.sin(positions[:, 0] * 9.0)
-    mesh = rotated(positions, "y", 75.0), triangles, uv
+    return rotated(positions, "y", 75.0), triangles, uv
+
+
+def test_a_wavy_smooth_sheet_keeps_its_volume_on_both_sides():
+    mesh = wavy_sheet()
     flat, area, _ = snow_on(mesh, resolution=128)
     smoothed, _, _ = snow_on(mesh, resolution=128, shading=smooth(*mesh[:2]))
     assert flat.min() < 0.0 < flat.max()
@@ -268,10 +273,7 @@ def test_a_checkpoint_keeps_what_lies_on_the_back(tmp_path):
 
 
 def test_tiles_change_nothing_on_either_side():
-    positions, triangles, uv = grid(cells=24)
-    positions = positions.copy()
-    positions[:, 2] = 0.1 * np.sin(positions[:, 0] * 9.0)
-    positions = rotated(positions, "y", 75.0)
+    positions, triangles, uv = wavy_sheet()
     maps = []
     for tile_size in (64, 2048):
         with new_simulation(

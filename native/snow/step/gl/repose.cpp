@@ -199,13 +199,12 @@ void ReposePass::set_links(const SceneBuffers& scene, const ReposeBuffers& set) 
   wait_for_writes();
 }
 
-/// For shaders that run over a list.
-void ReposePass::bind_list(gpu::Program& program, const ReposeBuffers& set, int32_t list,
-                           int32_t head) const {
+/// For shaders that run over all blocks of the step.
+void ReposePass::bind_touched(gpu::Program& program, const ReposeBuffers& set) const {
   program.bind_texture("lists", set.views.lists);
   program.bind("Heads", set.heads);
-  program.set("list_begin", list * set.block_count);
-  program.set("head", head);
+  program.set("list_begin", kTouched * set.block_count);
+  program.set("head", touched_head());
 }
 
 /// For shaders that add to lists.
@@ -274,7 +273,7 @@ void ReposePass::lower_bounds(const ReposeBuffers& set) {
     wait_for_writes();
   }
   cut_.use();
-  bind_list(cut_, set, kTouched, touched_head());
+  bind_touched(cut_, set);
   bind_lists(cut_, set);
   cut_.bind_texture("cells", set.views.cells);
   cut_.bind_texture("bounds", set.bounds.view[kBoundSweeps % 2]);
@@ -310,7 +309,7 @@ void ReposePass::write(SceneBuffers& scene, const ReposeBuffers& set, float dt) 
   const int64_t touched = head_offset(touched_head());
   for (const ReposeBuffers::Run& run : set.runs) {
     write_.use();
-    bind_list(write_, set, kTouched, touched_head());
+    bind_touched(write_, set);
     write_.bind_image("height_map", scene.groups[static_cast<size_t>(run.group)].height,
                       GL_READ_WRITE);
     write_.bind_texture("points", set.views.points);
@@ -330,7 +329,7 @@ void ReposePass::write(SceneBuffers& scene, const ReposeBuffers& set, float dt) 
                   GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT |
                   GL_PIXEL_BUFFER_BARRIER_BIT);
   reset_.use();
-  bind_list(reset_, set, kTouched, touched_head());
+  bind_touched(reset_, set);
   reset_.bind("Moved", set.moved.buffer[0]);
   reset_.bind("OtherMoved", set.moved.buffer[1]);
   reset_.bind("Flows", set.flows.buffer[0]);

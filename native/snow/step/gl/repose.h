@@ -56,7 +56,7 @@ class ReposePass {
   void run_rounds(const ReposeBuffers& set);
   void write(SceneBuffers& scene, const ReposeBuffers& set, float dt);
   void clear_lists(ReposeBuffers& set) const;
-  void bind_list(gpu::Program& program, const ReposeBuffers& set, int32_t list, int32_t head) const;
+  void bind_touched(gpu::Program& program, const ReposeBuffers& set) const;
   void bind_lists(gpu::Program& program, const ReposeBuffers& set) const;
   void bind_window(gpu::Program& program, const ReposeBuffers& set) const;
   static void bind_links(gpu::Program& program, const ReposeBuffers& set);

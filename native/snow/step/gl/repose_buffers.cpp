@@ -1,7 +1,6 @@
 #include "snow/step/gl/repose_buffers.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <set>

@@ -33,7 +33,6 @@ TEST(PosedBounds, whatABoneCarriesMovesWithIt) {
   PosedBounds bounds(2);
   bounds.add(0, {0, 0, 0});
   bounds.add(1, {0, 0, 1});
-  EXPECT_EQ(bounds.at_rest().high, vec3(0, 0, 1));
   const mat4 aside = glm::translate(mat4(1.0f), vec3(3, 0, 0));
   const Box posed = bounds.posed(std::vector<mat4>{mat4(1.0f), aside});
   EXPECT_EQ(posed.low, vec3(0, 0, 0));

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <limits>
 
 #include "image/atomic_file.h"
 #include "snow/state/check_sum.h"

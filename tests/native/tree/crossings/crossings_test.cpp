@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <set>
 
-#include "native/tree/skeletons.h"
+#include "native/tree/built_surface.h"
 #include "tree/crossings/triangles.h"
 #include "tree/crossings/uncrossed_surface.h"
 #include "tree/mesh/mesh_check.h"
@@ -29,7 +29,7 @@ struct Plan {
         narrowing_steps(paths.size(), 0) {}
 
   Surface build(const std::vector<uint8_t>& only = {}) const {
-    return build_surface(skeleton, paths, scale, {}, narrowing_steps, only);
+    return build_surface(skeleton, paths, scale, narrowing_steps, only);
   }
 
   Skeleton skeleton;

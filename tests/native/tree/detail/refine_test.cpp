@@ -1,4 +1,3 @@
-#include "tree/detail/refine.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -161,47 +160,48 @@ std::vector<glm::dvec3> normals(const TreeMesh& mesh) {
   return result;
 }
 
-TEST(Refine, ALimbThatBendsSmoothlyTurnsByLessThan25DegreesFromFaceToFace) {
-  const TreeMesh mesh = build_at(bent_chain(), Detail::kDefault);
+/// The largest angle in degrees between two faces over the edges from corner k of face f on that
+/// counts(f, k) accepts, and the number of pairs of faces.
+template <typename Counts>
+std::pair<double, size_t> most_turned(const TreeMesh& mesh, const Counts& counts) {
   const std::vector<glm::dvec3> normal = normals(mesh);
   std::map<std::pair<int32_t, int32_t>, size_t> edges;
   double most = 0.0;
   size_t pairs = 0;
   for (size_t f = 0; f < mesh.quads.size(); ++f) {
-    if (mesh.origins[f].part != FacePart::kWall) continue;
     for (int k = 0; k < 4; ++k) {
-      // Edges across the limb: bark's v does not change.
-      const int next = (k + 1) % 4;
-      if (std::abs(mesh.uv_bark[f][k].y - mesh.uv_bark[f][next].y) > 1e-5f) continue;
-      const int32_t a = mesh.quads[f][k], b = mesh.quads[f][next];
-      const auto [other, first] = edges.emplace(std::minmax(a, b), f);
+      if (!counts(f, k)) continue;
+      const auto edge = std::minmax(mesh.quads[f][k], mesh.quads[f][(k + 1) % 4]);
+      const auto [other, first] = edges.emplace(edge, f);
       if (first) continue;
       most = std::max(most, std::acos(std::min(1.0, glm::dot(normal[f], normal[other->second]))));
       ++pairs;
     }
   }
+  return {most * 180.0 / M_PI, pairs};
+}
+
+TEST(Refine, ALimbThatBendsSmoothlyTurnsByLessThan25DegreesFromFaceToFace) {
+  const TreeMesh mesh = build_at(bent_chain(), Detail::kDefault);
+  const auto [degrees, pairs] = most_turned(mesh, [&](size_t f, int k) {
+    // Edges across the limb: bark's v does not change.
+    return mesh.origins[f].part == FacePart::kWall &&
+           std::abs(mesh.uv_bark[f][k].y - mesh.uv_bark[f][(k + 1) % 4].y) <= 1e-5f;
+  });
   EXPECT_GT(pairs, 100u);
-  EXPECT_LT(most * 180.0 / M_PI, 25.0);
+  EXPECT_LT(degrees, 25.0);
 }
 
 TEST(Refine, AForkHasNoSharpCrease) {
   const Skeleton skeleton = make_skeleton({trunk(), side_branch(5.5f, 0.1f)});
   const TreeMesh mesh = build_at(skeleton, Detail::kFilm);
-  const std::vector<glm::dvec3> normal = normals(mesh);
-  std::map<std::pair<int32_t, int32_t>, size_t> edges;
-  double most = 0.0;
-  for (size_t f = 0; f < mesh.quads.size(); ++f) {
+  const auto [degrees, pairs] = most_turned(mesh, [&](size_t f, int) {
     const FacePart part = mesh.origins[f].part;
-    if (part == FacePart::kTipCap || part == FacePart::kRootCap) continue;
-    for (int k = 0; k < 4; ++k) {
-      const auto edge = std::minmax(mesh.quads[f][k], mesh.quads[f][(k + 1) % 4]);
-      const auto [other, first] = edges.emplace(edge, f);
-      if (first) continue;
-      most = std::max(most, std::acos(std::min(1.0, glm::dot(normal[f], normal[other->second]))));
-    }
-  }
+    return part != FacePart::kTipCap && part != FacePart::kRootCap;
+  });
+  EXPECT_GT(pairs, 100u);
   // Without a fillet it is a right angle.
-  EXPECT_LT(most * 180.0 / M_PI, 45.0);
+  EXPECT_LT(degrees, 45.0);
 }
 
 TEST(Refine, TheFilletIsAsWideAsTheThinnerLimb) {

@@ -1,8 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <fstream>
 #include <glm/geometric.hpp>
 
 #include "native/tree/tree_text.h"

@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "native/tree/tree_text.h"
-#include "tree/rings/rings.h"
 
 namespace snowbough::tree {
 namespace {

@@ -6,7 +6,6 @@
 #include <glm/geometric.hpp>
 #include <random>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "native/tree/skeletons.h"

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "native/tree/skeletons.h"
+#include "native/tree/built_surface.h"
 #include "tree/skeleton/width.h"
 #include "tree/surface/limb_path.h"
 
@@ -57,7 +57,7 @@ TEST(SurfaceBuilder, BuildsAfterOtherReliefWhatItBuildsAtOnce) {
       }
       builder.build(narrowing_steps);
       expect_same(builder.surface(),
-                  build_surface(plan.skeleton, plan.paths, plan.scale, {}, narrowing_steps));
+                  build_surface(plan.skeleton, plan.paths, plan.scale, narrowing_steps));
     }
   }
 }
@@ -70,7 +70,7 @@ TEST(SurfaceBuilder, DoesNotDependOnTheNumberOfThreads) {
     const std::vector<uint8_t> narrowing_steps(plan.paths.size(), 0);
     builder.build(narrowing_steps);
     expect_same(builder.surface(),
-                build_surface(plan.skeleton, plan.paths, plan.scale, {}, narrowing_steps));
+                build_surface(plan.skeleton, plan.paths, plan.scale, narrowing_steps));
   }
 }
 

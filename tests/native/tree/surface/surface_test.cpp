@@ -10,6 +10,7 @@
 #include "tree/build_tree_mesh.h"
 #include "tree/crossings/crossings.h"
 #include "tree/crossings/uncrossed_surface.h"
+#include "tree/mesh/bones_reduce.h"
 #include "tree/surface/limb_path.h"
 
 namespace snowbough::tree {

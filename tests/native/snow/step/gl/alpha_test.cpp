@@ -2,30 +2,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <glm/vec4.hpp>
 
-#include "gpu/gpu_thread.h"
+#include "native/snow/bench.h"
 #include "snow/scene/memory_estimate.h"
-#include "snow/step/gl/occlusion.h"
-#include "snow/step/gl/passes.h"
-#include "snow/step/gl/scene_buffers.h"
 
 namespace snowbough::snow {
 namespace {
 
-/// A alpha_card of 1 m at height z around the origin; u along x, v along y.
+/// A card of 1 m at height z around the origin; u along x, v along y.
 SceneObject alpha_card(const std::string& name, float z) {
-  SceneObject object;
-  object.description.name = name;
-  object.description.receive = false;
-  MapTopology& topology = object.description.topology;
-  topology.triangles = {0, 1, 2, 0, 2, 3};
-  topology.corner_uv = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
-  topology.vertex_count = 4;
-  object.positions = {{-0.5f, -0.5f, z}, {0.5f, -0.5f, z}, {0.5f, 0.5f, z}, {-0.5f, 0.5f, z}};
-  object.bounds.include(glm::dvec3(-0.5, -0.5, z));
-  object.bounds.include(glm::dvec3(0.5, 0.5, z));
-  return object;
+  return square(name, 1.0f, z, 64, false);
 }
 
 /// Two texels side by side: the left one is there, the right one is a hole.
@@ -44,47 +30,23 @@ void cut(SceneObject& object, std::shared_ptr<const AlphaMask> mask, float times
 }
 
 /// For every pixel around the cards, row by row: 1 + the object that the sky sees there, 0 = none.
-/// A alpha_card is 16 pixels wide; every object has two triangles. `width`: pixels in a row.
+/// A card is 16 pixels wide; every object has two triangles. `width`: pixels in a row.
 std::vector<int32_t> seen_from_above(const std::vector<SceneObject>& objects,
                                      size_t* width = nullptr) {
   return gpu::GpuThread::shared()->run([&] {
-    std::vector<const SceneObject*> pointers;
-    Bounds bounds;
-    for (const SceneObject& object : objects) {
-      pointers.push_back(&object);
-      bounds.include(object.bounds);
-    }
-    SceneBuffers scene = build_scene_buffers(pointers, gpu::GpuThread::shared()->info());
+    Bench bench(objects, falling({0, 0, -1}, 1.0 / 16.0));
     std::vector<TriangleRange> ranges;
     for (size_t i = 0; i < objects.size(); ++i) {
-      scene.positions.write(int64_t{12} * scene.layout.first_vertex[i],
-                            static_cast<int64_t>(objects[i].positions.size()) * 12,
-                            objects[i].positions.data());
-      const int32_t first = scene.layout.first_triangle[i];
-      ranges.push_back(
-          {first, 2, scene.layout.first_alpha[i] >= 0, scene.layout.first_alpha[i] - first});
+      const int32_t first = bench.scene.layout.first_triangle[i];
+      const int32_t first_alpha = bench.scene.layout.first_alpha[i];
+      ranges.push_back({first, 2, first_alpha >= 0, first_alpha - first});
     }
-    FallSettings settings;
-    settings.pixel_size = 1.0 / 16.0;
-    settings.depth = 0.01;
-    const shared::ProjectionFrame frame = make_projection_frame(settings, bounds);
-    const gpu::Buffer projection(sizeof frame, &frame);
-    const std::vector<Tile> tiles = make_tiles({pixels_of(bounds, frame)}, 2048);
-    TriangleSetupPass().run(scene, projection);
-    OcclusionTarget target;
-    OcclusionPass().run(scene, projection, tiles.front(), ranges, target);
-    const auto all = target.visible.read_all<shared::SeenPixel>();
-    const glm::ivec2 size = tiles.front().with_margin().size();
-    if (width != nullptr) {
-      *width = static_cast<size_t>(size.x);
-    }
+    OcclusionPass().run(bench.scene, bench.projection, bench.tiles.front(), ranges, bench.target);
+    if (width != nullptr) *width = static_cast<size_t>(bench.tiles.front().pixels.size().x);
     std::vector<int32_t> shown;
-    for (int32_t y = 0; y < size.y; ++y) {
-      for (int32_t x = 0; x < size.x; ++x) {
-        const uint32_t triangle =
-            all[static_cast<size_t>(y * size.x + x)].triangle & ~shared::kBackFace;
-        shown.push_back(triangle == 0 ? 0 : 1 + static_cast<int32_t>(triangle - 1) / 2);
-      }
+    for (const shared::SeenPixel& pixel : bench.visible()) {
+      const uint32_t triangle = pixel.triangle & ~shared::kBackFace;
+      shown.push_back(triangle == 0 ? 0 : 1 + static_cast<int32_t>(triangle - 1) / 2);
     }
     return shown;
   });
@@ -171,22 +133,6 @@ TEST(OcclusionAlpha, MemoryCountsAMaskThatTwoObjectsShareOnce) {
   cut(a, mask);
   cut(b, mask);
   EXPECT_EQ(estimate_shared_memory({&a, &b}).geometry - opaque, 4 * 32 + 16 + (1 << 17));
-}
-
-TEST(AlphaMask, HalfAlphaIsThere) {
-  EXPECT_EQ(make_alpha_mask(3, 1, 0, {127, 128, 255}).bits, std::vector<uint32_t>{0b110u});
-}
-
-TEST(AlphaMask, WhatDoesNotFitIsRefused) {
-  EXPECT_THROW(make_alpha_mask(0, 1, 0, {}), std::invalid_argument);
-  EXPECT_THROW(make_alpha_mask(2, 2, 0, {0, 0, 0}), std::invalid_argument);
-  EXPECT_THROW(alpha_extension("repeat"), std::invalid_argument);
-  SceneObject object = alpha_card("a", 0.0f);
-  cut(object, left_half());
-  EXPECT_NO_THROW(check_alpha(object.description.alpha, 2));
-  EXPECT_THROW(check_alpha(object.description.alpha, 3), std::invalid_argument);
-  object.description.alpha.mask[1] = 1;
-  EXPECT_THROW(check_alpha(object.description.alpha, 2), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,4 +1,3 @@
-#include "snow/step/gl/memory.h"
 
 #include <gtest/gtest.h>
 
