@@ -528,7 +528,7 @@ def some_cards():
 def test_cards_replace_the_parts_and_the_snow(tmp_path):
     tree = some_tree()
     tree.parts.append(tree_data.Part("leaves", [leaves_surface(4)] * 2, [tree_data.Material("leaf")]))
-    tree.heaps.append(tree_data.Heap("snow", np.eye(3, dtype=np.float32), np.array([(0, 1, 2)])))
+    tree.snow_meshes.append(tree_data.SnowMesh("snow", np.eye(3, dtype=np.float32), np.array([(0, 1, 2)])))
     tree.cards = some_cards()
     for read in small(tmp_path, tree):
         bark, leaves, snow = (read.lods(read.node(name)) for name in ("cube_LOD0", "leaves_LOD0", "snow"))

@@ -143,9 +143,10 @@ def test_snow_on_a_tree_comes_changes_stays_and_goes_with_the_tree(renderer):
 
 
 def test_a_tree_is_given_its_barks_images(renderer):
-    coat = records.Coat(np.zeros((1, 4, 2), np.float32), np.zeros(1, np.int32), (records.Paint((1, 1, 1)),))
+    paints = (records.Paint((1, 1, 1)),)
+    bark_images = records.BarkImages(np.zeros((1, 4, 2), np.float32), np.zeros(1, np.int32), paints)
     of = tree()
-    of.coat = coat
+    of.bark_images = bark_images
     keeper = sync.Sync(renderer)
     keeper.update(records.Scene([], [of]))
     assert renderer.take() == [("add_tree", "t"), ("set_bark", "t"), ("set_pose", "t")]
