@@ -157,9 +157,9 @@ def test_the_check_says_what_computes_the_snow(addon, engine, tmp_path):
     s.settings(tmp_path)
     engine("CPU")
     issues = addon("bake.preflight").check(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
-    (told,) = [issue for issue in issues if "computed" in issue.text]
-    assert told.severity == "INFO"
-    assert told.text.startswith("Snow is computed by engine CPU, processor, ")
+    (finding,) = [issue for issue in issues if "computed" in issue.text]
+    assert finding.severity == "INFO"
+    assert finding.text.startswith("Snow is computed by engine CPU, processor, ")
 
 
 def test_the_processor_refuses_the_mapping_of_opengl_and_says_what_to_do(addon, engine, tmp_path):

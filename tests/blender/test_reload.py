@@ -46,7 +46,7 @@ bpy.ops.preferences.addon_enable(module="snowbough")
 assert Path(sys.modules["snowbough"].__file__).parent == folder
 sys.modules["snowbough.base.session"].last_outcome = ("INFO", "kept")
 before = look()
-# Of other lengths than before, since compiled files are told by second and size.
+# Of other lengths than before, since Python distinguishes compiled files by second and size.
 change("ui/bake_operators.py", 'bl_label = "Bake Snow"', 'bl_label = "Bake Much Snow"')
 change("settings/scene.py", '_depth("End Depth"', '_depth("Depth at the End"')
 change("bake/plan.py", "PREROLL_STEPS = 32", "PREROLL_STEPS = 164")

@@ -213,11 +213,11 @@ def test_the_command_line_prints_a_parsable_line_a_frame(addon, undisturbed, tmp
     words = [dict(word.split("=") for word in line.split()[1:]) for line in lines]
     assert [int(word["frame"]) for word in words] == list(range(1, 13))
     assert float(words[-1]["depth"]) == pytest.approx(0.1)
-    told = json.loads(report.read_text())
+    result = json.loads(report.read_text())
     assert (
-        told["exit_code"] == 0
-        and len(told["frames"]) == 12
-        and sorted(told["receivers"]) == ["Cart", "Flag", "Ground"]
+        result["exit_code"] == 0
+        and len(result["frames"]) == 12
+        and sorted(result["receivers"]) == ["Cart", "Flag", "Ground"]
     )
     assert s.files_of(tmp_path / "cache") == undisturbed
 
@@ -235,8 +235,8 @@ def test_the_exit_code_says_what_went_wrong(addon, undisturbed, tmp_path, argume
     report = tmp_path / "report.json"
     done = run_blender(addon, tmp_path / "shot.blend", "--json", str(report), *arguments)
     assert done.returncode == code and message in done.stderr
-    told = json.loads(report.read_text())
-    assert told["exit_code"] == code and message in told["error"]
+    result = json.loads(report.read_text())
+    assert result["exit_code"] == code and message in result["error"]
     assert "Traceback" not in done.stderr
 
 
