@@ -109,7 +109,7 @@ def allowed_by(order):
 
 
 def upward(arrows, folder, allowed, is_room):
-    """What of a folder's arrows is not allowed. Places that `allowed` does not list are files above all rooms,
+    """The forbidden arrows of a folder. Places that `allowed` does not list are files above all rooms,
     which may know each other, or rooms that somebody forgot to list."""
     for source, target, arrow in arrows_within(arrows, folder):
         for place in {source, target} - set(allowed):

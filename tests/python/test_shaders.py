@@ -101,8 +101,8 @@ def test_stages_that_do_not_fit_together_are_told(tmp_path):
     fragment = (
         "#version 450 core\nflat in vec2 a;\nlayout(location = 0) out vec2 b;\nvoid main() { b = a; }\n"
     )
-    told = complaints_of({"it.vert": vertex, "it.frag": fragment}, tmp_path)
-    assert any("Types must match" in line for line in told)
+    complaints = complaints_of({"it.vert": vertex, "it.frag": fragment}, tmp_path)
+    assert any("Types must match" in line for line in complaints)
 
 
 def test_every_glsl_file_is_a_stage_of_a_program_or_included_by_one():

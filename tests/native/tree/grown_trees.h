@@ -55,7 +55,7 @@ inline std::vector<GrownLimb> grow_limbs(int limbs, int twigs) {
   return tree;
 }
 
-/// Triangles whose vertices and faces come in an order that a seed tells.
+/// Triangles whose vertices and faces come in an order that a seed determines.
 class TriangleSoup {
  public:
   int32_t add_vertex(const glm::vec3& p) {

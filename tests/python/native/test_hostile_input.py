@@ -203,7 +203,7 @@ try:
 except ImportError:  # Windows
     resource = None
 
-sees_memory = pytest.mark.skipif(resource is None, reason="this system does not tell the peak of memory")
+sees_memory = pytest.mark.skipif(resource is None, reason="this system does not report the peak of memory")
 
 
 def peak_memory(program):

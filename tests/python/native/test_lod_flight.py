@@ -1,4 +1,4 @@
-"""A flight from 80 m to 2 m: what of a frame's change is due to the level of detail stays under a bound."""
+"""A flight from 80 m to 2 m: the part of a frame's change that the level of detail causes stays under a bound."""
 
 import sys
 from pathlib import Path

@@ -191,7 +191,7 @@ def test_the_gpus_passes_are_measured_where_that_is_asked_for(mapping):
         assert {"triangles", "occlusion", "deposit", "stability", "statistics"} <= set(costs)
         assert costs["triangles"]["calls"] == 2
         assert all(cost["gpu_seconds"] > 0 for cost in costs.values())
-        assert sim.pass_costs() == {}, "told once"
+        assert sim.pass_costs() == {}, "reported once"
         sim.measure_passes(False)
         sim.step({}, 0.01)
         assert sim.pass_costs() == {}

@@ -146,7 +146,7 @@ TEST(ClearLimbs, HowFarGoesBackDependsOnWhatCrossesThere) {
   }
 }
 
-TEST(ClearLimbs, LimbsAsThinAsAnyMayBeAreMendedAsWell) {
+TEST(ClearLimbs, LimbsAsThinAsAnyMayBeAreRepairedAsWell) {
   Dented tree(make_skeleton({trunk(), limb_along_x(5.5f, 0.0f), limb_along_x(2.5f, 0.1f)}));
   ASSERT_EQ(tree.crossings(), 0U);
   tree.draw_through_trunk(1, 0.3);

@@ -113,7 +113,7 @@ TEST(ObjReader, GivesTheSameWithAnyNumberOfThreadsAndPieces) {
 TEST(ObjReader, NamesTheFirstOfSeveralBadLines) {
   std::string text = kTriangle;
   for (int i = 0; i < 200; ++i) text += "f 1 2 3\n";
-  // In different pieces, and the first is told by what stands before its own.
+  // In different pieces; the first error depends on the text before its piece.
   EXPECT_THAT(error_of(text + "f 1 2 -5\n" + text + "v x\n"), HasSubstr("t.obj:204: "));
   EXPECT_THAT(error_of(text + "v x\n" + text + "f 1 2 -9\n"), HasSubstr("t.obj:204: "));
   // On one line, and on one after the other.

@@ -108,10 +108,10 @@ TEST(Rows, ChangeOverFromATwigsRootToTheirOwnLimbThatWaitsBehindIt) {
   ASSERT_THAT(rows.rows(),
               UnorderedElementsAre(ElementsAre(0u, 1u, 2u, 5u, 6u, 7u), ElementsAre(3u, 4u)));
   const Links links(scene.planes);
-  EXPECT_TRUE(rows.change_over(links, scene.planes));
+  EXPECT_TRUE(rows.relink(links, scene.planes));
   EXPECT_THAT(rows.rows(),
               UnorderedElementsAre(ElementsAre(0u, 1u, 2u, 3u, 4u), ElementsAre(5u, 6u, 7u)));
-  EXPECT_FALSE(rows.change_over(links, scene.planes));
+  EXPECT_FALSE(rows.relink(links, scene.planes));
 }
 
 }  // namespace
