@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What computes the snow: the engine that is chosen, what a bake says of it, and bakes without EGL or OpenGL."""
+"""Engines of the snow: the choice, the messages of a bake, and bakes without EGL or OpenGL."""
 
 import json
 import math
@@ -25,7 +25,7 @@ def native(addon):
 
 @pytest.fixture
 def engine():
-    """Sets the add-on's preference: engine("GL"). Afterwards it is what it was."""
+    """Sets the add-on's preference: engine("GL"). Restores it afterwards."""
     preferences = bpy.context.preferences.addons[PACKAGE].preferences
     before = preferences.engine
 
@@ -38,7 +38,7 @@ def engine():
 
 @pytest.fixture
 def needs_gl(native):
-    """Skips where the engine GL is not to be had."""
+    """Skips if the engine GL is not available."""
     try:
         with native.Engine("GL") as held:
             return held.info
@@ -66,7 +66,7 @@ def logs(root):
 
 
 def checkpoint_drivers(root):
-    """What the checkpoints in a cache say computed them."""
+    """The engines that the checkpoints in a cache name."""
     return {json.loads(path.read_text())["driver"] for path in root.rglob("state_*.json")}
 
 
@@ -176,7 +176,7 @@ def test_the_processor_refuses_the_mapping_of_opengl_and_says_what_to_do(addon, 
     assert not (tmp_path / "cache").exists()
 
 
-# -- what a bake says of it ---------------------------------------------------------------------------
+# -- messages of a bake -------------------------------------------------------------------------------
 
 
 def test_the_log_begins_with_engine_driver_and_reason(native, engine, tmp_path):
@@ -345,7 +345,7 @@ def test_without_egl_opengl_is_refused_with_what_to_do(addon, shot, without_egl,
 
 
 def test_without_egl_the_native_module_has_no_opengl(native, without_egl):
-    """What the tests around this one stand on."""
+    """The environment of these tests has no OpenGL."""
     program = (
         "import importlib.util, sys\n"
         f"sys.path.insert(0, {os.path.dirname(native.__file__)!r})\n"
@@ -438,11 +438,11 @@ def test_the_command_line_refuses_an_engine_that_is_none(tmp_path):
     assert not (tmp_path / "cache").exists()
 
 
-# -- bakes of before ----------------------------------------------------------------------------------
+# -- older bakes --------------------------------------------------------------------------------------
 
 
 def age(root):
-    """Makes what lies in a cache what the first deposit left there, which noted none."""
+    """Changes a cache to format 2, which did not store the deposit."""
     for path in root.rglob("object.json"):
         manifest = json.loads(path.read_text())
         del manifest["settings"]["deposit"], manifest["checksum"], manifest["cache"], manifest["files"]

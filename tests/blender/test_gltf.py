@@ -68,7 +68,7 @@ class Glb:
         return world
 
     def skinned(self, name):
-        """(positions (V, 3) in Blender's axes as the joints' nodes bend them, the primitive's attributes)."""
+        """(positions (V, 3) in Blender's axes, deformed by the joints; the primitive's attributes)."""
         node = next(n for n in self.json["nodes"] if n.get("name") == name and "skin" in n)
         skin = self.json["skins"][node["skin"]]
         (primitive,) = self.json["meshes"][node["mesh"]]["primitives"]
@@ -85,7 +85,7 @@ class Glb:
 
 
 def _export(path, **wanted):
-    """Exports the scene with those of the settings that this Blender's exporter has."""
+    """Exports the scene with the settings that this Blender's exporter supports."""
     if not hasattr(bpy.ops.export_scene, "gltf") or "export_scene" not in dir(bpy.ops):
         pytest.skip("this Blender has no glTF exporter")
     known = bpy.ops.export_scene.gltf.get_rna_type().properties.keys()
@@ -162,5 +162,5 @@ def test_every_bone_is_a_joint(bent_tree):
     bark, glb = bent_tree
     names = {bone.name for bone in bark.modifiers[0].object.data.bones}
     joints = {glb.json["nodes"][joint]["name"] for skin in glb.json["skins"] for joint in skin["joints"]}
-    # Newer exporters add a joint of their own for what has no bone.
+    # Newer exporters add a joint of their own for vertices without a bone.
     assert names <= joints and len(joints) <= len(names) + 1

@@ -35,7 +35,7 @@ def _data_names():
 
 
 def _refused(path, **settings):
-    """The message with which the operator refuses; checks that Blender is as it was."""
+    """The operator's error message; checks that Blender's data is unchanged."""
     before = _data_names()
     with pytest.raises(RuntimeError) as error:
         bpy.ops.import_scene.xfrog_tree(filepath=str(path), **settings)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Putting objects on the list, and what is found before a bake."""
+"""Adding receivers, and the checks before a bake."""
 
 import math
 import shutil

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The engine Snowbough Realtime in the background: a tree and a plane in the picture, where they are and as bright."""
+"""The engine Snowbough Realtime in the background: positions and brightness of a tree and a plane in the picture."""
 
 import math
 from pathlib import Path
@@ -20,7 +20,7 @@ def import_maple():
     return bpy.data.objects["small_maple_bark"], bpy.data.objects["small_maple"]
 
 
-#: What a surface that faces the sun sends back, as a share of its colour.
+#: Light reflected by a surface that faces the sun, as a share of its colour.
 LIT = 2.0 / math.pi + np.array(WORLD)
 
 

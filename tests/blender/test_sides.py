@@ -18,7 +18,7 @@ def native(addon):
 
 @pytest.fixture
 def map_of(native, tmp_path):
-    """Bakes what is on the list and gives the last map of a receiver."""
+    """Bakes the receivers and returns the last map of one of them."""
 
     def bake(name, **settings):
         s.settings(tmp_path, (1, 2), **settings)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Two bakes at once, one of them stopped by SIGSTOP, with and without its lock: none ruins the other's files."""
+"""Two bakes at once, one of them stopped by SIGSTOP, with and without its lock: neither damages the other's files."""
 
 import os
 import random

@@ -151,7 +151,7 @@ def some_tree():
 
 
 def complaints(pxr, path):
-    """What USD's own checks find."""
+    """The errors that USD's validators find."""
     try:
         from pxr import UsdValidation
     except ImportError:  # before 24.11

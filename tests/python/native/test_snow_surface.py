@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""snowbough_native.SnowSurface and its relatives: shapes of arrays, and what bad input says."""
+"""snowbough_native.SnowSurface and its relatives: shapes of arrays, and errors for invalid input."""
 
 import numpy as np
 import pytest

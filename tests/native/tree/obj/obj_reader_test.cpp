@@ -33,7 +33,7 @@ std::string error_of(const std::string& text, size_t buffer_size = 1 << 16) {
 
 const std::string kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
-/// All of a scene that the pieces of a text may get wrong.
+/// All data of a scene that splitting the text into pieces could change.
 void expect_same(const ObjScene& a, const ObjScene& b, const std::string& when) {
   EXPECT_EQ(a.positions, b.positions) << when;
   EXPECT_EQ(a.uvs, b.uvs) << when;

@@ -1,4 +1,4 @@
-// Alpha in the occlusion pass: a fragment in a hole is not there, for occluders and receivers.
+// Alpha in the occlusion pass: a fragment in a hole is missing, for occluders and receivers.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// A alpha_card of 1 m at height z around the origin; u along x, v along y.
+/// A card of 1 m at height z around the origin; u along x, v along y.
 SceneObject alpha_card(const std::string& name, float z) {
   SceneObject object;
   object.description.name = name;
@@ -28,7 +28,7 @@ SceneObject alpha_card(const std::string& name, float z) {
   return object;
 }
 
-/// Two texels side by side: the left one is there, the right one is a hole.
+/// Two texels side by side: the left one is opaque, the right one is a hole.
 std::shared_ptr<const AlphaMask> left_half(uint32_t extension = shared::kAlphaRepeat) {
   return std::make_shared<const AlphaMask>(make_alpha_mask(2, 1, extension, {128, 127}));
 }
@@ -44,7 +44,7 @@ void cut(SceneObject& object, std::shared_ptr<const AlphaMask> mask, float times
 }
 
 /// For every pixel around the cards, row by row: 1 + the object that the sky sees there, 0 = none.
-/// A alpha_card is 16 pixels wide; every object has two triangles. `width`: pixels in a row.
+/// A card is 16 pixels wide; every object has two triangles. `width`: pixels in a row.
 std::vector<int32_t> seen_from_above(const std::vector<SceneObject>& objects,
                                      size_t* width = nullptr) {
   return gpu::GpuThread::shared()->run([&] {
@@ -125,7 +125,7 @@ TEST(OcclusionAlpha, AHoleIsWhereTheImageHasIt) {
 }
 
 TEST(OcclusionAlpha, AnImageRepeatsMirrorsExtendsOrEndsBeyondItsEdge) {
-  // The alpha_card shows u from 0 to 2: there, hole, and then once more, turned, drawn out, or
+  // The card shows u from 0 to 2: opaque, hole, and then repeated, mirrored, extended, or
   // nothing.
   const std::pair<uint32_t, int64_t> expected[] = {{shared::kAlphaRepeat, 128},
                                                    {shared::kAlphaMirror, 128},
