@@ -144,9 +144,8 @@ def export(context, obj, path, options, writers=GLTF):
     elif options.snow != "NONE":
         snow, files = scene_snow.write(scene, objects, path, options, warnings)
     branch_levels = 1 + max(int(surface.level.max()) for surface in bark.levels)
-    whole = tree_data.Tree(
-        tree.rig.name, joints, parts, branch_levels, {"snow": snow} if snow else {}, snow_meshes
-    )
+    extras = {"snow": snow} if snow else {}
+    whole = tree_data.Tree(tree.rig.name, joints, parts, branch_levels, extras, snow_meshes)
     if options.cards:
         whole.cards = _cards(f"{tree.rig.name}_LOD{count}", parts, snow_meshes, warnings)
     if options.motion:

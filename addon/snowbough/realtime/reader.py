@@ -177,8 +177,7 @@ class Reader:
     # -- meshes -----------------------------------------------------------------------------------------
 
     def _add_shape(self, obj, place, receiver):
-        """Adds an evaluated object with the matrix `place`. receiver: its ReceiverId if it has snow, else
-        None."""
+        """Adds an evaluated object with the matrix `place`. receiver: the ReceiverId of its snow, or None."""
         original = obj.original
         if outliers(place[:3]) is not None:
             self.left_out.add(original.name)

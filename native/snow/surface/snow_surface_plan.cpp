@@ -272,9 +272,8 @@ void SnowSurface::find_normals(float reach) {
     base::for_each_item(lying_points(), 1024, [&](size_t p) {
       glm::vec3 sum = before[p];
       for (int32_t i = neighbour_begin_[p]; i < neighbour_begin_[p + 1]; ++i) {
-        const glm::vec3 between = mesh_.position[p] - mesh_.position[neighbour_[i]];
-        sum += before[neighbour_[i]] *
-               (0.5f * std::exp(-glm::dot(between, between) / (reach * reach)));
+        const glm::vec3 apart = mesh_.position[p] - mesh_.position[neighbour_[i]];
+        sum += before[neighbour_[i]] * (0.5f * std::exp(-glm::dot(apart, apart) / (reach * reach)));
       }
       normal_[p] = unit(sum);
     });

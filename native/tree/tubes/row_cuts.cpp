@@ -119,10 +119,9 @@ class RowCutter {
   /// How far a child moves along its parent, towards the tip, per unit of height.
   double leaning(const Junction& junction) const {
     const std::vector<Ring>& rings = surface_.limbs[junction.child].rings;
-    const glm::dvec3 vector = rings[1].centre - rings[0].centre;
-    const double rise = std::max(glm::dot(vector, rings[0].normal), 0.0);
-    const double along =
-        glm::dot(vector, surface_.limbs[junction.parent].rings[junction.row].normal);
+    const glm::dvec3 step = rings[1].centre - rings[0].centre;
+    const double rise = std::max(glm::dot(step, rings[0].normal), 0.0);
+    const double along = glm::dot(step, surface_.limbs[junction.parent].rings[junction.row].normal);
     return std::abs(along) < kFlattest * rise ? along / rise : std::copysign(kFlattest, along);
   }
 

@@ -45,8 +45,7 @@ TEST(TexelTable, aQuadOverTheWholeMapOwnsEveryTexel) {
 }
 
 TEST(TexelTable, aStripOneAndAHalfTexelsWideLosesNothing) {
-  // Columns 10.25 to 11.75: two texels per row, each at least half covered, with their centres
-  // inside.
+  // Columns 10.25 to 11.75: two texels per row, at least half covered, centres inside.
   const TexelTable table = build_texel_table(quad_map(10.25f / 64, 0, 11.75f / 64, 1, 64));
   EXPECT_EQ(table.texel.size(), 128u);
   EXPECT_THAT(table.coverage, Each(testing::FloatNear(0.75f, 1e-5f)));
