@@ -15,7 +15,7 @@ uniform samplerBuffer fragment_opacity;
 /// A TexelStep each, as one vector.
 layout(std430) buffer TexelSteps { uvec4 texel_steps[]; };
 /// Whether texel_steps holds the deposit of the step's earlier tiles.
-uniform int goes_on;
+uniform int adds_to_gain;
 
 /// Gain of a fragment under open sky, relative to the thickness perpendicular to the fall; `surface`: its triangle's.
 float falling_on(uvec4 fragment, vec4 surface) {
@@ -37,7 +37,7 @@ void main() {
   const int end = int(texelFetch(fragment_begin, index + 1).x);
   const FragmentSum sum = sum_of_fragments(begin, end);
   const bool mixed = sum.faces_front && sum.faces_back;
-  uint gain = goes_on != 0 ? texel_steps[index].x & ~(kBackSide | kMixedSides) : 0u;
+  uint gain = adds_to_gain != 0 ? texel_steps[index].x & ~(kBackSide | kMixedSides) : 0u;
   for (int i = begin; i < end; ++i) {
     const uvec4 fragment = texelFetch(fragments, i);
     const vec4 surface = texelFetch(triangle_surface, int(fragment.x));

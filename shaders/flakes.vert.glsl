@@ -22,15 +22,15 @@ float unit_hash(uint h) {
   return float(h & 0xffffffu) / 16777216.0;
 }
 
-/// A flake's sideways offset at a time: two swings across the fall, out of phase.
+/// A flake's sideways offset at a time: two oscillations across the fall, out of phase.
 vec3 fluttered(uint h, float time) {
   const vec3 down = fall.velocity.xyz / max(length(fall.velocity.xyz), 1e-6);
   const vec3 one = normalize(cross(down, abs(down.x) < 0.9 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0)));
   const vec3 other = cross(down, one);
   const float rate = 6.2831853 * fall.flutter.y * (0.6 + 0.8 * unit_hash(mixed(h + 11u)));
   const float phase = 6.2831853 * unit_hash(mixed(h + 12u));
-  const float way = fall.flutter.x * (0.5 + unit_hash(mixed(h + 13u)));
-  return way * (sin(rate * time + phase) * one + sin(0.83 * rate * time + 2.0 * phase) * other);
+  const float size = fall.flutter.x * (0.5 + unit_hash(mixed(h + 13u)));
+  return size * (sin(rate * time + phase) * one + sin(0.83 * rate * time + 2.0 * phase) * other);
 }
 
 void main() {

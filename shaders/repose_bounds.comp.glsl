@@ -21,7 +21,7 @@ shared float bounds[kReposeWindowCells];
 /// Per iteration: whether bounds of a row of the window have been lowered, and of any row. 0: before the first.
 shared uint row_changes[(kReposeBoundIterations + 1) * kReposeWindow];
 shared uint changes[kReposeBoundIterations + 1];
-/// Whether the block's bounds differ from those before; and whether by more than its outlets, which all windows know.
+/// Whether the sweep lowered the block's bounds; and whether by more than its outlets, which all windows include.
 shared uint has_changed;
 shared uint has_news;
 

@@ -99,7 +99,7 @@ uint class_of(WorkRange range, int index) {
     const float least = view.tessellation.w;
     const float in_width = drawn_share(pixels_of(kDrawnWidth * reach, away), least);
     if (in_width < 1.0) {
-      // Caps of thin limbs cover next to nothing.
+      // Caps of thin limbs cover almost no pixels.
       if (of.place.x < 0) {
         return kDropped;
       }

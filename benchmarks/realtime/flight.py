@@ -45,7 +45,7 @@ def settings(**options):
 
 def smooth_picture(renderer, number, size, samples=4, **options):
     """A frame of `samples` x `samples` pixels each, (height, width, 3), 0 to 255: edges that cross few samples would
-    change in steps, whatever the level of detail."""
+    change in steps at every level of detail."""
     scale = {"target_pixels": 4.0, "min_pixels": 0.5, **options}
     scale = {**scale, **{key: samples * scale[key] for key in ("target_pixels", "min_pixels")}}
     large = camera(number, tuple(samples * edge for edge in size))

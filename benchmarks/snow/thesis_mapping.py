@@ -5,11 +5,11 @@
 
 In the thesis (D. T. Reynolds, Real-Time Rendering and Simulation of Trees and Snow, 2014, chapter 4), a pixel knows the
 UV at its centre and the extent of u and v across it, |du/dx| + |du/dy| and |dv/dx| + |dv/dy|. It adds its snow to that
-rectangle of the map: to every texel whose centre lies in it, whatever surface that texel shows. Here this is numpy; the
-core has no such mapping. The thickness can be understood in two ways:
+rectangle of the map: to every texel whose centre lies in it, even on another surface. Here this is numpy; the core
+has no such mapping. The thickness can be understood in two ways:
 
 THESIS        mass / (texels covered x area of a texel): a rectangle without a texel's centre loses its snow.
-THESIS, area  mass / area of the rectangle, whatever it covers: nothing is lost if rectangles tile the map.
+THESIS, area  mass / area of the rectangle, even outside of charts: nothing is lost if rectangles tile the map.
 
 Mass, jitter and back faces are as in the core (without the thesis's slope factor), and nothing slides, so only the
 spreading differs. Columns: share of depth x visible area that is not on the map (negative: too much is); share of the

@@ -9,7 +9,7 @@ The first table: seconds of Skeleton.from_branches, with one name for all branch
 four-sided; or with a detail) for trees with that many branches:
 
     one limb   all on one trunk of 100 m with 101 joints, 2 mm thick
-    crowded    the same, 2 cm thick: without room, so they are squeezed and narrowed
+    crowded    the same, 2 cm thick: without room, so their bases are shortened and narrowed
     joints     one limb whose trunk has a joint for every second branch
     spread     on 100 limbs that leave the trunk
 

@@ -23,8 +23,8 @@ float3 lattice_gradient(float3 at) {
   x += y * z;
   y += z * x;
   z += x * y;
-  const float3 way = float3(float(x >> 8u), float(y >> 8u), float(z >> 8u)) * (2.0f / 16777216.0f) - ((float3)(1.0f));
-  return way * (1.0f / max(length(way), 1e-4f));
+  const float3 gradient = float3(float(x >> 8u), float(y >> 8u), float(z >> 8u)) * (2.0f / 16777216.0f) - ((float3)(1.0f));
+  return gradient * (1.0f / max(length(gradient), 1e-4f));
 }
 
 float lattice_share(float3 cell, float3 in_cell, float3 corner) {

@@ -22,7 +22,7 @@ layout(location = 5) out float patch_width[];
 
 layout(std140, binding = 1) uniform Tessellation {
   float branch_levels; // branch_levels in the scene's extras
-  float target_pixels; // what a part of an edge shall cover
+  float target_pixels; // length of a part of an edge
   float highest;       // at most so many parts, up to 64
   float snow_share;    // 0: no snow; 1: what faces up is as fine as the trunk
 };

@@ -6,8 +6,8 @@
 
 namespace snowbough::base {
 
-/// Files are named by UTF-8 text throughout. On Windows the system takes other text, with narrow
-/// names in a code page that holds few letters, so names go through these two.
+/// File names are UTF-8 text throughout. Windows reads narrow text in a code page with few letters,
+/// so names are converted by these two functions.
 inline std::filesystem::path as_path(std::string_view text) {
 #ifdef _WIN32
   return std::u8string(text.begin(), text.end());
@@ -25,8 +25,8 @@ inline std::string as_text(const std::filesystem::path& path) {
 #endif
 }
 
-/// The path under which a file is opened: Windows takes more than 260 characters only behind a
-/// prefix of its own, and then no path with dots or forward slashes in it.
+/// The path for opening a file. Windows accepts more than 260 characters only with the prefix
+/// `\\?\`, and then neither dots nor forward slashes as separators.
 inline std::filesystem::path openable(const std::filesystem::path& path) {
 #ifdef _WIN32
   constexpr size_t kShort = 240;

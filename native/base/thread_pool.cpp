@@ -42,7 +42,7 @@ struct ThreadPool::Job {
 };
 
 int32_t default_threads() {
-  // Each question to the system opens a file, which takes longer than many a small loop.
+  // Each query opens a file, which takes longer than a small loop.
   static const auto threads =
       static_cast<int32_t>(std::clamp(std::thread::hardware_concurrency(), 1u, 16u));
   return threads;
@@ -53,7 +53,7 @@ ThreadPool::ThreadPool(int32_t threads) {
     try {
       threads_.emplace_back([this](const std::stop_token& stop) { help(stop); });
     } catch (const std::system_error&) {
-      return;  // no more threads to be had: callers do without
+      return;  // the system grants no more threads
     }
   }
 }

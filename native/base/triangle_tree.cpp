@@ -30,18 +30,18 @@ bool meets(const glm::vec3& low, const glm::vec3& high, const glm::dvec3& from,
 }
 
 /// Distance along a ray to a triangle, or infinity.
-double meets_triangle(const glm::dvec3& from, const glm::dvec3& way,
+double meets_triangle(const glm::dvec3& from, const glm::dvec3& direction,
                       const std::array<glm::vec3, 3>& corners) {
   constexpr double kMisses = std::numeric_limits<double>::infinity();
   const glm::dvec3 a(corners[0]), ab = glm::dvec3(corners[1]) - a, ac = glm::dvec3(corners[2]) - a;
-  const glm::dvec3 across = glm::cross(way, ac);
+  const glm::dvec3 across = glm::cross(direction, ac);
   const double determinant = glm::dot(ab, across);
   if (determinant == 0.0) return kMisses;
   const glm::dvec3 to_ray = from - a;
   const double u = glm::dot(to_ray, across) / determinant;
   if (!(u >= 0.0 && u <= 1.0)) return kMisses;
   const glm::dvec3 normal = glm::cross(to_ray, ab);
-  const double v = glm::dot(way, normal) / determinant;
+  const double v = glm::dot(direction, normal) / determinant;
   if (!(v >= 0.0 && u + v <= 1.0)) return kMisses;
   return glm::dot(ac, normal) / determinant;
 }
@@ -148,14 +148,14 @@ TriangleTree::Nearest TriangleTree::nearest(int32_t group, const glm::dvec3& p) 
   return best;
 }
 
-double TriangleTree::distance_along(int32_t group, const glm::dvec3& from, const glm::dvec3& way,
-                                    double least) const {
+double TriangleTree::distance_along(int32_t group, const glm::dvec3& from,
+                                    const glm::dvec3& direction, double least) const {
   double nearest = std::numeric_limits<double>::infinity();
   if (roots_[group] < 0) return nearest;
   // A direction of 0 meets the planes of its axis at infinity, never 0 / 0.
   glm::dvec3 inverse;
   for (int axis = 0; axis < 3; ++axis) {
-    inverse[axis] = 1.0 / (way[axis] == 0.0 ? 1e-300 : way[axis]);
+    inverse[axis] = 1.0 / (direction[axis] == 0.0 ? 1e-300 : direction[axis]);
   }
   std::array<int32_t, 64> stack{};
   int32_t pending = 0;
@@ -166,7 +166,7 @@ double TriangleTree::distance_along(int32_t group, const glm::dvec3& from, const
     if (!meets(node.box.low, node.box.high, from, inverse, nearest)) continue;
     if (node.second < 0) {
       for (int32_t i = node.begin; i < node.end; ++i) {
-        const double at = meets_triangle(from, way, corners_[order_[i]]);
+        const double at = meets_triangle(from, direction, corners_[order_[i]]);
         if (at > least && at < nearest) nearest = at;
       }
       continue;

@@ -33,10 +33,10 @@ class TriangleTree {
   /// The nearest triangle; of equally near ones, the one with the smallest index.
   Nearest nearest(int32_t group, const glm::dvec3& p) const;
 
-  /// The distance from `from` along the unit vector `way` to the group's first triangle, from
+  /// The distance from `from` along the unit vector `direction` to the group's first triangle, from
   /// either side, that is farther than `least`; infinity if there is none.
   /// Method: T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray-Triangle Intersection", 1997.
-  double distance_along(int32_t group, const glm::dvec3& from, const glm::dvec3& way,
+  double distance_along(int32_t group, const glm::dvec3& from, const glm::dvec3& direction,
                         double least) const;
 
  private:

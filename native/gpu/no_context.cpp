@@ -2,7 +2,7 @@
 
 #include "gpu/gl_context.h"
 
-// Where there is no OpenGL 4.5, as on macOS: snow falls on the processor.
+// For systems without OpenGL 4.5, such as macOS: only the engine CPU computes snow.
 
 namespace snowbough::gpu {
 

@@ -16,8 +16,8 @@ struct ThreadTexture {
 
 /// Wraps a texture whose last owner may be on another thread.
 inline ThreadTexture share_texture(const std::shared_ptr<GpuThread>& thread, Texture&& texture) {
-  const auto let_go = [thread](const Texture* last) { thread->run([last] { delete last; }); };
-  return {thread, std::shared_ptr<const Texture>(new Texture(std::move(texture)), let_go)};
+  const auto release = [thread](const Texture* last) { thread->run([last] { delete last; }); };
+  return {thread, std::shared_ptr<const Texture>(new Texture(std::move(texture)), release)};
 }
 
 }  // namespace snowbough::gpu

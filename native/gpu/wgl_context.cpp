@@ -1,7 +1,7 @@
 #define NOMINMAX
 #define WIN32_LEAN_AND_MEAN
 #include <windows.h>
-// After it, which it takes its types from.
+// After windows.h, whose types it uses.
 #include <epoxy/gl.h>
 
 #include <cstdlib>
@@ -9,9 +9,9 @@
 
 #include "gpu/gl_context.h"
 
-// OpenGL needs a window on Windows: each context has one of its own, never shown. opengl32's
-// functions are called directly, since libepoxy's wrappers of them crash on a second thread;
-// libepoxy is notified afterwards.
+// On Windows OpenGL needs a window: each context has its own hidden one. opengl32's functions are
+// called directly, since libepoxy's wrappers of them crash on a second thread; libepoxy is notified
+// afterwards.
 extern "C" void epoxy_handle_external_wglMakeCurrent(void);
 
 namespace snowbough::gpu {
@@ -40,7 +40,7 @@ HWND make_window() {
   description.lpfnWndProc = ::DefWindowProcW;
   description.hInstance = instance;
   description.lpszClassName = kWindowClass;
-  // Fails where it is known already.
+  // Fails if the class is already registered.
   ::RegisterClassExW(&description);
   const HWND window = ::CreateWindowExW(0, kWindowClass, L"", WS_OVERLAPPED, 0, 0, 1, 1, nullptr,
                                         nullptr, instance, nullptr);

@@ -6,12 +6,12 @@
 
 namespace snowbough::image {
 
-/// What differs between systems in writing and reading a file. A descriptor below 0, a count below
-/// 0 and false mean that errno says why not. Paths are UTF-8.
+/// System calls on files, which differ between systems. On failure they return a value below 0, or
+/// false, and set errno. Paths are UTF-8.
 
 int create_file(const std::string& path);
 int open_file(const std::string& path);
-/// How long it is, or 0 where that is not known.
+/// Size in bytes; 0 = unknown.
 uint64_t file_size(int descriptor);
 /// May read or write less than asked for.
 int64_t read_some(int descriptor, char* bytes, size_t count);
@@ -20,7 +20,7 @@ int64_t write_some_at(int descriptor, uint64_t offset, std::string_view bytes);
 /// Waits until the bytes are on the disk.
 bool flush_file(int descriptor);
 bool close_file(int descriptor);
-/// In one step for everybody who reads `to`, also where it is there already.
+/// Atomic for readers of `to`, even if `to` exists.
 bool rename_over(const std::string& from, const std::string& to);
 void remove_file(const std::string& path);
 int process_number();

@@ -24,7 +24,7 @@ std::wstring wide(const std::string& path) {
   return base::openable(base::as_path(path)).native();
 }
 
-/// Readers, indexers and virus scanners hold files open for moments.
+/// Readers, indexers and virus scanners keep files open for a short time.
 bool is_held(DWORD error) {
   return error == ERROR_SHARING_VIOLATION || error == ERROR_ACCESS_DENIED ||
          error == ERROR_LOCK_VIOLATION;

@@ -4,7 +4,7 @@
 
 namespace snowbough::render {
 
-bool ShadowInputs::sees(const ShadowInputs& before, bool roughly) const {
+bool ShadowInputs::matches(const ShadowInputs& before, bool roughly) const {
   const bool same_sun = scene == before.scene && resolution == before.resolution &&
                         shadow_from_world == before.shadow_from_world;
   const bool same_levels = eye == before.eye && level == before.level && drop == before.drop &&
@@ -14,7 +14,7 @@ bool ShadowInputs::sees(const ShadowInputs& before, bool roughly) const {
 
 bool ShadowMap::is_outdated(const ShadowInputs& inputs, Shadows when, bool roughly) const {
   if (when == Shadows::kKeep) return false;
-  return when == Shadows::kDraw || !inputs_ || !inputs.sees(*inputs_, roughly);
+  return when == Shadows::kDraw || !inputs_ || !inputs.matches(*inputs_, roughly);
 }
 
 void ShadowMap::begin(const ShadowInputs& inputs) {

@@ -32,13 +32,13 @@ struct ShadowInputs {
 
   /// True if the shadow map for `before` can be reused. `roughly`: also if only the camera has
   /// moved.
-  bool sees(const ShadowInputs& before, bool roughly) const;
+  bool matches(const ShadowInputs& before, bool roughly) const;
 };
 
 /// The shadow map, kept as long as its inputs stay. GPU thread.
 class ShadowMap {
  public:
-  /// Whether a frame must draw it. `roughly`: see ShadowInputs::sees.
+  /// Whether a frame must draw it. `roughly`: see ShadowInputs::matches.
   bool is_outdated(const ShadowInputs& inputs, Shadows when, bool roughly) const;
   /// Clears it and makes it the target of the following draws.
   void begin(const ShadowInputs& inputs);

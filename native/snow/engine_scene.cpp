@@ -75,7 +75,7 @@ void EngineScene::keep_owned(const SceneObject& replacement) {
   }
 }
 
-const ObjectState* EngineScene::waiting(const std::string& receiver) const {
+const ObjectState* EngineScene::pending(const std::string& receiver) const {
   for (const ObjectState& saved : pending_.objects) {
     if (saved.name == receiver) return &saved;
   }
@@ -85,7 +85,7 @@ const ObjectState* EngineScene::waiting(const std::string& receiver) const {
 void EngineScene::read_height(const std::string& receiver, std::vector<float>& height) {
   if (is_current_) {
     engine().run([&] { engine().read_height(objects_.index_of(receiver), height); });
-  } else if (const ObjectState* saved = waiting(receiver)) {
+  } else if (const ObjectState* saved = pending(receiver)) {
     height = saved->height;
   } else {
     std::fill(height.begin(), height.end(), 0.0f);
@@ -96,7 +96,7 @@ shared::ObjectSums EngineScene::read_sums(const std::string& receiver) {
   shared::ObjectSums sums{};
   if (is_current_) {
     engine().run([&] { sums = engine().read_sums(objects_.index_of(receiver)); });
-  } else if (const ObjectState* saved = waiting(receiver)) {
+  } else if (const ObjectState* saved = pending(receiver)) {
     sums = sums_of(*saved);
   }
   return sums;

@@ -48,7 +48,7 @@ class EngineScene {
  private:
   void build(const FrameStep& step);
   void run_on(Engine& engine, const FrameStep& step);
-  const ObjectState* waiting(const std::string& receiver) const;
+  const ObjectState* pending(const std::string& receiver) const;
   void write_state(const SimulationState& state);
 
   EngineChoice choice_;

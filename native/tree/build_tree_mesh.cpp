@@ -91,7 +91,8 @@ TreeMesh to_mesh(const Skeleton& skeleton, const UncrossedSurface& uncrossed) {
   }
   warn_of(skeleton, surface.clamped,
           "are thicker than their parent where they leave it, and were narrowed there", mesh);
-  warn_of(skeleton, surface.squeezed, "were squeezed because their parent lacks room", mesh);
+  warn_of(skeleton, surface.squeezed, "have a shortened base because their parent lacks room",
+          mesh);
   warn_of(skeleton, uncrossed.narrowed, "were narrowed at their base to avoid others", mesh);
   warn_of(skeleton, uncrossed.crossing, "intersect others where they leave their parent", mesh);
   return mesh;

@@ -4,7 +4,7 @@
 #include "glsl/lighting.glsl"
 #include "glsl/relief.glsl"
 
-/// Cosine between the limb's normal and the sun's direction from which on bumps take the sun's full light.
+/// Cosine between the limb's normal and the sun's direction above which bumps receive the sun's full light.
 const float kTerminator = 0.15;
 
 /// Width of a furrow's round bottom in pixels, as a change of the noise: narrower ones would be dashes.

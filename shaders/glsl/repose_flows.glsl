@@ -14,7 +14,7 @@ uniform int first_round;
 shared float top[kReposeWindowCells];
 shared int moved[kReposeWindowCells];
 shared int flows[4 * kReposeWindowCells];
-/// Units that are requested of a cell; from share_out to give, the bits of the part of them that it gives.
+/// Units requested from a cell; between share_out and give, the bits of the fraction that it gives.
 shared int requests[kReposeWindowCells];
 /// Per round: whether snow flows along links of a row of the window, and of any row. In most blocks it flows in a few.
 shared uint row_flows[kReposeRounds * kReposeWindow];

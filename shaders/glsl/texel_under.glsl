@@ -13,7 +13,7 @@ uniform usamplerBuffer occlusion;
 /// See native/snow/step/gl/geometry/geometry_deposit.h.
 uniform usampler2DArray owners;
 uniform usampler2DArray charts;
-uniform usamplerBuffer homes;
+uniform usamplerBuffer main_texels;
 /// Slots of the objects whose maps are in this group: [first, end); layer = slot - first.
 uniform uvec2 group_objects;
 uniform ivec2 tile_origin;
@@ -28,7 +28,7 @@ uint texel_under(ivec2 pixel, uint triangle, uint slot) {
   const vec2 ac = texelFetch(triangle_corners, 3 * int(triangle) + 2).xy - a;
   const int map_index = int(triangle) + texelFetch(map_offsets, int(slot)).x;
   const vec4 uv_ab = texelFetch(map_triangles, 2 * map_index);
-  const uvec2 home = texelFetch(homes, map_index).xy;
+  const uvec2 main_texel = texelFetch(main_texels, map_index).xy;
 
   const vec2 offset = vec2(pixel + tile_origin) + 0.5 - a;
   const float area = ab.x * ac.y - ab.y * ac.x;
@@ -44,7 +44,7 @@ uint texel_under(ivec2 pixel, uint triangle, uint slot) {
   const int resolution = textureSize(owners, 0).x;
   const int layer = int(slot - group_objects.x);
   const ivec2 centre = clamp(ivec2(uv * float(resolution)), ivec2(0), ivec2(resolution - 1));
-  uint best = home.x;
+  uint best = main_texel.x;
   float least = 1e30;
   ivec2 at = centre;
   // Test the texel itself first, and its eight neighbours only if it does not fit. This is one loop, so that software
@@ -54,7 +54,7 @@ uint texel_under(ivec2 pixel, uint triangle, uint slot) {
   do {
     const uint owner = texelFetch(owners, ivec3(at, layer), 0).x;
     const vec2 away = vec2(at) + 0.5 - uv * float(resolution);
-    good = owner != 0u && texelFetch(charts, ivec3(at, layer), 0).x == home.y;
+    good = owner != 0u && texelFetch(charts, ivec3(at, layer), 0).x == main_texel.y;
     if (good && dot(away, away) < least) {
       best = owner;
       least = dot(away, away);

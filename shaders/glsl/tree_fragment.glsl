@@ -1,7 +1,7 @@
 // A pixel of the tree, plain or tessellated.
 //
-// SNOW: adds the snow of trees that have some. IMAGE: uses the bark's image. SHADOW: depth only. WIRE: the lines of a wireframe, or
-// the background that hides the lines behind it.
+// SNOW: adds the snow of trees that have some. IMAGE: uses the bark's image. SHADOW: depth only. WIRE: the lines of a
+// wireframe, or the background that hides the lines behind it.
 #ifndef SHADOW
 layout(location = 0) out vec4 color;
 #ifdef WIRE

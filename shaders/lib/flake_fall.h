@@ -13,7 +13,7 @@ struct FlakeFall {
   vec4 drift;
   /// Distance per second; w: radius of a flake.
   vec4 velocity;
-  /// Sideways amplitude of the flutter, swings per second, shutter time in seconds, time in seconds.
+  /// Sideways amplitude of the flutter, its frequency in Hz, shutter time in seconds, time in seconds.
   vec4 flutter;
   /// Seed and number of flakes; z, w: unused.
   uvec4 counts;

@@ -93,20 +93,20 @@ float corner_share(uint corner, float side) {
 /// thickness perpendicular to the fall, 0 to 3; the upward part of the front's normal (z).
 vec4 smooth_point(int point) {
   const int end = int(texelFetch(point_begin, point + 1).x);
-  vec2 falls = vec2(0.0f);
-  vec2 room = vec2(0.0f);
+  vec2 snow = vec2(0.0f);
+  vec2 covered = vec2(0.0f);
   for (int i = int(texelFetch(point_begin, point).x); i < end; ++i) {
     const uint corner = texelFetch(point_corners, i).x;
     const vec4 surface = vec4(texelFetch(triangle_surface, int(corner / 3u)));
     if (surface_facing(surface) > 0.0f) {
       const bool back = shows_back(surface);
       const float area = surface_area(surface);
-      const float gets = 3.0f * corner_share(corner, back ? -1.0f : 1.0f) * surface_facing(surface) * area;
-      const float holds = front_part(surface_facing(surface)) * area;
-      falls += back ? vec2(0.0f, gets) : vec2(gets, 0.0f);
-      room += back ? vec2(0.0f, holds) : vec2(holds, 0.0f);
+      const float own_snow = 3.0f * corner_share(corner, back ? -1.0f : 1.0f) * surface_facing(surface) * area;
+      const float own_area = front_part(surface_facing(surface)) * area;
+      snow += back ? vec2(0.0f, own_snow) : vec2(own_snow, 0.0f);
+      covered += back ? vec2(0.0f, own_area) : vec2(own_area, 0.0f);
     }
   }
-  return vec4(room.x > 0.0f ? falls.x / room.x : 0.0f, room.y > 0.0f ? falls.y / room.y : 0.0f,
+  return vec4(covered.x > 0.0f ? snow.x / covered.x : 0.0f, covered.y > 0.0f ? snow.y / covered.y : 0.0f,
               texelFetch(point_normals, point).z, 0.0f);
 }

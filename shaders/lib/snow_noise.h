@@ -26,8 +26,8 @@ SNOWBOUGH_SHARED_FUNCTION vec3 lattice_gradient(vec3 at) {
   x += y * z;
   y += z * x;
   z += x * y;
-  const vec3 way = vec3(float(x >> 8u), float(y >> 8u), float(z >> 8u)) * (2.0f / 16777216.0f) - vec3(1.0f);
-  return way * (1.0f / max(length(way), 1e-4f));
+  const vec3 gradient = vec3(float(x >> 8u), float(y >> 8u), float(z >> 8u)) * (2.0f / 16777216.0f) - vec3(1.0f);
+  return gradient * (1.0f / max(length(gradient), 1e-4f));
 }
 
 SNOWBOUGH_SHARED_FUNCTION float lattice_share(vec3 cell, vec3 in_cell, vec3 corner) {

@@ -270,8 +270,9 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
     const float easing = eased(along, kFrontPart, 1.0f);
     const float inwards = mix(shoulder, front.zone, part);
     const float own = mix(profile.height, height, eased(along, 0.8f, 1.0f));
-    const vec3 way = mix(lift, normal * own, easing);
-    return front.outward * (front.distance - inwards) + way + front.lift * (rough * (1.0f - easing)) + sunk;
+    const vec3 offset = mix(lift, normal * own, easing);
+    const vec3 lifted = front.lift * (rough * (1.0f - easing));
+    return front.outward * (front.distance - inwards) + offset + lifted + sunk;
   }
   // Without a far face, the lower part of the front also lies on the supporting face.
   const float lower = (1.0f - front.has_far) * 0.3f;

@@ -143,7 +143,7 @@ PlanePoint plane_point(uint triangle, KERNEL_CONST_REF(GainTriangle) own, vec3 a
   return point;
 }
 
-/// Each point is evaluated in the one tile that contains its pixel.
+/// Whether this tile evaluates the point: the one that contains its pixel.
 bool is_of_tile(vec3 at) { return is_in_tile(ivec2(floor(vec2(at))) - tile_origin); }
 
 /// The gain of the point at these weights; `most`: its gain under open sky.

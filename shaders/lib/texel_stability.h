@@ -50,13 +50,13 @@ float stable_height(float height, float deposit, float capacity, WholeStep whole
 KERNEL_CONSTANT float kLeastGain = 0.005f;
 
 /// Thickness in metres of a gain; `gain`: relative to a full gain.
-float worth_of(float gain) { return gain < kLeastGain ? 0.0f : gain * full_gain; }
+float thickness_of(float gain) { return gain < kLeastGain ? 0.0f : gain * full_gain; }
 
 /// Whether a texel gains only on its front.
 bool gains_in_front(uint gain) { return (gain & (kBackSide | kMixedSides)) == 0u; }
 
 /// Thickness in metres of such a gain.
-float front_deposit(uint gain) { return worth_of(float(int(gain)) * (1.0f / kGainUnits)); }
+float front_deposit(uint gain) { return thickness_of(float(int(gain)) * (1.0f / kGainUnits)); }
 
 /// Thickness in metres of a step's deposit, negative on the back. If snow falls on both sides, all of it lies on the
 /// side with more.
@@ -69,7 +69,7 @@ float deposit_of(uvec4 step) {
     gain = float(front + back) * (1.0f / kMixedUnits);
     is_back = back > front;
   }
-  return is_back ? -worth_of(gain) : worth_of(gain);
+  return is_back ? -thickness_of(gain) : thickness_of(gain);
 }
 
 /// Result of a step for a texel.
@@ -93,18 +93,18 @@ float visible_part(float deposit) { return full_gain > 0.0f ? deposit / full_gai
 /// side, the side that faces up keeps or receives its snow, and the other side's slides off.
 StableTexel stabilise_texel(float height, float deposit, uvec4 step, WholeStep whole) {
   const float area = uintBitsToFloat(step.y);
-  const float lies = abs(height);
-  const float comes = abs(deposit);
-  const bool meet = lies > 0.0f && comes > 0.0f && side_of(height) != side_of(deposit);
-  const bool stays = lies > 0.0f && (!meet || up_on(side_of(height), step) > 0.0f);
+  const float old_snow = abs(height);
+  const float new_snow = abs(deposit);
+  const bool meet = old_snow > 0.0f && new_snow > 0.0f && side_of(height) != side_of(deposit);
+  const bool stays = old_snow > 0.0f && (!meet || up_on(side_of(height), step) > 0.0f);
   const float side = side_of(stays ? height : deposit);
   const float up = up_on(side, step);
-  const float staying = stays ? lies : 0.0f;
-  const float coming = stays && meet ? 0.0f : comes;
-  const float stable = keeps_all(staying, coming, up)
-                           ? staying + coming
-                           : stable_height(staying, coming, max_depth * up, whole);
+  const float kept_old = stays ? old_snow : 0.0f;
+  const float kept_new = stays && meet ? 0.0f : new_snow;
+  const float stable = keeps_all(kept_old, kept_new, up)
+                           ? kept_old + kept_new
+                           : stable_height(kept_old, kept_new, max_depth * up, whole);
   const vec4 sums =
-      vec4(comes * area, (lies + comes - stable) * area, stable * area, visible_part(comes) * area);
+      vec4(new_snow * area, (old_snow + new_snow - stable) * area, stable * area, visible_part(new_snow) * area);
   return KERNEL_MAKE2(StableTexel, stable > 0.0f ? side * stable : 0.0f, sums);
 }

@@ -1,7 +1,8 @@
 #pragma once
 
 // Limbs that are too thin and leaves that are too small for the picture: some are dropped, and the others grow, so that
-// the tree keeps the area that it covers. R. Cook, J. Halstead, M. Planck, D. Ryu, Stochastic Simplification of Aggregate Detail, 2007.
+// the tree covers the same area. R. Cook, J. Halstead, M. Planck, D. Ryu, Stochastic Simplification of Aggregate
+// Detail, 2007.
 #include "shared_functions.h"
 
 #ifndef SNOWBOUGH_GLSL
@@ -14,15 +15,15 @@ KERNEL_CONSTANT float kDrawnWidth = 1.4142136f;
 KERNEL_CONSTANT float kLeastLength = 4.0f;
 /// Least length of a drawn leaf in least widths of limbs.
 KERNEL_CONSTANT float kLeastLeaf = 1.5f;
-/// Fraction of the drawn ones that are fading out.
+/// Fraction of the drawn patches that are fading out.
 KERNEL_CONSTANT float kFading = 0.25f;
 
-/// Fraction of the patches of `pixels` that are drawn, so that those have `least` pixels.
+/// Fraction that is drawn of patches `pixels` wide; the drawn ones grow to `least` pixels.
 SNOWBOUGH_SHARED_FUNCTION float drawn_share(float pixels, float least) {
   return pixels < least ? pixels / least : 1.0f;
 }
 
-/// By how much a square must grow so that its mean width, seen from all sides, is that of the circle around it.
+/// Growth of a square that gives it the mean width, over all directions, of the circle around it.
 KERNEL_CONSTANT float kSquareGrowth = 0.1107207f;
 
 /// Fraction of its tessellation levels that a limb gets: none if its width is less than half of `target`. Both in
@@ -31,8 +32,8 @@ SNOWBOUGH_SHARED_FUNCTION float round_share(float width, float target) {
   return clamp(2.0f * width / target - 1.0f, 0.0f, 1.0f);
 }
 
-/// The same under snow of `depth` on open ground: the crest lies between the corners of the four sides, so that limbs
-/// from a sixth of `target` on are tessellated if the snow is as deep as a twelfth.
+/// The same under snow of `depth` pixels on open ground, whose crest lies between the corners of the four sides: limbs
+/// wider than 1/6 of `target` are tessellated if the snow is deeper than 1/12 of it.
 SNOWBOUGH_SHARED_FUNCTION float snowy_round_share(float width, float depth, float target) {
   const float crest = clamp(min(6.0f * width, 12.0f * depth) / target - 1.0f, 0.0f, 1.0f);
   return max(round_share(width, target), crest);
@@ -44,8 +45,8 @@ SNOWBOUGH_SHARED_FUNCTION float patch_number(int index) {
   return golden - floor(golden);
 }
 
-/// Factor of the covered area of a patch or leaf with this number; 0: dropped. `share`: the fraction that is drawn, over
-/// 0. The mean over all numbers is 1. They fade out before they are dropped.
+/// Factor of the covered area of a patch or leaf with this number; 0: dropped. `share` > 0: the fraction that
+/// is drawn. The mean over all numbers is 1. They fade out before they are dropped.
 SNOWBOUGH_SHARED_FUNCTION float area_factor(float share, float number) {
   const float all = share / (1.0f - kFading);
   const float fading = kFading * all;

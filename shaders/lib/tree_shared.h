@@ -129,7 +129,7 @@ struct TreeView {
   vec4 ground_color;
   /// Factor m of the thesis's 4.2.2; w: 1 if plain patches that show their back are dropped.
   vec4 snow;
-  /// What the picture is seen from: w is 1 for a point and 0 for a direction towards it.
+  /// The viewpoint if w is 1; the direction to it if w is 0.
   vec4 viewer;
 };
 SNOWBOUGH_SHARED_SIZE(TreeView, 368)

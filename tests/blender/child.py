@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blenders that tests start."""
+"""Blender processes that tests start."""
 
 import subprocess
 import sys
@@ -20,7 +20,7 @@ sys.exit = end
 
 
 def command(program):
-    """The command that runs a Python program in a Blender of its own, or in one as a module if this is one."""
+    """The command that runs a Python program in a new Blender process, or with the module bpy if this Python has it."""
     if bpy.app.binary_path:
         options = ["-b", "--factory-startup", "--python-exit-code", "1"]
         return [bpy.app.binary_path, *options, "--python-expr", program]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the tests inside Blender share. They run through run.py only, which installs the add-on."""
+"""Fixtures of the tests inside Blender. They run through run.py only, which installs the add-on."""
 
 import importlib
 import os
@@ -35,7 +35,7 @@ def native():
 
 @pytest.fixture
 def stand_in(monkeypatch):
-    """stand_in(SnowSimulation=...): a copy of the native module with other things under these names takes its place in
+    """stand_in(SnowSimulation=...): a copy of the native module with these attributes replaced takes its place in
     sys.modules, where the add-on looks it up."""
     real = addon_module("base.native").load()
 
@@ -64,7 +64,7 @@ def empty_scene():
 
 @pytest.fixture
 def shared_tree():
-    """Path of a real tree made elsewhere: shared_tree("tubes/AL06a.obj"); skips where it is absent."""
+    """Path of a tree made by another program: shared_tree("tubes/AL06a.obj"); skips where it is absent."""
 
     def find(name):
         path = SHARED_DATA / "trees" / name

@@ -14,12 +14,12 @@ import glb  # noqa: E402
 
 MAPLE = ROOT / "tests" / "data" / "small_maple.obj"
 LEAVES = 40
-# Vertices as in the scene, and nothing that takes time.
+# Vertices as in the scene, without slow options.
 PLAIN = {"vertices": "FLOAT", "cards": False, "texture_size": 0, "snow_cell": 0.0}
 
 
 def leafy_file(folder, native):
-    """Path of the maple with leaves: 40 cards on its branches, textured, with a mask of its own."""
+    """Path of the maple with leaves: 40 cards on its branches, textured, with a separate mask image."""
     green = np.full((8, 8, 3), (40, 120, 20), np.uint8)
     green[:, 4:] = 255  # white where the mask is 0
     mask = np.zeros((8, 8), np.uint8)

@@ -4,7 +4,7 @@
     python3 tests/blender/installed.py --blender BLENDER ZIP [OBJ]
     PYTHON_WITH_BPY tests/blender/installed.py ZIP [OBJ]
 
-The last line says what was installed where and how deep the snow lies; the exit code is 0 only then.
+If all succeeds, the last line names the installed package and the snow depth, and the exit code is 0.
 """
 
 import argparse

@@ -32,7 +32,7 @@ def camera_at(location, target=(0, 0, 0)):
 
 
 def set_up(tmp_path):
-    """A sun from straight above, a world of one colour, the engine, small pictures of linear light."""
+    """A vertical sun, a world of one colour, the engine, small pictures of linear light."""
     scene = bpy.context.scene
     sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
     sun.data.energy = 2.0
@@ -67,6 +67,6 @@ def read(path):
 
 
 def pixel(picture, scene, point):
-    """The picture where the camera sees a point."""
+    """The picture's value at a point of the scene."""
     at = world_to_camera_view(scene, scene.camera, Vector(point))
     return picture[int(at.y * picture.shape[0]), int(at.x * picture.shape[1])]

@@ -37,7 +37,7 @@ def arguments():
 
 
 def user_environment(folder):
-    """The environment in which Blender keeps everything of the user's below `folder`."""
+    """An environment in which Blender keeps all user files below `folder`."""
     environment = dict(os.environ)
     for name in ("PYTHONPATH", "PYTHONHOME", "BLENDER_SYSTEM_SCRIPTS", "SNOWBOUGH_NATIVE"):
         environment.pop(name, None)

@@ -41,7 +41,7 @@ def key(obj, path, *values):
 
 
 def receive(*objects, resolution=64):
-    """Puts objects on the list."""
+    """Adds objects to the list of receivers."""
     for obj in objects:
         entry = bpy.context.scene.snowbough.receivers.add()
         entry.object = obj
@@ -96,7 +96,7 @@ def height(native, root, name, frame, version=1):
 
 
 def files_of(root):
-    """{relative path: digest of its bytes} of everything in a cache but the logs and the name of the .blend."""
+    """{relative path: digest of its bytes} of a cache, without the logs and the name of the .blend."""
     root = Path(root)
     return {
         path.relative_to(root).as_posix(): hashlib.blake2b(path.read_bytes(), digest_size=8).hexdigest()
@@ -118,7 +118,7 @@ def strip(name, cells, upright=False):
 
 
 def bend(obj, cells, *keys):
-    """Lets an armature bend and stretch a strip: it does not turn as one. keys: (frame, radians)."""
+    """Lets an armature bend and stretch a strip, which is therefore not rigid. keys: (frame, radians)."""
     bone = bpy.data.objects.new("Bone", bpy.data.armatures.new("Bone"))
     bpy.context.scene.collection.objects.link(bone)
     bpy.context.view_layer.objects.active = bone

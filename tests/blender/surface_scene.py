@@ -38,13 +38,13 @@ def points_at(surface, frame, subframe=0.0):
 
 
 def inner(points, share=0.6):
-    """The points whose x and y lie in that share of the middle: level snow away from rims."""
+    """The points within that fraction of the middle in x and y: level snow away from rims."""
     low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
     return points[(np.abs(points[:, :2] - (low + high) / 2) < share * (high - low) / 2).all(axis=1)]
 
 
 def box(name, size=1.0, z=0.0):
-    """A cube that stands on z, with each face in a cell of its own of the map."""
+    """A cube that stands at height z, with each face in a separate cell of the map."""
     h = size / 2
     corners = [(x, y, z + h + k) for k in (-h, h) for x, y in ((-h, -h), (h, -h), (h, h), (-h, h))]
     faces = [(3, 2, 1, 0), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A tree as the native module would hand it over, made here: for tests that need no OBJ file."""
+"""A tree in the form that the native module returns, made without an OBJ file."""
 
 from types import SimpleNamespace
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The bake in the background: what snow falls on, how much, where it is written, what is refused."""
+"""The bake in the background: receivers, amounts of snow, output files and errors."""
 
 import json
 import math
@@ -89,7 +89,7 @@ def test_snow_stays_where_it_fell_while_a_cart_drives_into_the_open(native, tmp_
 def test_an_armature_bends_what_snow_falls_on(native, tmp_path):
     s.moving_scene(tmp_path)
     s.bake()
-    # Upright at frame 1 the flag shows the sky no face; bent by a radian it does.
+    # At frame 1 the flag is upright, so no face is visible from the sky; bent by a radian, its faces are.
     assert s.height(native, tmp_path, "Flag", 1).max() == pytest.approx(0, abs=1e-6)
     assert s.height(native, tmp_path, "Flag", 12).max() > 0.01
 

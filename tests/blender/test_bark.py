@@ -11,7 +11,7 @@ WIDTH, HEIGHT = 96, 64
 
 @pytest.fixture
 def rendered(addon, tmp_path):
-    """Renders a sheet whose left half ends where the map `bark` has come round, and whose right half begins there;
+    """Renders a sheet whose left half ends and whose right half begins at the seam of the map `bark`;
     on branches of a level; span: of the map in either half. Gives the colour's brightness, rows from below."""
 
     def render(level=0.0, span=0.3):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which .blend a bake belongs to: two files, copies and Save As have their own, and Free Bake removes no other's."""
+"""The .blend that a bake belongs to: two files, copies and Save As have separate bakes, and Free Bake removes only
+the file's own."""
 
 import json
 import shutil
@@ -52,7 +53,7 @@ def test_free_bake_in_a_copy_leaves_the_bake_of_the_original(shot, tmp_path):
         opened(place)
         bpy.ops.snowbough.free_bake()
         assert len(heights(own)) == 2
-        assert bpy.context.scene.snowbough.receivers[0].folder  # what the copy shows is still there
+        assert bpy.context.scene.snowbough.receivers[0].folder  # the copy's bake still exists
 
 
 def test_save_as_gets_its_own_folder_and_shows_the_old_bake_until_then(shot, tmp_path):
@@ -64,7 +65,7 @@ def test_save_as_gets_its_own_folder_and_shows_the_old_bake_until_then(shot, tmp
     second = shown()
     assert second != own and second.parent.parent != own.parent.parent
     bpy.ops.wm.save_mainfile()
-    shot.unlink()  # the second file keeps what it has got
+    shot.unlink()  # the second file keeps its bake
     opened(tmp_path / "shot_v2.blend")
     s.bake(resume=True)
     assert shown() == second
@@ -163,7 +164,7 @@ def test_a_cache_of_before_without_identity_is_shown_resumed_and_freed(addon, tm
 def test_an_undo_to_before_the_file_was_saved_changes_nothing(addon, shot):
     place = addon("bake.cache_place")
     own = place.existing_cache(bpy.context.scene)
-    bpy.context.scene.snowbough.cache_identity = ""  # what an undo leaves
+    bpy.context.scene.snowbough.cache_identity = ""  # the state after an undo
     assert place.existing_cache(bpy.context.scene) == own
 
 

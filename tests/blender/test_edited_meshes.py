@@ -42,7 +42,7 @@ def empty_mesh():
 
 
 def moved_mesh(mesh, x):
-    """A copy of a mesh, moved: as many vertices and faces, at another place."""
+    """A moved copy of a mesh with the same numbers of vertices and faces."""
     copy = mesh.copy()
     for vertex in copy.vertices:
         vertex.co.x += x
@@ -74,7 +74,7 @@ def test_a_roof_that_is_edited_in_place_shelters_no_more(native, scene, at_frame
         if tagged:
             mesh.update()
         else:
-            mesh.vertices[0].co.x = mesh.vertices[0].co.x  # what Blender itself takes for an edit
+            mesh.vertices[0].co.x = mesh.vertices[0].co.x  # an edit that Blender itself detects
 
     at_frames({1: lambda: put(0.0), 4: lambda: put(50.0)})
     s.bake()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What computes the snow: the engine that is chosen, what a bake says of it, and bakes without EGL or OpenGL."""
+"""Engines of the snow: the choice, the messages of a bake, and bakes without EGL or OpenGL."""
 
 import json
 import math
@@ -20,7 +20,7 @@ PACKAGE = os.environ["SNOWBOUGH_TEST_ADDON"]
 
 @pytest.fixture
 def engine():
-    """Sets the add-on's preference: engine("GL"). Afterwards it is what it was."""
+    """Sets the add-on's preference: engine("GL"). Restores it afterwards."""
     preferences = bpy.context.preferences.addons[PACKAGE].preferences
     before = preferences.engine
 
@@ -33,7 +33,7 @@ def engine():
 
 @pytest.fixture
 def needs_gl(native):
-    """Skips where the engine GL is not to be had."""
+    """Skips if the engine GL is not available."""
     try:
         with native.Engine("GL") as held:
             return held.info
@@ -61,7 +61,7 @@ def logs(root):
 
 
 def checkpoint_drivers(root):
-    """What the checkpoints in a cache say computed them."""
+    """The engines that the checkpoints in a cache name."""
     return {json.loads(path.read_text())["driver"] for path in root.rglob("state_*.json")}
 
 
@@ -143,9 +143,9 @@ def test_the_check_says_what_computes_the_snow(addon, engine, tmp_path):
     s.settings(tmp_path)
     engine("CPU")
     issues = addon("bake.preflight").check(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
-    (told,) = [issue for issue in issues if "computed" in issue.text]
-    assert told.severity == "INFO"
-    assert told.text.startswith("Snow is computed by engine CPU, processor, ")
+    (finding,) = [issue for issue in issues if "computed" in issue.text]
+    assert finding.severity == "INFO"
+    assert finding.text.startswith("Snow is computed by engine CPU, processor, ")
 
 
 def test_the_processor_refuses_the_mapping_of_opengl_and_says_what_to_do(addon, engine, tmp_path):
@@ -162,7 +162,7 @@ def test_the_processor_refuses_the_mapping_of_opengl_and_says_what_to_do(addon, 
     assert not (tmp_path / "cache").exists()
 
 
-# -- what a bake says of it ---------------------------------------------------------------------------
+# -- messages of a bake -------------------------------------------------------------------------------
 
 
 def test_the_log_begins_with_engine_driver_and_reason(native, engine, tmp_path):
@@ -331,7 +331,7 @@ def test_without_egl_opengl_is_refused_with_what_to_do(addon, shot, without_egl,
 
 
 def test_without_egl_the_native_module_has_no_opengl(native, without_egl):
-    """What the tests around this one stand on."""
+    """The environment of these tests has no OpenGL."""
     program = (
         "import importlib.util, sys\n"
         f"sys.path.insert(0, {os.path.dirname(native.__file__)!r})\n"
@@ -416,11 +416,11 @@ def test_the_command_line_refuses_an_engine_that_is_none(tmp_path):
     assert not (tmp_path / "cache").exists()
 
 
-# -- bakes of before ----------------------------------------------------------------------------------
+# -- older bakes --------------------------------------------------------------------------------------
 
 
 def age(root):
-    """Makes what lies in a cache what the first deposit left there, which noted none."""
+    """Changes a cache to format 2, which did not store the deposit."""
     for path in root.rglob("object.json"):
         manifest = json.loads(path.read_text())
         del manifest["settings"]["deposit"], manifest["checksum"], manifest["cache"], manifest["files"]

@@ -10,7 +10,7 @@ from exported_tree import PLAIN, export, import_tree, y_up
 
 @pytest.fixture
 def snowy(tmp_path, addon):
-    """(bark, its folder, the native module): a bake of three frames at 64 texels, normals too."""
+    """(bark, its folder, the native module): a bake of three frames at 64 texels, with normals."""
     _rig, bark = import_tree(snow_resolution=256)
     snow_scene.receive(bark, resolution=256)
     bpy.context.scene.snowbough.receivers[0].uv_map = "snow"
@@ -105,7 +105,7 @@ def test_the_surface_of_a_frame_goes_out_as_a_mesh_of_snow(tmp_path, snowy):
     for frame in (1, 3):
         bpy.context.scene.frame_set(frame)
         shown = bpy.data.objects["small_maple_bark Snow"].evaluated_get(bpy.context.evaluated_depsgraph_get())
-        # Where the armature stands is not in the file, its turn is.
+        # The file has the armature's rotation but not its location.
         to_file = bark.find_armature().matrix_world.copy()
         to_file.translation = (0.0, 0.0, 0.0)
         to_file = to_file @ bark.find_armature().matrix_world.inverted() @ shown.matrix_world

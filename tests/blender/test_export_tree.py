@@ -170,7 +170,7 @@ def test_every_bone_is_a_joint_under_its_parent(tmp_path):
 
 
 def test_the_trunks_foot_does_not_lean_towards_its_cap(tmp_path):
-    """Shaders that round limbs by their normals would blow it up."""
+    """Shaders that round limbs by their normals would inflate it."""
     import_tree()
     read = export(tmp_path / "tree.glb")
     for node in read.lods(read.node("small_maple_bark_LOD0")):

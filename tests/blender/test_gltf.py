@@ -14,14 +14,14 @@ from synthetic_tree import evaluated_vertices
 
 
 def bark_of(read):
-    """(positions (V, 3) in Blender's axes as the joints' nodes bend them, the primitive's attributes)."""
+    """(positions (V, 3) in Blender's axes, deformed by the joints; the primitive's attributes)."""
     node = next(n for n in read.json["nodes"] if n.get("name") == "small_maple_bark" and "skin" in n)
     (primitive,), (bent,) = read.primitives(node), read.skinned(node)
     return bent[:, (0, 2, 1)] * (1, -1, 1), read.attributes(primitive)
 
 
 def _export(path, **wanted):
-    """Exports the scene with those of the settings that this Blender's exporter has."""
+    """Exports the scene with the settings that this Blender's exporter supports."""
     if not hasattr(bpy.ops.export_scene, "gltf") or "export_scene" not in dir(bpy.ops):
         pytest.skip("this Blender has no glTF exporter")
     known = bpy.ops.export_scene.gltf.get_rna_type().properties.keys()
@@ -97,5 +97,5 @@ def test_every_bone_is_a_joint(bent_tree):
     bark, read = bent_tree
     names = {bone.name for bone in bark.modifiers[0].object.data.bones}
     joints = {read.json["nodes"][joint]["name"] for skin in read.json["skins"] for joint in skin["joints"]}
-    # Newer exporters add a joint of their own for what has no bone.
+    # Newer exporters add a joint of their own for vertices without a bone.
     assert names <= joints and len(joints) <= len(names) + 1

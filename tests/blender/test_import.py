@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The import operator and the command line: what is made, what is told, what bad input leaves."""
+"""The import operator and the command line: results, reports, and bad input."""
 
 import json
 import os
@@ -29,7 +29,7 @@ def _data_names():
 
 
 def _refused(path, **settings):
-    """The message with which the operator refuses; checks that Blender is as it was."""
+    """The operator's error message; checks that Blender's data is unchanged."""
     before = _data_names()
     with pytest.raises(RuntimeError) as error:
         bpy.ops.import_scene.xfrog_tree(filepath=str(path), **settings)
@@ -44,7 +44,7 @@ def test_collection_armature_and_bark_have_the_files_name():
     assert rig.type == "ARMATURE" and bark.parent == rig
     assert [(m.type, m.object) for m in bark.modifiers] == [("ARMATURE", rig)]
     assert bpy.context.view_layer.objects.active == bark
-    # Whoever moves what is selected moves the armature with its meshes.
+    # The selection includes the armature, so moving it moves the meshes.
     assert set(bpy.context.selected_objects) == {rig, bark}
 
 

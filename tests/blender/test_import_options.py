@@ -107,7 +107,7 @@ def test_a_tree_comes_to_a_height_in_metres(scene_scale):
 
 @pytest.fixture
 def forest(tmp_path):
-    """A folder with two trees, a file that is none, and another folder with a third."""
+    """A folder with two trees, a file that is not a tree, and another folder with a third tree."""
     for name in ("one.obj", "two.OBJ", "more/three.obj"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_bytes(MAPLE.read_bytes())
@@ -211,7 +211,7 @@ def test_wind_attributes_tell_each_points_branch(addon):
     distance = np.linalg.norm(pivot[:, None] - pivots[None], axis=2)
     of, native = distance.argmin(axis=1), tree.meshes[0].native
     assert distance.min(axis=1).max() < 1e-6
-    # Every face hangs on its branch, but for what it shares with the parent.
+    # Every face belongs to its branch, except for vertices shared with the parent.
     for face, branch in zip(native.quads, native.face_branch):
         assert set(of[face]) <= {branch, branches[branch].parent}
     assert np.allclose(np.linalg.norm(axis, axis=1), 1, atol=1e-5)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Instanced collections show their snow: every mesh in them that of its own map, where its instance stands."""
+"""Instanced collections show their snow: each mesh the snow of its own map, at its instance's position."""
 
 import math
 
@@ -42,7 +42,7 @@ def test_every_member_has_its_own_surface_where_its_instance_stands(instance):
     assert high[:, :2].mean(axis=0) == pytest.approx([5.0, 0.0], abs=0.02)
     # Turned by 45 degrees, a corner of the square lies on the axis.
     assert high[:, 0].max() == pytest.approx(5.0 + math.sqrt(0.5), abs=0.05)
-    # What lies below has the snow of its own map, and none where the other one shelters it.
+    # The lower square shows its own map, which is bare below the upper square.
     middle = np.abs(low[:, :2] - [5.0, 0.0]).max(axis=1) < 0.2
     assert low[:, 2].max() == pytest.approx(1.6, abs=0.02)
     assert (low[middle, 2] <= 1.5).all()

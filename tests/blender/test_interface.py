@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an artist reads and presses: tooltips with units, undo, greyed buttons that say why."""
+"""The interface: tooltips with units, undo, and disabled buttons that give a reason."""
 
 import inspect
 import os
@@ -25,7 +25,7 @@ UNITLESS = {
     "surface_relief", "active_receiver", "bark_vertices",
 }  # fmt: skip
 
-# These leave no step to undo.
+# These push no undo step.
 NOT_UNDOABLE = {
     "export_scene.snowbough_tree": "writes files and changes nothing",
     "import_scene.xfrog_tree": "in a window snowbough.import_tree_job leaves the step",
@@ -140,7 +140,7 @@ def test_every_operator_that_changes_the_scene_can_be_undone():
 
 
 def refusal(idname):
-    """What Blender says to a script that calls an operator whose poll refuses; None where it does not."""
+    """Blender's error for a script that calls an operator whose poll fails; None if it succeeds."""
     operator = blenders(idname)
     if operator.poll():
         return None
@@ -239,7 +239,7 @@ def test_a_bake_on_the_command_line_prints_its_own_lines_only(tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
     done = child.bake(tmp_path / "shot.blend")
     assert done.returncode == 0, done.stderr
-    # What any Blender in the background says of itself.
+    # Output of any Blender in the background.
     blenders_own = re.compile(r"Blender \d|Read blend|Blender quit|\d\d:\d\d\.\d+ +[\w.]+ +\| |$")
     lines = [line for line in done.stdout.splitlines() if not blenders_own.match(line)]
     said = [line.split()[:2] for line in lines]

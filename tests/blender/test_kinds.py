@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Kinds of snow set the sliders of all snow there is, and of what is made later."""
+"""Kinds of snow set the sliders of existing and of later snow."""
 
 import math
 

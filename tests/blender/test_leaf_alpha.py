@@ -151,7 +151,7 @@ def inverted_mask(tree, texture, surface):
 
 
 def inside_a_group(tree, texture, surface):
-    """The alpha goes through a group that hands it on."""
+    """The alpha passes through a node group unchanged."""
     group = bpy.data.node_groups.new("Mask", "ShaderNodeTree")
     if hasattr(group, "interface"):
         group.interface.new_socket("In", in_out="INPUT", socket_type="NodeSocketFloat")
@@ -263,7 +263,7 @@ def test_a_changed_alpha_image_is_named(addon, tmp_path):
         s.bake(resume=True)
 
 
-# -- what cannot be followed: opaque, with a warning ---------------------------------------------------
+# -- unsupported node trees: opaque, with a warning ----------------------------------------------------
 
 
 def missing(tree, texture, surface):

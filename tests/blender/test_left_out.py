@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Receivers that cannot carry snow are listed, and the others get theirs."""
+"""Receivers that cannot carry snow are listed, and the others receive snow."""
 
 import argparse
 import json

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One number that is none, or a vertex beyond everything, is named and costs nothing else."""
+"""A single NaN or a distant vertex is reported and affects nothing else."""
 
 import bpy
 import numpy as np

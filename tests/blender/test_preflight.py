@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Putting objects on the list, and what is found before a bake."""
+"""Adding receivers, and the checks before a bake."""
 
 import math
 import shutil
@@ -246,13 +246,13 @@ def test_the_panel_tells_the_memory_that_the_module_tells(addon, tmp_path, resol
     with module.SnowSimulation(engine="CPU", repose=math.radians(65.0)) as simulation:
         triangles = [list(triangle.vertices) for triangle in mesh.loop_triangles]
         simulation.add_object("a", triangles, uv, resolution=resolution)
-        told = simulation.memory_estimate()["total"]
+        estimated = simulation.memory_estimate()["total"]
     memory = addon("bake.memory")
     sizes = [memory.MapSize(resolution, len(triangles))]
-    assert memory.simulation(sizes, math.radians(65.0)) == pytest.approx(told, rel=0.1)
+    assert memory.simulation(sizes, math.radians(65.0)) == pytest.approx(estimated, rel=0.1)
     shown = next(text for text in texts(addon, "INFO") if "of memory" in text)
     whole = memory.estimate(sizes, math.radians(65.0), bpy.context.scene.snowbough.write_normals)
-    assert int(shown.split()[-4]) == pytest.approx(whole / 2**20, abs=1) and whole > told
+    assert int(shown.split()[-4]) == pytest.approx(whole / 2**20, abs=1) and whole > estimated
 
 
 def test_a_bake_that_does_not_fit_is_refused_before_anything_is_made(addon, tmp_path):

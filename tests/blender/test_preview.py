@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The live preview behind the picture: what it simulates as the timeline and the settings change, and that nothing of
-it is in the scene. What it draws is in tests/ui/test_preview.py."""
+"""The live preview's simulation as the timeline and the settings change; it leaves the scene unchanged. Its drawing is
+tested in tests/ui/test_preview.py."""
 
 import math
 import os
@@ -51,7 +51,7 @@ def height(running, name="Ground"):
 
 
 def settle(running):
-    """What a timer does in a window: looks at once, and again when nothing has changed for a while."""
+    """The timer of a window: checks immediately, and again after a while without changes."""
     for now in (0.0, 10.0):
         running.watch(bpy.context.scene, bpy.context.evaluated_depsgraph_get(), now)
 
@@ -298,12 +298,12 @@ def test_another_receiver_begins_anew_with_it(ground, preview):
     assert len(running.simulated.maps) == 2
 
 
-# -- what is shown -----------------------------------------------------------------------------------------
+# -- display -----------------------------------------------------------------------------------------------
 
 
 @pytest.fixture
 def preferences():
-    """The add-on's; afterwards their largest map is what it was."""
+    """The add-on's preferences; restores the largest map afterwards."""
     own = bpy.context.preferences.addons[PACKAGE].preferences
     before = own.preview_resolution
     yield own
@@ -354,7 +354,7 @@ def test_where_things_are_is_known_after_the_shots_end_too(ground, preview):
     assert running.simulation.texel_area(key).sum() == pytest.approx(36.0, rel=1e-3)
 
 
-# -- nothing of it is in the scene ---------------------------------------------------------------------------
+# -- the scene stays unchanged -------------------------------------------------------------------------------
 
 
 def everything():
@@ -409,7 +409,7 @@ def test_a_file_saved_meanwhile_is_as_without_it_and_the_preview_goes_on(baked, 
 
 
 def test_what_a_recovered_file_hides_is_shown_when_it_is_opened(baked, preview, addon, tmp_path):
-    """Blender saves by itself without telling anybody."""
+    """Blender autosaves without calling handlers."""
     preview()
     path = str(tmp_path / "recovered.blend")
     handler = addon("preview.live")._before_save
@@ -464,7 +464,7 @@ def test_any_error_ends_it_and_is_shown(ground, preview, addon, error, when):
     simulated = running.simulated
 
     class Failing:
-        """The simulated shot, which does nothing more."""
+        """The simulated shot, whose updates raise an error."""
 
         def go_to(self, *_arguments):
             raise error
@@ -486,7 +486,7 @@ def test_any_error_ends_it_and_is_shown(ground, preview, addon, error, when):
     assert session.preview is None
     assert session.last_outcome[0] == "ERROR"
     assert "live preview has ended" in session.last_outcome[1] and error.args[0] in session.last_outcome[1]
-    bpy.context.scene.frame_set(4)  # and nothing of it is left behind
+    bpy.context.scene.frame_set(4)  # and no data remains
 
 
 @pytest.mark.parametrize("how", ["renamed", "removed"])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The engine Snowbough Realtime in the background: a tree and a plane in the picture, where they are and as bright."""
+"""The engine Snowbough Realtime in the background: positions and brightness of a tree and a plane in the picture."""
 
 import math
 from pathlib import Path
@@ -20,7 +20,7 @@ def import_maple():
     return bpy.data.objects["small_maple_bark"], bpy.data.objects["small_maple"]
 
 
-#: What a surface that faces the sun sends back, as a share of its colour.
+#: Light reflected by a surface that faces the sun, as a share of its colour.
 LIT = 2.0 / math.pi + np.array(WORLD)
 
 
@@ -39,7 +39,7 @@ def test_a_plane_is_where_the_camera_sees_it_and_as_bright_as_it_is(scene):
 
 
 @pytest.mark.parametrize("lens", ["shift", "orthographic", "aspect", "portrait"])
-def test_lens_shift_sensor_and_aspect_are_heeded(scene, lens):
+def test_lens_shift_sensor_and_aspect_are_used(scene, lens):
     snow_scene.square("Square", 1.0, x=0.5)
     data = camera_at((2, -4, 5)).data
     if lens == "shift":
@@ -58,7 +58,7 @@ def test_lens_shift_sensor_and_aspect_are_heeded(scene, lens):
         assert pixel(picture, scene, (x, y, 0))[:3] == pytest.approx(WORLD, rel=0.01), (x, y)
 
 
-def test_percentage_border_and_film_are_heeded(scene):
+def test_percentage_border_and_film_are_used(scene):
     snow_scene.square("Square", 2.0)
     camera_at((0, 0, 5))
     whole = rendered(scene)

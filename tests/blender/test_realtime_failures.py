@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Snowbough Realtime where a picture cannot be made as usual: no black frame with the exit code 0."""
+"""Snowbough Realtime when rendering fails: no black frame with the exit code 0."""
 
 import json
 import os
@@ -33,7 +33,7 @@ def folder_of(scene):
 
 
 def rendered_by_blender(shot, *arguments):
-    """blender -b of the shot with what follows, and the picture that it was to write."""
+    """Runs blender -b on the shot with further arguments; returns the process and the picture's path."""
     if not bpy.app.binary_path:
         pytest.skip("needs a Blender program")
     picture = shot.parent / "out_0002.exr"
@@ -95,7 +95,7 @@ def test_a_render_without_a_camera_fails(scene):
 
 
 def assert_alike(one, other):
-    """The same but for a sample here and there that lies on an edge."""
+    """Equal except for single samples on edges."""
     differs = np.abs(one - other).max(axis=2) > 0.005
     assert differs.mean() < 0.002
     assert np.abs(one - other).max() < 0.3

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Snowbough Realtime takes from a scene besides its meshes: images of bark, the live preview's snow, flakes."""
+"""What Snowbough Realtime reads from a scene besides meshes: images of bark, the live preview's snow, flakes."""
 
 import math
 from pathlib import Path
@@ -70,7 +70,7 @@ def test_a_tree_without_images_keeps_none(scene):
 
 @pytest.fixture
 def drawn(addon):
-    """drawn(reader): what a 3D view's renderer would show from above of the scene's present moment."""
+    """drawn(reader): the picture of the scene's current frame from above, as in a 3D view."""
     sync = addon("realtime.sync")
     native = addon("base.native").load()
     renderer = native.Renderer()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Snow in Snowbough Realtime: on trees, which stay trees with it, and on what collections instance."""
+"""Snow in Snowbough Realtime: on trees, which remain trees, and on instanced collections."""
 
 from pathlib import Path
 
@@ -140,7 +140,7 @@ def instanced(scene):
     empty.instance_type, empty.instance_collection = "COLLECTION", parts
     empty.location = (5.0, 0.0, 0.0)
     scene.collection.objects.link(empty)
-    bare = bpy.data.objects.new("Bare", None)  # shows the same, and is no receiver
+    bare = bpy.data.objects.new("Bare", None)  # shows the same map but is not a receiver
     bare.instance_type, bare.instance_collection = "COLLECTION", parts
     scene.collection.objects.link(bare)
     snow_scene.receive(empty, resolution=128)

@@ -46,7 +46,7 @@ bpy.ops.preferences.addon_enable(module="snowbough")
 assert Path(sys.modules["snowbough"].__file__).parent == folder
 sys.modules["snowbough.base.session"].last_outcome = ("INFO", "kept")
 before = look()
-# Of other lengths than before, since compiled files are told by second and size.
+# Of other lengths than before, since Python distinguishes compiled files by second and size.
 change("ui/bake_operators.py", 'bl_label = "Bake Snow"', 'bl_label = "Bake Much Snow"')
 change("settings/scene.py", '_depth("End Depth"', '_depth("Depth at the End"')
 change("bake/plan.py", "PREROLL_STEPS = 32", "PREROLL_STEPS = 164")
@@ -61,7 +61,7 @@ bpy.ops.preferences.addon_disable(module="snowbough")
 assert not hasattr(bpy.types.Scene, "snowbough")
 bpy.ops.preferences.addon_enable(module="snowbough")
 """,
-    # What script.reload (F8) does, once no operator runs any more.
+    # As script.reload (F8), when no operator is running.
     "scripts reloaded": "bpy.utils.load_scripts(reload_scripts=True)",
 }
 
@@ -83,7 +83,7 @@ def test_changed_code_runs_after_a_reload(addon, tmp_path, way):
     assert (before["steps"], before["resolution"]) == (32, 8192)
     assert (after["button"], after["setting"]) == ("Bake Much Snow", "Depth at the End")
     assert (after["steps"], after["resolution"]) == (164, 16384)
-    # Nothing is there twice, and what the session held is still there.
+    # Nothing is registered twice, and the session's data is kept.
     assert len(before["handlers"]) >= 8 and before["menu"] == ["snowbough.ui.import_operators"]
     for name in ("handlers", "menu", "folders"):
         assert after[name] == before[name], name

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A renamed receiver keeps its bake; names that differ in anything have folders of their own."""
+"""A renamed receiver keeps its bake; different names have separate folders."""
 
 from pathlib import Path
 
@@ -81,7 +81,7 @@ def test_a_bake_of_before_is_found_under_the_name_in_its_manifest(addon, undistu
     bake_part(addon, 12)
     cart = bpy.data.objects["Cart"]
     cart.name = "Sledge"
-    entry_of("Sledge").baked_as = ""  # an add-on that did not note it
+    entry_of("Sledge").baked_as = ""  # an add-on that did not store it
     addon("bake.outcome").relocate_folders()
     s.bake(resume=True)
     assert s.files_of(tmp_path / "cache") == undisturbed
@@ -125,7 +125,7 @@ def test_scenes_whose_names_differ_in_other_letters_only_keep_their_snow_apart(t
     assert len(folders) == 5 and all((path / "v001").is_dir() for path in tmp_path.iterdir())
 
 
-# -- Remove Snow on what was appended ---------------------------------------------------------------------
+# -- Remove Snow on appended objects ----------------------------------------------------------------------
 
 
 def append(path, *names):

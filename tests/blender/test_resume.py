@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stopping, killing, splitting and resuming bakes: the bytes are those of one that never stopped."""
+"""Stopping, killing, splitting and resuming bakes: the result has the bytes of an uninterrupted bake."""
 
 import json
 import os
@@ -101,7 +101,7 @@ def test_a_finished_bake_is_compared_to_its_last_frame(addon, undisturbed, tmp_p
 
 @pytest.mark.parametrize("last", [6, 12])
 def test_every_receivers_recorded_scene_is_compared(addon, undisturbed, tmp_path, last):
-    """One receiver was baked while the flag stood elsewhere, the others, later in order, from the scene as it is."""
+    """One receiver was baked with the flag elsewhere; the receivers after it were baked from the current scene."""
     flag = bpy.data.objects["Flag"]
     flag.location.x = 0.5
     assert s.bake_part(addon, 1, last, ["Cart"]).error is None
@@ -159,7 +159,7 @@ def test_a_new_bake_keeps_the_finished_version(undisturbed, tmp_path):
 
 
 def blender_command(addon, blend, *arguments):
-    """A Blender of its own that bakes with the code of the add-on under test."""
+    """A Blender process that bakes with the add-on under test."""
     package = os.environ["SNOWBOUGH_TEST_ADDON"]
     folder = os.path.dirname(addon("cli").__file__)
     names = ("frames", "cache", "json", "objects", "engine")
@@ -214,11 +214,11 @@ def test_the_command_line_prints_a_parsable_line_a_frame(addon, undisturbed, tmp
     words = [dict(word.split("=") for word in line.split()[1:]) for line in lines]
     assert [int(word["frame"]) for word in words] == list(range(1, 13))
     assert float(words[-1]["depth"]) == pytest.approx(0.1)
-    told = json.loads(report.read_text())
+    result = json.loads(report.read_text())
     assert (
-        told["exit_code"] == 0
-        and len(told["frames"]) == 12
-        and sorted(told["receivers"]) == ["Cart", "Flag", "Ground"]
+        result["exit_code"] == 0
+        and len(result["frames"]) == 12
+        and sorted(result["receivers"]) == ["Cart", "Flag", "Ground"]
     )
     assert s.files_of(tmp_path / "cache") == undisturbed
 
@@ -236,8 +236,8 @@ def test_the_exit_code_says_what_went_wrong(addon, undisturbed, tmp_path, argume
     report = tmp_path / "report.json"
     done = run_blender(addon, tmp_path / "shot.blend", "--json", str(report), *arguments)
     assert done.returncode == code and message in done.stderr
-    told = json.loads(report.read_text())
-    assert told["exit_code"] == code and message in told["error"]
+    result = json.loads(report.read_text())
+    assert result["exit_code"] == code and message in result["error"]
     assert "Traceback" not in done.stderr
 
 
@@ -339,7 +339,7 @@ def test_killed_at_random_moments_a_bake_resumes_to_the_same_bytes(addon, undist
 
 
 def test_the_lock_of_a_bake_killed_at_its_very_end_goes_with_the_next_one(addon, undisturbed, tmp_path):
-    """Killed when one receiver was finished and the other not, or both and not yet unlocked."""
+    """Killed after one of two receivers was finished, or after both but before the unlock."""
     s.bake()
     lock_folder = addon("cache.lock").lock_folder
     folders = sorted(path.parent for path in (tmp_path / "cache").rglob("object.json"))
@@ -359,7 +359,7 @@ def locked_half(addon, tmp_path):
 
 
 def start_waiting(addon, tmp_path, *arguments):
-    """Starts a command that bakes what another bake has locked; returns it when it waits."""
+    """Starts a bake of a locked receiver; returns the process once it waits."""
     running = subprocess.Popen(
         blender_command(addon, tmp_path / "shot.blend", *arguments),
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,

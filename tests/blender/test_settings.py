@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is declared once arrives everywhere: settings in simulation, manifest and panels, import options in the
-operators, the presets and the command line."""
+"""Each declaration reaches all users: settings reach simulation, manifest and panels; import options reach operators,
+presets and the command line."""
 
 import json
 from dataclasses import fields
@@ -10,7 +10,7 @@ import bpy
 import pytest
 import snow_scene as s
 
-# What each setting of the simulation is set to here: other than its default.
+# Non-default values of the simulation's settings.
 OTHER = {
     "flutter": 0.25,
     "max_depth": 0.5,
@@ -25,7 +25,7 @@ OTHER = {
 
 @pytest.fixture
 def snowy(tmp_path):
-    """A shot of two frames on one receiver, all settings of the simulation others than by default."""
+    """A shot of two frames on one receiver with non-default values of all settings of the simulation."""
     s.receive(s.square("Ground"))
     s.settings(tmp_path, (1, 2), **OTHER)
     return bpy.context.scene

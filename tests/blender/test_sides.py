@@ -13,7 +13,7 @@ import snow_scene as s
 
 @pytest.fixture
 def map_of(native, tmp_path):
-    """Bakes what is on the list and gives the last map of a receiver."""
+    """Bakes the receivers and returns the last map of one of them."""
 
     def bake(name, **settings):
         s.settings(tmp_path, (1, 2), **settings)

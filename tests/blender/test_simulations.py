@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's own simulations under the snow: baked ones are right and resume to the same bytes, cloth plays
-along without, and what would stand still is refused."""
+"""Blender's own simulations under the snow: baked ones are right and resume to the same bytes, cloth works
+without a bake, and simulations that would not move are refused."""
 
 import bpy
 import pytest
@@ -57,7 +57,7 @@ def falling_scene(folder, kind, frames=(1, 8), **values):
 
 
 def heights_of_the_sheet(addon):
-    """Its mean height above the ground at each frame that the last bake looked at."""
+    """Its mean height above the ground at each frame of the last bake."""
     reader = addon("scene.reader").SceneReader
     read, seen = reader.read, {}
 
@@ -97,7 +97,7 @@ def test_a_baked_simulation_resumes_and_splits_to_the_same_bytes(addon, tmp_path
     scene = bpy.context.scene
     scene.snowbough.cache_directory = str(tmp_path / "resumed")
     assert s.bake_part(addon, 1, 5).error is None
-    scene.frame_set(7)  # what the viewport shows meanwhile does not matter
+    scene.frame_set(7)  # the viewport's frame in between does not matter
     s.bake(resume=True)
     scene.snowbough.cache_directory = str(tmp_path / "split")
     assert s.bake_part(addon, 1, 8, ["Ground"]).error is None

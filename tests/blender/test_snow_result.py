@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How baked maps get into the scene: materials and modifiers, and how they are taken off again. Snow surfaces are in
+"""How baked maps are shown in the scene and removed again: materials and modifiers. Snow surfaces are in
 test_snow_surface.py."""
 
 import json

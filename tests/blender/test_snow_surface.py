@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The snow surface in the scene: where it stands, what it follows, and how it comes and goes."""
+"""The snow surface in the scene: its position, its motion, its creation and removal."""
 
 import math
 from pathlib import Path
@@ -178,7 +178,7 @@ def test_snow_stands_on_the_upper_side_of_a_card_that_faces_down(tmp_path):
     assert inner(points_at(surface, 4))[:, 2] == pytest.approx(DEPTH, rel=0.15)
 
 
-# -- meshes that are not the scene's own ----------------------------------------------------------------------
+# -- linked meshes --------------------------------------------------------------------------------------------
 
 
 def test_two_objects_of_one_mesh_get_snow_and_are_not_changed(tmp_path):
@@ -325,7 +325,7 @@ def test_finer_detail_has_more_points(tmp_path):
     assert counts[0] < counts[1] < counts[2]
 
 
-# -- coming and going -----------------------------------------------------------------------------------------
+# -- creation and removal -----------------------------------------------------------------------------------------
 
 
 def snow_inputs(addon, surface):
@@ -387,7 +387,7 @@ def slots(obj):
 
 @pytest.fixture
 def bare_and_snowy(tmp_path):
-    """What the file holds without snow; the square, which has materials of its own, is baked then."""
+    """The file's data before the snow. The square, which has its own materials, is then baked."""
     ground = s.square("Ground")
     for name in ("Soil", "Stone"):
         ground.data.materials.append(bpy.data.materials.new(name))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects whose faces change in the middle of a shot: their snow goes on where their UV map does."""
+"""Objects whose faces change in the middle of a shot: their snow continues if their UV map does."""
 
 import bpy
 import numpy as np
@@ -145,7 +145,7 @@ def test_a_bake_that_is_split_by_receivers_makes_the_same_bytes(addon, undisturb
     assert s.files_of(tmp_path / "cache") == undisturbed
 
 
-# -- what is refused ----------------------------------------------------------------------------------
+# -- errors -------------------------------------------------------------------------------------------
 
 
 def refused(match):

@@ -51,7 +51,7 @@ def _through_ply(folder):
 
 
 def _torn_apart(_folder):
-    """Every face has its own vertices: the most that a format splits."""
+    """Every face has its own vertices, the finest split of any format."""
     for obj in bpy.context.scene.objects:
         mesh = bmesh.new()
         mesh.from_mesh(obj.data)

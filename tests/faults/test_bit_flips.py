@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bits flip in the files of a cache, then the bake is resumed. No wrong frame may stay in a bake that is complete."""
+"""Bits flip in the files of a cache, then the bake is resumed. A complete bake must contain no wrong frame."""
 
 import os
 import random
@@ -38,7 +38,7 @@ def bakes(memory_folder):
 
 
 def by_kind(cache):
-    """{kind of file: paths}, the digits of a name left out."""
+    """{kind of file: paths}, names without digits."""
     kinds = defaultdict(list)
     for path in sorted(path for path in cache.rglob("*") if path.is_file() and path.suffix != ".log"):
         kinds[re.sub(r"\d+", "#", path.name)].append(path)
@@ -59,7 +59,7 @@ def is_refused_when_read(path):
 
 
 def outcome(cache, path, whole):
-    """What a resumed bake makes of a cache with a damaged file: refused, repaired, harmless, or WRONG and why."""
+    """The result of resuming a cache with a damaged file: refused, repaired, harmless, or WRONG and the reason."""
     try:
         shot.bake(cache, resume=True)
     except CacheError as error:

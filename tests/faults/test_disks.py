@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Disks without space, without inodes, or read-only: a bake says what to do, keeps its frames and can be resumed."""
+"""Disks without space, without inodes, or read-only: a bake reports a remedy, keeps its frames and can be resumed."""
 
 import os
 import random
@@ -49,7 +49,7 @@ def whole(memory_folder):
 
 
 def bakes_with_little(disk, options_of, least, most, grown, whole):
-    """Bakes on disks with amounts from least to most, resumes on larger ones, and returns the messages."""
+    """Bakes on disks of sizes from the smallest to the largest, resumes on larger ones, and returns the messages."""
     seed = int(os.environ.get("SNOWBOUGH_TEST_SEED", random.randrange(1 << 30)))
     print("seed", seed)
     moments, messages = random.Random(seed), []
@@ -104,7 +104,7 @@ def test_a_read_only_disk_is_refused_and_can_be_used_later(disk, whole):
 
 @pytest.mark.skipif(os.getuid() != 0, reason="changing the user needs root")
 def test_a_cache_that_becomes_read_only_during_a_bake_keeps_its_frames(memory_folder, whole):
-    """As a user without rights, who may not write into the folders of the receivers from some frame on."""
+    """As a user who loses the right to write to the receivers' folders at some frame."""
     folder = memory_folder / "user"
     folder.mkdir()
     memory_folder.chmod(0o755)

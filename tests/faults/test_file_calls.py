@@ -172,15 +172,15 @@ def test_a_bake_that_gets_an_error_says_what_to_do_and_resumes_to_the_same_bytes
         prepare(bake.cache, stopped, begun)
         code = moments.choice(ERRORS)
         failed = bake(f"fail:{number}:{code}", *arguments)
-        told = f"call {number}, {os.strerror(code)}: {failed.stderr}"
-        assert failed.returncode in (0, 5, 7) and "Traceback" not in failed.stderr, told
+        context = f"call {number}, {os.strerror(code)}: {failed.stderr}"
+        assert failed.returncode in (0, 5, 7) and "Traceback" not in failed.stderr, context
         if failed.returncode:
-            assert os.strerror(code) in failed.stderr or "lock" in failed.stderr, told
-            assert any(remedy in failed.stderr for remedy in REMEDIES), told
+            assert os.strerror(code) in failed.stderr or "lock" in failed.stderr, context
+            assert any(remedy in failed.stderr for remedy in REMEDIES), context
         else:  # only a lock that could not be removed may stay
             left = {
                 name: bytes for name, bytes in shot.files_of(bake.cache).items() if not name.endswith("/lock")
             }
-            assert left == whole, told
+            assert left == whole, context
         shot.bake(bake.cache, resume=True)
-        assert shot.files_of(bake.cache) == whole, told
+        assert shot.files_of(bake.cache) == whole, context

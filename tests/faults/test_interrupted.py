@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes whose scene or engine fails in the middle: what is done stays, and a resumed bake ends with the same bytes."""
+"""Bakes whose scene or engine fails in the middle keep finished frames, and a resumed bake ends with the same bytes."""
 
 from types import SimpleNamespace
 
@@ -56,7 +56,7 @@ def test_a_scene_that_cannot_be_read_any_more_leaves_a_checkpoint(tmp_path, whol
 
 
 def test_nothing_is_baked_after_a_frame_that_broke_off(tmp_path, whole):
-    """The engine works again at the next step, but the snow of a step is missing."""
+    """The engine works again at the next step, but the failed step's snow is missing."""
     cache = tmp_path / "cache"
     broken = failing_at(5 * SUBSTEPS + 1, RuntimeError("the driver went away for a moment"))
     with pytest.raises(RuntimeError, match="went away for a moment"):
@@ -68,7 +68,7 @@ def test_nothing_is_baked_after_a_frame_that_broke_off(tmp_path, whole):
 
 def test_a_failure_in_the_middle_of_a_frame_spoils_no_checkpoint(tmp_path, whole):
     cache = tmp_path / "cache"
-    broken = failing_at(4 * SUBSTEPS + 2, ValueError("no room"))  # half of frame 5 has fallen by then
+    broken = failing_at(4 * SUBSTEPS + 2, ValueError("no room"))  # in the middle of frame 5
     with pytest.raises(ValueError, match="no room"):
         shot.bake(cache, substeps=SUBSTEPS, native=broken)
     assert baked_frames(cache) == [1, 2, 3, 4]

@@ -39,10 +39,10 @@ print(status("VmHWM") - before, len(job.results))
 def peak(cache, count, resolution, frames):
     """(bytes that a bake takes at its peak, number of its frames)"""
     arguments = [str(value) for value in (cache, count, resolution, frames)]
-    told = subprocess.run(
+    done = subprocess.run(
         [sys.executable, "-c", CHILD, str(HERE), *arguments], check=True, capture_output=True, text=True
     )
-    return tuple(map(int, told.stdout.split()[-2:]))
+    return tuple(map(int, done.stdout.split()[-2:]))
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs /proc")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a resumed bake does about each kind of missing or damaged file, and about other bakes and scenes."""
+"""How a resumed bake treats each kind of missing or damaged file, other bakes and other scenes."""
 
 import os
 import shutil
@@ -187,7 +187,7 @@ def test_a_receiver_whose_files_are_being_removed_has_no_checkpoint(stopped, who
 
 def test_the_manifest_is_incomplete_before_frames_are_removed(finished):
     flip(found(finished, "Cart-*/height_0005.exr"))
-    for number in range(6, shot.FRAMES + 1):  # no file, which cannot be removed
+    for number in range(6, shot.FRAMES + 1):  # a folder, which cannot be removed as a file
         path = found(finished, f"Cart-*/normal_{number:04d}.exr")
         path.unlink()
         path.mkdir()

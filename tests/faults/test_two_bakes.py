@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Two bakes at once, one of them stopped by SIGSTOP, with and without its lock: none ruins the other's files."""
+"""Two bakes at once, one of them stopped by SIGSTOP, with and without its lock: neither damages the other's files."""
 
 import os
 import random
@@ -63,8 +63,8 @@ def test_of_two_bakes_at_once_one_works_and_the_other_is_refused(cache, whole):
         second = start(cache, *moments.choice([[], ["--resume"]]))
         (code, message), (other, text) = ended(first), ended(second)
         assert code in (0, 5) and other in (0, 5) and 0 in (code, other), message + text
-        for ended_with, told in ((code, message), (other, text)):
-            assert ended_with == 0 or "is being baked by process" in told or "was just finished" in told
+        for ended_with, output in ((code, message), (other, text)):
+            assert ended_with == 0 or "is being baked by process" in output or "was just finished" in output
         finished = {name: bytes for name, bytes in shot.files_of(cache).items() if "/v002/" not in name}
         assert finished == whole
         shutil.rmtree(cache.parent)

@@ -14,7 +14,7 @@ ELSEWHERE = re.compile(r"[a-z][a-z0-9+.-]*:", re.IGNORECASE)
 
 
 def prose(text):
-    """The text without code, in which brackets are no links."""
+    """The text without code, whose brackets are not links."""
     text = re.sub(r"^( *)(```|~~~).*?^\1\2[ \t]*$", "", text, flags=re.MULTILINE | re.DOTALL)
     return re.sub(r"(`+)(?!`).+?(?<!`)\1(?!`)", "", text)
 
@@ -38,7 +38,7 @@ def anchors(text):
 
 
 def broken(page):
-    """The links of a page that lead nowhere."""
+    """The broken links of a page."""
     wrong = []
     for target in links(page.read_text(encoding="utf-8")):
         path, _, anchor = target.partition("#")

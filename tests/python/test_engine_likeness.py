@@ -88,7 +88,7 @@ def native_picture():
 
 
 def exported(folder, heights, limb_widths=True):
-    """(file, what it says of the snow): the finest level has the round limbs of the renderer."""
+    """(file, its snow data): the finest level has the round limbs of the renderer."""
     mesh = native.build_tree_mesh(native.read_tree(str(MAPLE)), lod=2, snow_resolution=RESOLUTION)
     quads, count = np.asarray(mesh.quads), len(mesh.vertices)
     follows = surface.strongest(np.zeros((count, 1), int), np.ones((count, 1)))
@@ -131,7 +131,7 @@ def overlap(a, b):
 
 
 def differences(engine, renderer):
-    """What two pictures differ by, each as a share of its tolerance. Measured: outlines of 1.2 %, depths of 0.22 mm in
+    """Differences of two pictures, in units of its tolerance. Measured: outlines of 1.2 %, depths of 0.22 mm in
     the median and of 0.69 mm at nine tenths, a colour of 2.0 of 255, 3.9 % of the snow's area, 7.2 % of its outline."""
     both = engine.tree & renderer.tree
     off = abs(engine.depth - renderer.depth)[both]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shaders of the guide for engines (docs/engines) compile, in GLSL and in HLSL, and say what the exporter says."""
+"""The shaders of the guide for engines (docs/engines) compile, in GLSL and in HLSL, and agree with the exporter."""
 
 import re
 import shutil
@@ -24,7 +24,7 @@ def compiled(*arguments):
 
 @needs_glslang
 def test_the_glsl_stages_compile_and_link():
-    # Only when it links does glslangValidator follow #include.
+    # glslangValidator follows #include only when it links.
     code, said = compiled("-l", "-I.", *(f"tree.{stage}.glsl" for stage in STAGES))
     assert code == 0, said
 

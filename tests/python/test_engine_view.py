@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shaders of docs/engines draw exported files: what they make of branch levels, of heights and of joints is counted
-and measured in the picture (tests/support/engine_view.py)."""
+"""The shaders of docs/engines draw exported files: the effects of branch levels, heights and joints are counted and
+measured in the picture (tests/support/engine_view.py)."""
 
 from pathlib import Path
 
@@ -52,7 +52,7 @@ def look_at_card(view, away=2.0, **how):
 
 
 def odd_triangles(parts):
-    """Triangles that a triangle is cut into, all levels being the odd number `parts`: rings of 6 k around one."""
+    """Triangles of a tessellated triangle whose levels are all the odd number `parts`: rings of 6 k around one."""
     rings = (parts - 1) // 2
     return 1 + 6 * rings * (rings + 1)
 
@@ -64,7 +64,7 @@ def test_tessellation_falls_with_the_branch_level(view, tmp_path, level, parts):
     # An edge of 1 m, seen over SIZE pixels a metre at 1 m: far more than 15 parts, so `highest` is T_p for level 0.
     look_at_card(view, target_pixels=SIZE / 2 / 15, levels=3, highest=64.0)
     view.draw(read, node)
-    # The diagonal is longer; what is sure are the bounds by the shortest and the longest edge.
+    # The diagonal is longer; the shortest and the longest edge give bounds.
     least, most = odd_triangles(2 * (parts // 2) + 1), odd_triangles(2 * int(np.ceil(parts * 2**0.5 / 2)) + 1)
     assert 2 * 0.8 * least <= view.primitives <= 2 * most
 
@@ -82,14 +82,14 @@ def test_the_share_is_that_of_the_formula(view, tmp_path):
 
 
 def extent(picture):
-    """(left, right, top, bottom) of what was drawn, in pixels."""
+    """(left, right, top, bottom) of the drawn pixels."""
     drawn = picture[..., 3] > 0
     columns, rows = np.flatnonzero(drawn.any(axis=0)), np.flatnonzero(drawn.any(axis=1))
     return columns[0], columns[-1] + 1, rows[0], rows[-1] + 1
 
 
 def snow_file(tmp_path, frames):
-    """What the exporter says of an atlas of frames (S, S) in metres, and its image."""
+    """The exporter's data of an atlas of frames (S, S) in metres, and its image."""
     samples, scale, offset = snow_maps.quantised(snow_maps.atlas(frames))
     native.write_png(str(tmp_path / "heights.png"), samples)
     columns, rows = snow_maps.tile_layout(len(frames))
@@ -128,7 +128,7 @@ def test_a_wall_shows_no_snow_that_is_thin_beside_the_open_depth(view, tmp_path)
 
 
 def test_the_map_lies_upright(view, tmp_path):
-    """Snow where the map's top left is lies at the card's top left: u to the right, v upwards."""
+    """Snow at the map's top left lies at the card's top left: u to the right, v upwards."""
     height = np.zeros((8, 8), np.float32)
     height[4:, :4] = 0.3  # row 0 is v 0
     read, node = write(tmp_path, card())
@@ -159,7 +159,7 @@ def test_joints_move_what_follows_them(view, tmp_path):
 
 @pytest.mark.parametrize("metres", [0.0, 0.03])
 def test_no_crack_opens_in_a_tessellated_tree(tmp_path, metres):
-    """From inside the trunk no background is seen, though levels differ from edge to edge. Snow of one height lies on
+    """From inside the trunk no background is visible, although levels differ between edges. Snow of one height lies on
     all of it."""
     mesh = native.build_tree_mesh(native.read_tree(str(MAPLE)))
     count = len(mesh.vertices)

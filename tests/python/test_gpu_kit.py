@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How tools/gpu_kit.py packs; tools/check_packages.sh runs a whole kit."""
+"""The files that tools/gpu_kit.py packs; tools/check_packages.sh runs a whole kit."""
 
 import sys
 import tarfile

@@ -28,7 +28,7 @@ def test_module_version_is_the_add_ons():
 
 
 def test_the_module_asks_numpy_for_no_size_of_an_element():
-    """pybind11 before 2.12, which Debian 12 has, takes it for 0 in Blenders with NumPy 2: see numpy_arrays.h."""
+    """pybind11 before 2.12 (Debian 12) reads it as 0 in Blenders with NumPy 2: see numpy_arrays.h."""
     sources = [*(ROOT / "native" / "python").rglob("*.cpp"), *(ROOT / "native" / "python").rglob("*.h")]
     asking = re.compile(r"nbytes\(|itemsize\(|\barray_t<\w+>(\s+\w+)?\((\d|static_cast)")
     lines = [(path.name, line) for path in sources for line in path.read_text().splitlines()]

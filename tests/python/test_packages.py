@@ -1,4 +1,4 @@
-"""What tools/package.py makes of the add-on and its native modules."""
+"""The packages that tools/package.py makes from the add-on and its native modules."""
 
 import ast
 import base64

@@ -1,4 +1,4 @@
-"""Includes between rooms go one way: never upwards and in no circle. test_addon_rooms.py is about imports."""
+"""Includes between rooms go downwards only and have no cycles. test_addon_rooms.py checks imports."""
 
 import re
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# Floors of native/, the lowest first, and which of those before it each may know.
+# Floors of native/, the lowest first, and the lower ones that each may use.
 FLOORS = {
     "base": "",
     "image": "base",
@@ -19,9 +19,8 @@ FLOORS = {
     "python": "base image gpu tree snow render",
 }
 
-# Rooms of a folder, the lowest first: each may know those before it. A file that stands in the folder itself
-# can be named like a room; where it is not, it stands above all rooms. In folders that are not listed, rooms
-# need only be free of circles.
+# Rooms of a folder, the lowest first: each may use those before it. A file of the folder itself can be listed
+# like a room; otherwise it is above all rooms. In unlisted folders, rooms need only be free of cycles.
 ROOMS = {
     "native/render": "data draw tree snow",
     "native/snow": "state texels seams scene repose output surface step",
@@ -72,14 +71,14 @@ def arrows_within(arrows, folder):
 
 
 def allowed_by(order):
-    """Per room of an order, those before it."""
+    """Per room of an order, the rooms before it."""
     rooms = order.split()
     return {room: set(rooms[:number]) for number, room in enumerate(rooms)}
 
 
 def upward(arrows, folder, allowed, is_room):
-    """What of a folder's arrows is not allowed. Places that `allowed` does not list are files above all rooms,
-    which may know each other, or rooms that somebody forgot to list."""
+    """The forbidden arrows of a folder. Places that `allowed` does not list are files above all rooms, which may import
+    each other, or unlisted rooms."""
     for source, target, arrow in arrows_within(arrows, folder):
         for place in {source, target} - set(allowed):
             if is_room(folder / place):
@@ -89,7 +88,7 @@ def upward(arrows, folder, allowed, is_room):
 
 
 def circular(arrows, folder, is_room):
-    """The arrows between a folder's rooms that are part of a circle."""
+    """The arrows between a folder's rooms that are part of a cycle."""
     between = [a for a in arrows_within(arrows, folder) if is_room(folder / a[0]) and is_room(folder / a[1])]
     known = {}
     for source, target, _ in between:
@@ -108,7 +107,7 @@ def circular(arrows, folder, is_room):
 
 
 def wrong_arrows(root, floors, rooms):
-    """One line for each include that runs upwards or in a circle, with file and line."""
+    """One line for each include that goes upwards or is part of a cycle, with file and line."""
     root = root.resolve()
     arrows = list(includes(root))
 
@@ -160,7 +159,7 @@ def test_listed_rooms_are_there(folder):
 
 @pytest.fixture
 def house(tmp_path):
-    """Writes files from a dictionary of path and text and gives back what is wrong with them."""
+    """Writes files from a dictionary of path and text and returns their errors."""
 
     def check(files, rooms=()):
         for name, text in files.items():

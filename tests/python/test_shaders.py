@@ -1,6 +1,6 @@
-"""Every shader, in every variant that its switches make of it, is GLSL by the reference compiler's reading.
+"""The reference compiler accepts every variant of every shader.
 
-Drivers take more than the language allows, each something else: what one machine compiles, another refuses.
+Drivers accept different extensions of the language: a shader that compiles on one machine may fail on another.
 """
 
 import itertools
@@ -17,7 +17,7 @@ FOLDER = Path(__file__).resolve().parents[2] / "shaders"
 PASSES = ["native/snow/*/gl/*", "native/render/*", "native/render/*/*"]
 # The order in which a program's stages follow each other, and what glslangValidator calls them.
 STAGES = ["vert", "tesc", "tese", "geom", "frag", "comp"]
-# What is defined with a value, and values that it has.
+# Macros with a value, and their values.
 VALUES = {"LOCAL_SIZE": ("8", "64")}
 
 
@@ -26,7 +26,7 @@ def stage_of(file):
 
 
 def programs():
-    """Files that make one program, by the pass that they are named after."""
+    """Files of each program, by the pass that names them."""
     passes = {}
     for path in sorted(FOLDER.rglob("*.*.glsl")):
         passes.setdefault(path.name.split(".")[0], []).append(path.name)
@@ -63,7 +63,7 @@ def name_of(variant):
 
 
 def complaints_of(sources, folder):
-    """What the reference compiler says against a program's stages: source by <pass>.<stage>."""
+    """The reference compiler's errors of a program's stages: source by <pass>.<stage>."""
     compiler = shutil.which("glslangValidator")
     if compiler is None:
         pytest.skip("needs the package glslang-tools")
@@ -146,8 +146,8 @@ def test_stages_that_do_not_fit_together_are_told(tmp_path):
     fragment = (
         "#version 450 core\nflat in vec2 a;\nlayout(location = 0) out vec2 b;\nvoid main() { b = a; }\n"
     )
-    told = complaints_of({"it.vert": vertex, "it.frag": fragment}, tmp_path)
-    assert any("Types must match" in line for line in told)
+    complaints = complaints_of({"it.vert": vertex, "it.frag": fragment}, tmp_path)
+    assert any("Types must match" in line for line in complaints)
 
 
 def test_every_glsl_file_is_a_stage_of_a_program_or_included_by_one():

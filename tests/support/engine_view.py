@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An engine in small: draws exported trees (glb.py) with the shaders of docs/engines, and with nothing else of ours.
+"""A small engine: draws exported trees (glb.py) with the shaders of docs/engines, without other code of the project.
 
-Needs moderngl (package python3-moderngl) and OpenGL 4.5, for which a software renderer will do.
+Needs moderngl (package python3-moderngl) and OpenGL 4.5, such as a software renderer.
 """
 
 import io
@@ -49,7 +49,7 @@ void main() { color = vec4(0.0, 0.0, 0.0, 1.0); }
 
 
 def source(stage):
-    """A stage's text with what it includes put into it."""
+    """A stage's text with its includes inserted."""
     text = (SHADERS / f"tree.{stage}.glsl").read_text()
     text = re.sub(r"#extension GL_GOOGLE_include_directive.*\n", "", text)
     while "#include" in text:
@@ -125,7 +125,7 @@ class EngineView:
         snow_share=0.0,
         levels=1,
     ):
-        """Where from, and how fine: see tree.tesc.glsl."""
+        """The viewpoint and the tessellation: see tree.tesc.glsl."""
         eye, target = np.asarray(eye, float), np.asarray(target, float)
         away = np.linalg.norm(eye - target)
         self._planes = away / 50, away * 100
@@ -139,7 +139,7 @@ class EngineView:
         self._light = np.array(to_sun), sun, np.array(sky), np.array(ground)
 
     def snow(self, said=None, folder=None, frame=0.0):
-        """What the file says of an object's snow; None: no snow."""
+        """The file's data of an object's snow; None: no snow."""
         if said is None:
             self._uniforms(0, np.array([1, 1]), 1.0, np.array([1]), *(0.0,) * 5)
             heights = self._blank
@@ -214,7 +214,7 @@ class EngineView:
         self.target.color_mask = (True,) * 4
 
     def draw_edges(self, read, node):
-        """The edges of a node's triangles as they are in the file, behind what is drawn already."""
+        """The edges of a node's triangles as they are in the file, hidden by earlier draws."""
         for primitive, given in zip(read.primitives(node), read.skinned(node)):
             corners = read.array(primitive["indices"]).reshape(-1, 3)
             edges = np.unique(np.sort(corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
@@ -223,7 +223,7 @@ class EngineView:
             self.context.vertex_array(self._edges, [(points, "3f", "position")]).render(moderngl.LINES)
 
     def depth(self):
-        """(H, W) float32, row 0 at the top: metres along the view's axis to what was drawn; NaN where nothing was."""
+        """(H, W) float32, row 0 at the top: metres along the view's axis to the surface; NaN if there is none."""
         data = np.frombuffer(self.target.depth_attachment.read(), np.float32).reshape(self.size, self.size)[
             ::-1
         ]
@@ -231,7 +231,7 @@ class EngineView:
         return np.where(data < 1, near * far / (far - data * (far - near)), np.nan)
 
     def picture(self):
-        """(H, W, 4) uint8, row 0 at the top; sRGB, alpha 255 where something was drawn."""
+        """(H, W, 4) uint8, row 0 at the top; sRGB, alpha 255 in drawn pixels."""
         data = np.frombuffer(self.target.read(components=4), np.uint8).reshape(self.size, self.size, 4)[::-1]
         linear = data[..., :3].astype(np.float32) / 255
         shown = np.where(data[..., 3:] > 0, linear ** (1 / 2.2) * 255, data[..., :3])

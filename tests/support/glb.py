@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads glTF 2.0 back and finds what breaks the specification. Written against the text alone, not against our writer:
-Khronos Group, glTF 2.0 Specification, 2021; the sections stand beside the rules.
+"""Reads glTF 2.0 back and checks it against the specification. Written from the text alone, independent of our writer:
+Khronos Group, glTF 2.0 Specification, 2021; each rule names its section.
 """
 
 import json
@@ -374,7 +374,7 @@ def _check_skins(gltf):
 
 
 def errors(path):
-    """What breaks the specification in a file: texts, none where all is well."""
+    """The violations of the specification in a file, as texts."""
     gltf = Gltf(path)
     gltf.say(gltf.json["asset"]["version"] == "2.0", "3.2: the version")
     gltf.say(not [k for k, v in gltf.json.items() if isinstance(v, list) and not v], "3.1: an empty table")

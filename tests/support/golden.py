@@ -31,7 +31,7 @@ def difference(one, other):
 
 
 def assert_looks_like(name, picture):
-    """picture: (128, 128, 4) uint8, row 0 at the top, alpha 255 where something was drawn."""
+    """picture: (128, 128, 4) uint8, row 0 at the top, alpha 255 in drawn pixels."""
     path = FOLDER / f"{name}.png"
     if os.environ.get("SNOWBOUGH_GOLDEN") == "write":
         FOLDER.mkdir(exist_ok=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Decodes EXT_meshopt_compression of glTF. Written against the text alone, not against our encoder: Khronos Group,
+"""Decodes EXT_meshopt_compression of glTF. Written from the text alone, independent of our encoder: Khronos Group,
 EXT_meshopt_compression, appendix A, modes 0 and 1."""
 
 import numpy as np

@@ -31,7 +31,7 @@ def window(blender):
 
 @pytest.fixture(autouse=True)
 def nothing_failed_behind_the_window(blender):
-    """A panel that raises while it is drawn only prints: look there after every test."""
+    """Blender only prints exceptions of panels: checks its output after every test."""
     before = len(blender.messages())
     yield
     assert "Traceback" not in blender.messages()[before:]

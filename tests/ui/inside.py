@@ -21,7 +21,7 @@ INTERVAL = 0.01
 
 
 def blender_tests():
-    """tests/blender/run.py, which knows how a user installs the zip."""
+    """tests/blender/run.py, which installs the zip as a user would."""
     path = Path(__file__).resolve().parent.parent / "blender" / "run.py"
     spec = importlib.util.spec_from_file_location("run_blender_tests", path)
     module = importlib.util.module_from_spec(spec)
@@ -33,7 +33,7 @@ names = {"bpy": bpy}
 
 
 def view3d():
-    """The context of the 3D view's sidebar for operators that want one."""
+    """The context of the 3D view's sidebar for operators that need one."""
     window = bpy.context.window_manager.windows[0]
     area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
     return window, area
@@ -51,7 +51,7 @@ def serve():
         try:
             exec(compile(source, "request.py", "exec"), names)
             answer = {"result": names.get("result")}
-        except Exception:  # whatever it was, the test shall see it
+        except Exception:  # the test reports every exception
             answer = {"error": traceback.format_exc()}
         partial = FOLDER / "answer.part"
         partial.write_text(json.dumps(answer))

@@ -7,7 +7,7 @@
 
 Writes build/panels/<Blender's version>/<state>.png, each with the sidebar at the left and the Scene
 properties beside it, all.png with all states, and sidebars.png with the sidebars alone. The states are those
-of a small scene that is really set up, baked, changed and spoilt:
+of a small scene that is set up, baked, changed and broken:
 
 empty     nothing is set up
 ready     two receivers, nothing baked
@@ -15,7 +15,7 @@ baking    in the middle of it
 stopped   stopped half-way: it can be resumed
 done      baked
 stale     baked, then settings were changed
-error     what Check Scene says of a spoilt scene, and what a bake says that was refused
+error     messages of Check Scene for a broken scene, and of a refused bake
 tree      a tree is selected
 
 And preferences.png: the add-on in Blender's preferences.

@@ -54,7 +54,7 @@ def bake_in_the_background(window, folder):
 
 
 def assert_resumable(window, folder):
-    """Nothing stray is left, and Resume finds a checkpoint and ends the (shortened) shot."""
+    """No stray data remains, and Resume finds a checkpoint and finishes the (shortened) shot."""
     assert [path.name for path in folder.rglob("*") if path.name == "lock" or ".tmp" in path.name] == []
     assert len(list(folder.rglob("state_*.json"))) >= 2
     written = len(heights(folder))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an artist, or another add-on, does in the middle of a bake: no harm, and the bake can be resumed."""
+"""Actions of an artist or another add-on during a bake do no harm, and the bake can be resumed."""
 
 import pytest
 from PIL import ImageChops, ImageStat
@@ -116,7 +116,7 @@ def test_quitting_ends_the_bake_and_leaves_it_resumable(window, addon_zip, tmp_p
     assert_resumable(window, tmp_path / "shot")
 
 
-# -- keys that would pull the scene away ---------------------------------------------------------------
+# -- keys that would replace the scene -----------------------------------------------------------------
 
 # Blender has no keys for these two: F8 and F9 get them, as an artist may do in the preferences.
 KEYS = """
@@ -129,7 +129,7 @@ made[1].properties.module = addon
 bpy.context.preferences.view.use_save_prompt = False
 result = True
 """
-# What a bake must not leave behind: its engine, its camera, its threads, its lock.
+# Data that must not remain after a bake: its engine, its camera, its threads, its lock.
 LEFT = """
 import os
 import threading

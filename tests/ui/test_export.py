@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A tree leaves through the file browser: its options stand beside it, and the menu has it."""
+"""Export through the file browser and its options; the menu has an entry."""
 
 from test_import import BROWSER, MAPLE
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An import through the file browser: its options under headings, and what can be adjusted and undone afterwards."""
+"""An import through the file browser: its options under headings, Adjust Last Operation and undo."""
 
 import pytest
 from window import ROOT

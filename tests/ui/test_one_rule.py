@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One rule for how snow looks: Workbench with the Mesh Cache object, the live preview's draw handler and Snowbough
-Realtime draw one scene, and what they draw is compared pixel by pixel."""
+Realtime draw one scene, and their pictures are compared pixel by pixel."""
 
 import sys
 from pathlib import Path
@@ -114,7 +114,7 @@ result = True
 
 
 def metres(depth):
-    """Distance along the view of what a depth buffer holds; nothing is infinitely far away."""
+    """Distances along the view from a depth buffer; infinite for the background."""
     near, far = 1.0, 20.0
     away = near * far / (far - depth.astype(np.float64) * (far - near))
     return np.where(depth >= 1.0, np.inf, away)

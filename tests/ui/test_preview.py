@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The live preview in the window: it is seen, follows timeline and settings, and leaves nothing behind."""
+"""The live preview in the window: it is visible, follows timeline and settings, and leaves no data behind."""
 
 import pytest
 from PIL import ImageChops, ImageStat
@@ -57,7 +57,7 @@ def is_snow(color):
 
 
 def wait_for_snow(window, wanted, timeout=30):
-    """Waits until the middle of the view is snow, or is none."""
+    """Waits until the middle of the view shows snow, or none."""
     wait_for(lambda: is_snow(middle(window)) == wanted, "snow" if wanted else "no snow", timeout)
 
 

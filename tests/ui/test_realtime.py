@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Snowbough Realtime in a 3D view: it shows the scene, follows the view and the scene, and goes without a trace."""
+"""Snowbough Realtime in a 3D view: it shows the scene, follows the view and the scene, and leaves no data behind."""
 
 from pathlib import Path
 

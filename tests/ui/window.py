@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's real window on a screen of its own (Xvfb), driven as a user would: keys, mouse, eyes.
+"""Blender's real window on a screen of its own (Xvfb), driven by keys, mouse and screenshots.
 
 SNOWBOUGH_TEST_BLENDER_ARGUMENTS holds arguments for Blender, such as `--gpu-backend vulkan`.
 """
@@ -217,7 +217,7 @@ result = [region.x, region.y, region.width, region.height]
         return self.run("result = sorted(set(drawn))")
 
     def find_button(self, operator):
-        """Where in the sidebar the operator's button is, or None.
+        """The position of the operator's button in the sidebar, or None.
 
         The pointer goes down the sidebar; over a button Ctrl+C copies the call that it makes.
         """

@@ -72,13 +72,13 @@ def identity(scene, cache):
     return stored if owner.is_owner(root, blend) else owner.copy_identity(stored, blend, root)
 
 
-def bake_place(scene, goes_on, directory=None):
-    """(absolute cache folder, identity) of a bake. goes_on: it continues a bake, which may be from before the file had
-    an identity. directory: the cache that the command line names. Machines may bake copies of a file there together,
-    so the identity in the file is used as it is."""
+def bake_place(scene, continues, directory=None):
+    """(absolute cache folder, identity) of a bake. continues: whether to continue a bake, which may be from before the
+    file had an identity. directory: the cache that the command line names. Machines may bake copies of a file there
+    together, so the identity in the file is used as it is."""
     cache = cache_directory(scene, directory)
     own = _stored_identity(scene) if directory is not None else identity(scene, cache)
-    if goes_on and own and not versions.versions(versions.scene_folder(cache, known_as(scene), own)):
+    if continues and own and not versions.versions(versions.scene_folder(cache, known_as(scene), own)):
         used = scene.snowbough.cache_used
         if (
             used
@@ -92,7 +92,7 @@ def bake_place(scene, goes_on, directory=None):
 def existing_cache(scene):
     """The scene's folder in the cache for resuming, a Path that need not exist, or None."""
     try:
-        cache, own = bake_place(scene, goes_on=True)
+        cache, own = bake_place(scene, continues=True)
     except (ValueError, CacheError):
         return None
     return versions.scene_folder(cache, known_as(scene), own)

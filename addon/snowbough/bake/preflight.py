@@ -96,7 +96,7 @@ def _outliers(scene, depsgraph):
 
 
 def _alpha(depsgraph):
-    """Materials whose alpha snow cannot follow, and objects without the UV map of an alpha image."""
+    """Materials whose alpha a bake cannot use, and objects without the UV map of an alpha image."""
     alphas, issues = {}, []
     for obj, _ in _shown_meshes(depsgraph):
         for material in mesh_record.materials_of(obj, obj.data):

@@ -39,9 +39,9 @@ SNOW_GROUP = "Snowbough Snow"
 # Kinds of snow, as items of an enum property; result.look has their values.
 SNOW_KINDS = (
     ("POWDER", "Powder", "Dry and loose: fine grains, much glitter, only on gentle slopes"),
-    ("FRESH", "Fresh", "Fallen a few hours ago: soft relief, some glitter"),
+    ("FRESH", "Fresh", "Fallen a few hours ago: soft bumps, some glitter"),
     ("WET", "Wet", "Heavy and smooth, slightly darker, sticks to steep surfaces"),
-    ("OLD", "Old", "Weathered: coarse grains, stronger relief, greyer"),
+    ("OLD", "Old", "Weathered: coarse grains, higher bumps, greyer"),
 )
 
 # On the points of imported leaves: the bone of the leaf, as the index of its vertex group.

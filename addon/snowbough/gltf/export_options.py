@@ -110,7 +110,7 @@ class ExportProperties:
     )
     snow_cell: FloatProperty(
         name="Snow Cell",
-        description="The points of the snow surface within a cube of this side become one point (metres). Larger "
+        description="Side of the cubes within which points of the snow surface merge (metres). Larger "
         "values give fewer triangles and lose thin snow. 0 keeps all triangles",
         default=0.02,
         min=0.0,

@@ -62,7 +62,7 @@ def _leaf_part(leaves, tree, count, options, linear, maker):
     return tree_data.Part(leaves.name, [transformed(one, linear) for one in found], materials)
 
 
-def _cards(name, parts, heaps, warnings):
+def _cards(name, parts, snow_meshes, warnings):
     """The Cards of the finest level; None, with a warning, where the renderer does not work."""
 
     def pixels_of(material):
@@ -70,7 +70,7 @@ def _cards(name, parts, heaps, warnings):
 
     try:
         drawn = [(part.levels[0], part.materials, list(map(pixels_of, part.materials))) for part in parts]
-        cards, pixels = impostor.draw(name, drawn, heaps, scene_materials.srgb)
+        cards, pixels = impostor.draw(name, drawn, snow_meshes, scene_materials.srgb)
     except RuntimeError as error:
         warnings.append(f"the cards of the last level were not drawn: {error}")
         return None
@@ -83,7 +83,7 @@ def _one_level(tree, level):
     """A copy of the Tree with only one level of detail; the level after the last is that of the cards."""
     name = f"{tree.name}_LOD{level}"
     if level == len(tree.parts[0].levels):
-        return replace(tree, name=name, joints=tree.joints[:1], parts=[], heaps=[], motion=None)
+        return replace(tree, name=name, joints=tree.joints[:1], parts=[], snow_meshes=[], motion=None)
     parts = [replace(part, levels=part.levels[level : level + 1]) for part in tree.parts]
     return replace(tree, name=name, parts=parts, cards=None)
 
@@ -128,13 +128,13 @@ def export(context, obj, path, options, writers=GLTF):
     count = len(bark.levels)
     parts = [bark, *(_leaf_part(leaves, tree, count, options, linear, maker) for leaves in tree.leaves)]
 
-    snow, files, heaps = {}, [], []
+    snow, files, snow_meshes = {}, [], []
     objects = {bark.name: tree.barks[0], **{leaves.name: leaves for leaves in tree.leaves}}
     if options.snow == "SURFACE":
         to_file = np.eye(4)
         to_file[:3, :3] = linear
         to_rig = tree.rig.matrix_world.inverted()
-        heaps = scene_snow.surfaces(
+        snow_meshes = scene_snow.surfaces(
             scene,
             objects,
             lambda obj: to_file @ np.array(to_rig @ obj.matrix_world),
@@ -144,9 +144,10 @@ def export(context, obj, path, options, writers=GLTF):
     elif options.snow != "NONE":
         snow, files = scene_snow.write(scene, objects, path, options, warnings)
     branch_levels = 1 + max(int(surface.level.max()) for surface in bark.levels)
-    whole = tree_data.Tree(tree.rig.name, joints, parts, branch_levels, {"snow": snow} if snow else {}, heaps)
+    extras = {"snow": snow} if snow else {}
+    whole = tree_data.Tree(tree.rig.name, joints, parts, branch_levels, extras, snow_meshes)
     if options.cards:
-        whole.cards = _cards(f"{tree.rig.name}_LOD{count}", parts, heaps, warnings)
+        whole.cards = _cards(f"{tree.rig.name}_LOD{count}", parts, snow_meshes, warnings)
     if options.motion:
         whole.motion = scene_motion.motion_of(scene, tree.rig, options, warnings)
     files = [*writers[path.suffix.lower()](whole, path, options), *files]
@@ -156,7 +157,7 @@ def export(context, obj, path, options, writers=GLTF):
         "levels": [
             {part.name: len(part.levels[level].triangles) for part in parts} for level in range(count)
         ],
-        "heaps": {heap.name: len(heap.triangles) for heap in heaps},
+        "heaps": {mesh.name: len(mesh.triangles) for mesh in snow_meshes},
         "bones": len(joints),
         "keys": 0 if whole.motion is None else len(whole.motion.times),
         "snow": snow,

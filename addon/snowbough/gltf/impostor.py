@@ -66,8 +66,8 @@ def _uvs(surface, materials):
     return uvs
 
 
-def _add_parts(renderer, parts, heaps):
-    """parts: [(Surface, [Material], [their textures' pixels or None])]; heaps: [Heap]."""
+def _add_parts(renderer, parts, snow_meshes):
+    """parts: [(Surface, [Material], [their textures' pixels or None])]; snow_meshes: [SnowMesh]."""
     for number, (surface, materials, images) in enumerate(parts):
         renderer.add_mesh(
             f"part{number}",
@@ -78,15 +78,15 @@ def _add_parts(renderer, parts, heaps):
             colors=[tuple(map(float, material.color)) for material in materials],
             images=images,
         )
-    for number, heap in enumerate(heaps):
-        renderer.add_mesh(f"heap{number}", heap.points, heap.triangles.astype(np.int32), color=SNOW_COLOR)
+    for number, mesh in enumerate(snow_meshes):
+        renderer.add_mesh(f"snow{number}", mesh.points, mesh.triangles.astype(np.int32), color=SNOW_COLOR)
 
 
-def draw(name, parts, heaps, encode_srgb):
+def draw(name, parts, snow_meshes, encode_srgb):
     """The Cards of a tree, without the texture's file, and its pixels (H, W, 4), 0 to 1. Raises RuntimeError if there
     is no OpenGL 4.5. See _add_parts; encode_srgb: linear colours to sRGB."""
     module = native.load()
-    points = np.concatenate([surface.points for surface, *_ in parts] + [heap.points for heap in heaps])
+    points = np.concatenate([surface.points for surface, *_ in parts] + [mesh.points for mesh in snow_meshes])
     middle, half_width, half_height = _frame(points.astype(np.float64))
     light = module.RenderSettings(
         sun_color=(0, 0, 0), sky_color=(1, 1, 1), ground_color=(1, 1, 1), background=(0, 0, 0)
@@ -96,7 +96,7 @@ def draw(name, parts, heaps, encode_srgb):
     atlas = np.zeros((rows * TILE, COLUMNS * TILE, 4), dtype=np.float32)
     corners, uvs, normals = [], [], []
     with module.Renderer() as renderer:
-        _add_parts(renderer, parts, heaps)
+        _add_parts(renderer, parts, snow_meshes)
         for number in range(VIEWS):
             angle = 2 * np.pi * number / VIEWS
             direction = np.array((np.cos(angle), np.sin(angle), 0.0))

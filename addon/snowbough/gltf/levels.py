@@ -170,7 +170,7 @@ def _rebuilt(builder, branches, fineness, finest):
         )
 
 
-def _bared(builder, branches, finest, triangles):
+def _pruned(builder, branches, finest, triangles):
     """Yields Surfaces with fewer and fewer branches, the first with half of `triangles`, the last with only the
     roots."""
     mesh = builder.mesh(BASE)
@@ -229,7 +229,7 @@ def complete(levels, lods, count, rig, warnings):
         )
     if len(levels) == 1:
         _append_worthwhile(levels, _rebuilt(builder, skeleton.branches, built["fineness"], finest), count)
-    _append_worthwhile(levels, _bared(builder, skeleton.branches, finest, len(levels[-1].triangles)), count)
+    _append_worthwhile(levels, _pruned(builder, skeleton.branches, finest, len(levels[-1].triangles)), count)
     if len(levels) < count:
         warnings.append(
             f"'{rig.name}' has {len(levels)} of {count} levels of detail: further levels would save too few triangles"

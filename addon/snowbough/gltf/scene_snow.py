@@ -19,7 +19,7 @@ from ..surface.mesh_file import read_mesh
 from ..surface.point_cache import read_point_cache
 from . import snow_maps
 from .thinning import clustered
-from .tree_data import Heap
+from .tree_data import SnowMesh
 
 # Number of the TEXCOORD set of the maps.
 TEXCOORD = 1
@@ -36,10 +36,10 @@ def _baked_folder(scene, obj, warnings):
 
 
 def surfaces(scene, objects, to_file, cell, warnings):
-    """[Heap] of the baked surfaces of `objects` ({part's name: object}) in the current frame, or in the nearest baked
-    frame. to_file(object) -> (4, 4) from object space to the file's space in metres, Z up; cell: see
-    thinning.clustered."""
-    heaps = []
+    """[SnowMesh] of the baked surfaces of `objects` ({part's name: object}) in the baked frame nearest to the current
+    one. to_file(object) -> (4, 4) from object space to the file's space in metres, Z up; cell: see thinning.clustered.
+    """
+    snow_meshes = []
     for name, obj in objects.items():
         folder = _baked_folder(scene, obj, warnings)
         if folder is None:
@@ -60,8 +60,8 @@ def surfaces(scene, objects, to_file, cell, warnings):
         points = (points @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
         points, triangles = clustered(points, triangles, cell)
         if len(triangles):
-            heaps.append(Heap(f"{name}_snow", points, triangles))
-    return heaps
+            snow_meshes.append(SnowMesh(f"{name}_snow", points, triangles))
+    return snow_meshes
 
 
 def _map_folder(scene, obj, warnings):

@@ -62,7 +62,7 @@ class Part:
 
 
 @dataclass
-class Heap:
+class SnowMesh:
     """Snow as a static mesh: float32 points (V, 3) and int32 triangles (T, 3), smooth shaded."""
 
     name: str
@@ -95,7 +95,7 @@ class Motion:
 @dataclass
 class Tree:
     """name; joints: [Joint]; parts: [Part], the bark first; branch_levels: number of levels, including the trunk;
-    extras: plain data about the snow; heaps: [Heap]; motion: Motion or None; cards: Cards, the last level of
+    extras: plain data about the snow; snow_meshes: [SnowMesh]; motion: Motion or None; cards: Cards, the last level of
     detail, or None."""
 
     name: str
@@ -103,7 +103,7 @@ class Tree:
     parts: list
     branch_levels: int
     extras: dict = field(default_factory=dict)
-    heaps: list = field(default_factory=list)
+    snow_meshes: list = field(default_factory=list)
     motion: Motion | None = None
     cards: Cards | None = None
 

@@ -253,12 +253,12 @@ class _Writer:
             cards.name, [{"attributes": attributes, "indices": indices, "material": material}], skinned=False
         )
 
-    def _add_heap(self, heap, material):
-        """Adds a heap of snow. Returns its node."""
-        attributes = self._shape(heap.points, point_normals(heap.points, heap.triangles))
-        indices = self._add_indices(heap.triangles, len(heap.points))
+    def _add_snow(self, mesh, material):
+        """Adds a SnowMesh. Returns its node."""
+        attributes = self._shape(mesh.points, point_normals(mesh.points, mesh.triangles))
+        indices = self._add_indices(mesh.triangles, len(mesh.points))
         return self._add_node(
-            heap.name, [{"attributes": attributes, "indices": indices, "material": material}], skinned=False
+            mesh.name, [{"attributes": attributes, "indices": indices, "material": material}], skinned=False
         )
 
     def _add_all(self, first_level):
@@ -277,13 +277,13 @@ class _Writer:
             nodes.append(self._add_part(part, first_level, last))
         if tree.cards is not None and not tree.parts:
             nodes.append(self._add_cards())
-        if tree.heaps:
+        if tree.snow_meshes:
             snow = _add_material(self.document, Material("Snow", SNOW_COLOR, SNOW_ROUGHNESS))
-            for heap in tree.heaps:
-                nodes.append(self._add_heap(heap, snow))
+            for mesh in tree.snow_meshes:
+                nodes.append(self._add_snow(mesh, snow))
                 if tree.cards is not None:
                     ends = screen_coverage(1 + len(tree.parts[0].levels))[-2]
-                    self._link([nodes[-1], self._add_empty(f"{heap.name}_none")], [ends, 0.0])
+                    self._link([nodes[-1], self._add_empty(f"{mesh.name}_none")], [ends, 0.0])
         return nodes
 
     def write(self, first_level):
@@ -302,7 +302,7 @@ def _all_points(tree):
     """[float (N, 3)]: the points of all meshes."""
     surfaces = [surface.points for part in tree.parts for surface in part.levels]
     cards = [tree.cards.points] if tree.cards is not None else []
-    return [*surfaces, *cards, *(heap.points for heap in tree.heaps)]
+    return [*surfaces, *cards, *(mesh.points for mesh in tree.snow_meshes)]
 
 
 def build(tree, first_level=0, quantised=False, compressed=False):

@@ -259,11 +259,11 @@ class Playback:
             return
         pose = self._read(depsgraph, frame)
         try:
-            self._come_to(frame, pose)
+            self._advance_to(frame, pose)
         except TopologyChanged:  # a receiver appeared, or its map cannot carry its new faces
             self._begin(scene, depsgraph)
 
-    def _come_to(self, frame, pose):
+    def _advance_to(self, frame, pose):
         ahead, last = frame - self.frame, self.frame
         self.pose, self.frame = pose, frame
         known = self.history.at(frame)

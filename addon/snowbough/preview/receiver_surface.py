@@ -44,14 +44,14 @@ class ReceiverSurface:
         heights = np.ascontiguousarray(heights, dtype=np.float32)
         covered = int(np.count_nonzero(np.abs(heights) > BARE))
         depth = max(open_depth, LEAST_DEPTH)
-        if self._is_outgrown(depth, covered):
+        if self._needs_new_plan(depth, covered):
             self._plan(heights, depth, covered, positions)
         self._surface.set_style(**(style or SurfaceStyle()).sliders())
         points = self._surface.points(heights, open_depth, positions=positions)
         self.shown = points, self._native.point_normals(points, self.triangles)
         return self.shown
 
-    def _is_outgrown(self, depth, covered):
+    def _needs_new_plan(self, depth, covered):
         return (
             self._surface is None
             or not THINNER * self._depth <= depth <= DEEPER * self._depth

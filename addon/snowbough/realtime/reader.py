@@ -17,7 +17,7 @@ from ..scene.pose import library_path, outliers
 from . import materials, meshes, trees
 from .lights import Lamp, light_of
 from .records import Mesh, Scene, Shape
-from .snow import NO_INDEX, SceneSnow, carrier_of
+from .snow import NO_INDEX, SceneSnow, receiver_of
 
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 _Z = Vector((0.0, 0.0, 1.0))
@@ -35,7 +35,7 @@ class Reader:
         self._looks = {}
         self._shapes = {}
         self._leaves = {}
-        self._coats = {}
+        self._bark_images = {}
         self._places = {}
         self.left_out = set()
         """Names of objects that are omitted in whole or in part: too far away, or with non-finite coordinates."""
@@ -48,10 +48,10 @@ class Reader:
                 self._looks.clear()
                 self._shapes.clear()
                 self._leaves.clear()
-                self._coats.clear()
+                self._bark_images.clear()
             elif isinstance(block, bpy.types.Mesh):  # edited; for a pose Blender reports only the object
                 _drop(self._leaves, block)
-                _drop(self._coats, block)
+                _drop(self._bark_images, block)
                 _drop(self._places, block)
             elif isinstance(block, bpy.types.Object):
                 if update.is_updated_geometry or update.is_updated_shading:
@@ -92,30 +92,30 @@ class Reader:
 
     def _add(self, instance, obj, depsgraph):
         original = obj.original
-        carrier = carrier_of(instance, original)
-        if not self._snow.is_on(carrier):
-            carrier = None
+        receiver = receiver_of(instance, original)
+        if not self._snow.is_on(receiver):
+            receiver = None
         rig = trees.rig_of(original, depsgraph.mode)
-        if rig is not None and self._add_to_tree(instance, obj, rig, carrier, depsgraph):
+        if rig is not None and self._add_to_tree(instance, obj, rig, receiver, depsgraph):
             return
-        surface = None if carrier is None else self._snow.surface_of(carrier)
+        surface = None if receiver is None else self._snow.surface_of(receiver)
         if surface is not None:
-            self._meshes[f"snow on {carrier.key}"] = (*surface, None)
-            carrier = None
-        self._add_shape(obj, np.array(instance.matrix_world), carrier)
+            self._meshes[f"snow on {receiver.key}"] = (*surface, None)
+            receiver = None
+        self._add_shape(obj, np.array(instance.matrix_world), receiver)
 
-    def _add_to_tree(self, instance, obj, rig, carrier, depsgraph):
-        """Adds bark or leaves to a tree. Returns whether that is possible. carrier: the Carrier of its snow, or
-        None."""
+    def _add_to_tree(self, instance, obj, rig, receiver, depsgraph):
+        """Adds bark or leaves to a tree. Returns whether that is possible. receiver: its ReceiverId if it has
+        snow, else None."""
         original = obj.original
         is_leaves = trees.is_leaves(original)
         if not is_leaves and not trees.is_unedited_bark(original):
             return False
         arrays, print_ = self._surfaces.of(rig)
-        if arrays is None or (is_leaves and carrier is not None):
+        if arrays is None or (is_leaves and receiver is not None):
             return False
-        snow = self._snow_on_bark(original, arrays, print_, carrier)
-        if carrier is not None and snow is None:
+        snow = self._snow_on_bark(original, arrays, print_, receiver)
+        if receiver is not None and snow is None:
             return False
         slot = self._trees.setdefault(_instance_name(instance, rig), {"rig": rig})
         place = np.array(instance.matrix_world)
@@ -129,18 +129,18 @@ class Reader:
         if len(pose) != arrays["bone_count"]:
             return False
         looks = meshes.looks_of(obj, original.data, self._look, materials.PLAIN)
-        coat, coat_print = self._coat_of(original, rig, arrays, print_, looks)
-        slot["tree"] = trees.tree_of("", arrays, print_ + coat_print, looks[0], pose, place, coat, snow)
+        images, images_print = self._bark_images_of(original, rig, arrays, print_, looks)
+        slot["tree"] = trees.tree_of("", arrays, print_ + images_print, looks[0], pose, place, images, snow)
         return True
 
-    def _snow_on_bark(self, original, arrays, print_, carrier):
+    def _snow_on_bark(self, original, arrays, print_, receiver):
         """The LyingSnow on a tree's base; None if there is none, or if its map does not fit the base."""
-        if carrier is None:
+        if receiver is None:
             return None
         key = (original.data.name, library_path(original.data), print_)
         if key not in self._places:
             self._places[key] = trees.SnowPlaces(original.data, arrays)
-        return self._snow.of(carrier, self._places[key])
+        return self._snow.of(receiver, self._places[key])
 
     def _join_leaves(self):
         """The records.Tree of all instances with their leaves. Leaves without bark become meshes."""
@@ -157,13 +157,13 @@ class Reader:
             grown.append((f"{rig.name} {library_path(rig)}", key, tree))
         return trees.joined(grown)
 
-    def _coat_of(self, original, rig, arrays, print_, looks):
-        """(Coat or None, its print) of a tree's bark. looks: the Look of each material."""
+    def _bark_images_of(self, original, rig, arrays, print_, looks):
+        """(BarkImages or None, its print) of a tree's bark. looks: the Look of each material."""
         key = (original.data.name, library_path(original.data), print_)
-        if key not in self._coats:
-            coat = trees.coat_of(original, rig, arrays, looks)
-            self._coats[key] = (coat, "" if coat is None else coat.print)
-        return self._coats[key]
+        if key not in self._bark_images:
+            images = trees.bark_images_of(original, rig, arrays, looks)
+            self._bark_images[key] = (images, "" if images is None else images.print)
+        return self._bark_images[key]
 
     def _leaves_of(self, obj):
         original = obj.original
@@ -176,8 +176,8 @@ class Reader:
 
     # -- meshes -----------------------------------------------------------------------------------------
 
-    def _add_shape(self, obj, place, carrier):
-        """Adds an evaluated object with the matrix `place`. carrier: the Carrier of its snow, or None."""
+    def _add_shape(self, obj, place, receiver):
+        """Adds an evaluated object with the matrix `place`. receiver: the ReceiverId of its snow, or None."""
         original = obj.original
         if outliers(place[:3]) is not None:
             self.left_out.add(original.name)
@@ -191,16 +191,16 @@ class Reader:
             obj.data.as_pointer() if obj.type == "MESH" else 0,
         )
         known = self._shapes.get(key)
-        if known is None or (known[2] is None and carrier is not None):
-            known = self._shapes[key] = self._read_shape(obj, carrier is not None)
+        if known is None or (known[2] is None and receiver is not None):
+            known = self._shapes[key] = self._read_shape(obj, receiver is not None)
         shape, print_, snow_arrays = known
         if not len(shape.triangles):
             return
         name = f"mesh {' '.join(map(str, key[:3]))} {print_}"
-        snow = None if carrier is None else self._snow.of(carrier, snow_arrays)
-        if snow is not None and carrier.instancer:
+        snow = None if receiver is None else self._snow.of(receiver, snow_arrays)
+        if snow is not None and receiver.instancer:
             # An instance with its own map cannot share a mesh with others.
-            name += f" of {carrier.key}"
+            name += f" of {receiver.key}"
         if name not in self._meshes:
             self._meshes[name] = (shape, print_, [], snow)
         self._meshes[name][2].append(place)

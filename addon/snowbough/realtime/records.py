@@ -114,7 +114,7 @@ class Bark:
 
 
 @dataclass
-class Coat:
+class BarkImages:
     """Images on a tree's bark."""
 
     uv: np.ndarray
@@ -137,7 +137,7 @@ class Tree:
     surface: dict
     """The result of the native tree_arrays."""
     print: str
-    """Fingerprint of the surface, the bark and its coat."""
+    """Fingerprint of the surface, the bark and its images."""
     bark: Bark
     pose: np.ndarray
     """(B, 4, 4) float32: for each bone the matrix from its rest pose to the pose, in the space of the bark's object."""
@@ -145,7 +145,7 @@ class Tree:
     """(P, 4, 4) float32, the matrix of each instance."""
     leaves: Leaves = None
     leaves_print: str = ""
-    coat: Coat = None
+    bark_images: BarkImages = None
     """Images that the bark shows instead of its two colours."""
     snow: LyingSnow = None
     """Snow on the bark. Its uv are those of the surface's quads: (Q, 4, 2)."""

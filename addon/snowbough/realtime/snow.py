@@ -23,8 +23,8 @@ NO_INDEX = 0x7FFFFFFF
 
 
 @dataclass(frozen=True)
-class Carrier:
-    """An object that may have a snow map: an object of the scene, or its instance in an instanced collection."""
+class ReceiverId:
+    """Identifies an object of the scene, or its instance in an instanced collection. It may have a snow map."""
 
     name: str
     library: str
@@ -41,20 +41,20 @@ class Carrier:
         return member_key(self.name, self.library, self.instancer, self.instancer_library, self.order)
 
 
-def carrier_of(instance, original):
-    """The Carrier of a depsgraph instance of an original object. None if it cannot have its own map: instances made by
-    geometry nodes, particles or faces."""
+def receiver_of(instance, original):
+    """The ReceiverId of a depsgraph instance of an original object. None for instances made by geometry nodes,
+    particles or faces, which cannot have their own map."""
     if not instance.is_instance:
-        return Carrier(original.name, library_path(original))
+        return ReceiverId(original.name, library_path(original))
     parent = instance.parent.original if instance.parent else None
     if parent is None or parent.instance_type != "COLLECTION":
         return None
     order = tuple(index for index in instance.persistent_id if index != NO_INDEX)
-    return Carrier(original.name, library_path(original), parent.name, library_path(parent), order)
+    return ReceiverId(original.name, library_path(original), parent.name, library_path(parent), order)
 
 
 class SceneSnow:
-    """Finds the snow on Carriers. native: the module; shows_live: whether to show the snow of a running live
+    """Finds the snow on receivers. native: the module; shows_live: whether to show the snow of a running live
     preview."""
 
     def __init__(self, native, shows_live):
@@ -76,19 +76,19 @@ class SceneSnow:
         """Whether the snow of a shell (snow surface object) comes from this class instead of its mesh."""
         return self._now.is_drawn_otherwise(shell)
 
-    def is_on(self, carrier):
-        """Whether a Carrier has a map in the current frame. False for None."""
-        return carrier is not None and self._now.is_on(carrier)
+    def is_on(self, receiver):
+        """Whether the ReceiverId has a map in the current frame. False for None."""
+        return receiver is not None and self._now.is_on(receiver)
 
-    def of(self, carrier, arrays):
-        """The LyingSnow on a Carrier for which is_on() is true. arrays.uv(name) returns a UV map of its mesh or None.
-        Returns None if the mesh lacks the UV map of the snow map."""
-        return self._now.of(carrier, arrays)
+    def of(self, receiver, arrays):
+        """The LyingSnow of a ReceiverId for which is_on() is true; None if its mesh lacks the UV map of the snow map.
+        arrays.uv(name) returns a UV map of the mesh or None."""
+        return self._now.of(receiver, arrays)
 
-    def surface_of(self, carrier):
-        """(Shape, its print, [its matrix]) of the snow surface on a Carrier for which is_on() is true; None if there is
-        only a map."""
-        return self._now.surface_of(carrier)
+    def surface_of(self, receiver):
+        """(Shape, its print, [its matrix]) of the snow surface of a ReceiverId for which is_on() is true; None if there
+        is only a map."""
+        return self._now.surface_of(receiver)
 
 
 def running(scene):
@@ -117,12 +117,12 @@ class LiveSnow:
     def is_drawn_otherwise(self, shell):
         return True
 
-    def is_on(self, carrier):
+    def is_on(self, receiver):
         # Compare names first: keys take longer to compute, and forests have many instances.
-        return carrier.name in self._names and carrier.key in self._uv_maps
+        return receiver.name in self._names and receiver.key in self._uv_maps
 
-    def of(self, carrier, arrays):
-        key = carrier.key
+    def of(self, receiver, arrays):
+        key = receiver.key
         uv = arrays.uv(self._uv_maps[key])
         if uv is None:
             return None
@@ -133,9 +133,9 @@ class LiveSnow:
             known = self._lying[key] = (metres, LyingSnow(metres / self._unit, uv, *depths))
         return known[1]
 
-    def surface_of(self, carrier):
-        surface = self._preview.surface(carrier.key)
-        known = self._surfaces.get(carrier.key)
+    def surface_of(self, receiver):
+        surface = self._preview.surface(receiver.key)
+        known = self._surfaces.get(receiver.key)
         if known is None or known[0] is not surface.shown:
             points, normals = surface.shown
             triangles = surface.triangles
@@ -149,7 +149,7 @@ class LiveSnow:
                 is_snow=True,
             )
             place = np.diag((*(1.0 / self._unit,) * 3, 1.0))
-            known = self._surfaces[carrier.key] = (surface.shown, (shape, shape.print, [place]))
+            known = self._surfaces[receiver.key] = (surface.shown, (shape, shape.print, [place]))
         return known[1]
 
 
@@ -168,7 +168,7 @@ class BakedSnow:
         self._frame = scene.frame_current
         # Each folder is listed once per begin().
         self._paths = {}
-        # Keys are the fields of a Carrier except its order: an empty shows each object of its collection once.
+        # Keys are the fields of a ReceiverId except its order: an empty shows each object of its collection once.
         self._folders = {}
         # Read the original scene: a bake writes its folders there, and the evaluated scene is not updated.
         for entry in scene.original.snowbough.receivers:
@@ -179,7 +179,7 @@ class BakedSnow:
                 self._folders.update(self._folders_of(entry))
 
     def _folders_of(self, entry):
-        """{fields of a Carrier except its order: (folder, UV map)} of a baked entry of the list of receivers."""
+        """{fields of a ReceiverId except its order: (folder, UV map)} of a baked entry of the list of receivers."""
         obj, library = entry.object, library_path(entry.object)
         if obj.type == "MESH":
             return {(obj.name, library, "", ""): (entry.folder, entry.uv_map)}
@@ -194,26 +194,26 @@ class BakedSnow:
     def is_drawn_otherwise(self, _surface):
         return False
 
-    def is_on(self, carrier):
-        return self._path(self._found(carrier)[0]) is not None
+    def is_on(self, receiver):
+        return self._path(self._found(receiver)[0]) is not None
 
-    def of(self, carrier, arrays):
-        folder, uv_map = self._found(carrier)
+    def of(self, receiver, arrays):
+        folder, uv_map = self._found(receiver)
         uv = arrays.uv(baked_uv_map(folder) or uv_map)
         if uv is None:
             return None
         heights, depths = self._read(self._path(folder))
-        known = self._lying.get(carrier)
+        known = self._lying.get(receiver)
         if known is None or known.heights is not heights or known.uv is not uv:
-            known = self._lying[carrier] = LyingSnow(heights, uv, *depths)
+            known = self._lying[receiver] = LyingSnow(heights, uv, *depths)
         return known
 
-    def surface_of(self, _carrier):
+    def surface_of(self, _receiver):
         return None
 
-    def _found(self, carrier):
-        """(folder, UV map) of a Carrier; empty texts if it was not baked."""
-        named = (carrier.name, carrier.library, carrier.instancer, carrier.instancer_library)
+    def _found(self, receiver):
+        """(folder, UV map) of a ReceiverId; empty texts if it was not baked."""
+        named = (receiver.name, receiver.library, receiver.instancer, receiver.instancer_library)
         return self._folders.get(named, ("", ""))
 
     def _path(self, folder):

@@ -114,7 +114,7 @@ class Sync:
         self._renderer.add_tree(
             tree.key, tree.surface, bark_depth=bark.depth, bark_dark=bark.dark, bark_light=bark.light
         )
-        if tree.coat is not None:
+        if tree.bark_images is not None:
             self._set_bark(tree)
         if tree.leaves is not None:
             self._set_leaves(tree)
@@ -124,13 +124,13 @@ class Sync:
         self._alike[_model_of(self._trees.pop(key))].discard(key)
 
     def _set_bark(self, tree):
-        coat = tree.coat
+        images = tree.bark_images
         self._renderer.set_bark(
             tree.key,
-            coat.uv,
-            coat.paint,
-            colors=[paint.color for paint in coat.paints],
-            images=[paint.image for paint in coat.paints],
+            images.uv,
+            images.paint,
+            colors=[paint.color for paint in images.paints],
+            images=[paint.image for paint in images.paints],
         )
 
     def _set_leaves(self, tree):

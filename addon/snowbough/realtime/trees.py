@@ -10,7 +10,7 @@ from ..scene.inputs import fingerprint
 from ..tree import kept_bark, kept_skeleton
 from .materials import bark_of
 from .meshes import MeshArrays, painted
-from .records import Coat, Leaves, Tree
+from .records import BarkImages, Leaves, Tree
 
 
 def rig_of(obj, mode):
@@ -94,13 +94,13 @@ class BaseArrays:
         return self._uv.get(name or self._rendered)
 
 
-def coat_of(obj, rig, surface, looks):
-    """The Coat of a tree's bark object, or None if none of its looks has an image."""
+def bark_images_of(obj, rig, surface, looks):
+    """The BarkImages of a tree's bark object, or None if none of its looks has an image."""
     kept = kept_bark.kept(rig.data)
     if kept is not None and len(kept.slots) != len(surface["quads"]):
         kept = None
-    coat = Coat(*painted(BaseArrays(obj.data, surface, kept), looks))
-    return coat if any(paint.image is not None for paint in coat.paints) else None
+    images = BarkImages(*painted(BaseArrays(obj.data, surface, kept), looks))
+    return images if any(paint.image is not None for paint in images.paints) else None
 
 
 # Coordinates are rounded to multiples of this share of the map's side, then compared.
@@ -152,11 +152,11 @@ def leaves_of(obj, looks):
     return Leaves(vertices[triangles], bones[triangles[:, 0]], *painted(arrays, looks))
 
 
-def tree_of(key, surface, print_, look, pose, place, coat, snow):
+def tree_of(key, surface, print_, look, pose, place, images, snow):
     """A records.Tree in one place, without leaves. look: the bark's Look; print_: fingerprint of the surface and the
-    Coat; snow: the records.LyingSnow on the bark, or None."""
+    BarkImages; snow: the records.LyingSnow on the bark, or None."""
     bark = bark_of(look)
-    return Tree(key, surface, print_ + repr(bark), bark, pose, place[None], coat=coat, snow=snow)
+    return Tree(key, surface, print_ + repr(bark), bark, pose, place[None], bark_images=images, snow=snow)
 
 
 def joined(trees):

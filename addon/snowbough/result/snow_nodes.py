@@ -42,12 +42,12 @@ INPUTS = (
     ("Grain", "NodeSocketFloat", 1.0, 0.0, 4.0, "Height of the bumps of grains and lumps; 1 is fresh snow"),
     ("Subsurface", "NodeSocketFloat", 0.4, 0.0, 1.0, "Share of light that enters deep snow (0 to 1)"),
     ("Sparkle", "NodeSocketFloat", 0.3, 0.0, 1.0, "Share of glittering crystals (0 to 1)"),
-    ("Relief", "NodeSocketFloat", 1.0, 0.0, 10.0, "Height of the relief in materials that displace; 0.6 is fresh snow"),
+    ("Relief", "NodeSocketFloat", 1.0, 0.0, 10.0, "Height of the waves in materials that displace; 0.6 is fresh snow"),
 )  # fmt: skip
 OUTPUTS = (
     ("Shader", "NodeSocketShader", "The material with snow on it"),
     ("Coverage", "NodeSocketFloat", "0 where the surface shows, 1 where snow hides it"),
-    ("Thickness", "NodeSocketFloat", "Height with relief, for displacement (metres)"),
+    ("Thickness", "NodeSocketFloat", "Height with waves, for displacement (metres)"),
 )
 
 

@@ -29,9 +29,9 @@ class _Member:
     parent: bpy.types.Object
 
 
-def _home(scene, obj):
-    homes = [collection for collection in obj.users_collection if collection.library is None]
-    return homes[0] if homes else scene.collection
+def _collection_of(scene, obj):
+    local = [collection for collection in obj.users_collection if collection.library is None]
+    return local[0] if local else scene.collection
 
 
 def _members(receiver):
@@ -108,7 +108,7 @@ def _make_one(scene, member):
     modifier.cache_format = "PC2"
     modifier.interpolation = "LINEAR"
     show_points(obj, member.folder / SURFACE_POINTS, summary["first"])
-    _home(scene, member.parent).objects.link(obj)
+    _collection_of(scene, member.parent).objects.link(obj)
     return obj
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's physics simulations, and whether a bake sees them move.
+"""Blender's physics simulations, and whether they move in a bake.
 
 A bake reads the scene as a render does. There, rigid bodies and soft bodies move only if their cache is baked; cloth
 and particles also play from frame to frame, from the first frame of their cache on. So a baked cache is always right.

@@ -267,7 +267,7 @@ def summary_of_all(reports, failures):
 
 
 def message(error):
-    """The text of an error for the user; a MemoryError has none of its own."""
+    """The text of an error for the user; a MemoryError has no text."""
     if isinstance(error, MemoryError):
         return "The tree does not fit into memory: choose a lower detail"
     return str(error)

@@ -199,7 +199,7 @@ class OwnMaterials:
         self._known = dict(known)
 
     def copy(self, source, uv_map):
-        """A copy of the source's material with its textures on `uv_map`; None if there is none of its name."""
+        """A copy of the source's material with its textures on `uv_map`; None if no material has its name."""
         material = self._known.get(source.name) if source is not None else None
         if material is None:
             return None

@@ -16,7 +16,7 @@ from ..base.names import counted
 from . import import_tree, materials
 from .native_tree import read_polygons
 
-#: Texture coordinates are equal to one part in so many: formats store them with their V axis turned.
+# Texture coordinates are compared in steps of 1 / UV_STEPS: formats that flip the V axis round them.
 UV_STEPS = 1e5
 
 
@@ -48,7 +48,7 @@ def _read_uv(mesh):
 
 
 def _components(count, begin, end):
-    """int64 (count,): the least vertex that edges from begin to end connect each vertex with."""
+    """int64 (count,): the smallest vertex of each vertex's connected component. Edges run from begin to end."""
     label = np.arange(count)
     while True:
         joined = label.copy()
@@ -62,7 +62,7 @@ def _components(count, begin, end):
 
 
 def _numbers(columns):
-    """int64 (n,): the same number for places where all columns are equal."""
+    """int64 (n,): equal numbers for rows that are equal in all columns."""
     order = np.lexsort(columns)
     is_other = np.zeros(len(order), dtype=bool)
     for column in columns:
@@ -73,10 +73,10 @@ def _numbers(columns):
 
 
 def _close_seams(vertices, counts, corners, uvs):
-    """The corners' vertices, with the seams closed at which glTF and PLY split a surface.
+    """The vertex of each corner, after closing the seams at which glTF and PLY split a surface.
 
     Two open edges belong together if they lie at the same place in opposite directions and no third one lies there.
-    Edges with the same texture coordinates come first: they tell the collapsed rings of a tube apart, whose faces have
+    Edges with the same texture coordinates come first: they distinguish the collapsed rings of a tube, whose faces have
     no area and whose edges lie at one place. Open ends of tubes that touch another branch keep their vertices.
     """
     place = _numbers(vertices.T)[corners]
@@ -86,7 +86,7 @@ def _close_seams(vertices, counts, corners, uvs):
     following[end - 1] = end - counts
 
     def edges(ends, among):
-        """For each edge: the number of its pair of ends, and how many have it."""
+        """For each edge the number of its pair of ends; for each pair the number of its edges."""
         one, other = ends[among], ends[following[among]]
         number = _numbers([np.minimum(one, other), np.maximum(one, other)])
         return number, np.bincount(number)

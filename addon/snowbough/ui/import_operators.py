@@ -242,7 +242,7 @@ class SNOWBOUGH_OT_build_tree_from_selected(NotWhileBaking, ImportProperties, bp
             return self.refuse(import_tree.message(error))
         texts = report["taken"]
         more = f" and {len(texts) - 5} more objects" if len(texts) > 5 else ""
-        self.report({"INFO"}, f"Taken: {'; '.join(texts[:5])}{more}")
+        self.report({"INFO"}, f"Used: {'; '.join(texts[:5])}{more}")
         _report_import(self, [report], [])
         return {"FINISHED"}
 

@@ -18,7 +18,7 @@ from ..gltf.thinning import leaf_of_points
 TOLERANCE = 0.02
 # Maximum number of prototypes; leaves of further shapes are no instances.
 MOST_KINDS = 64
-# Texture coordinates of leaves of one kind agree to one of so many parts.
+# Texture coordinates of leaves of one kind agree within 1 / UV_STEPS.
 UV_STEPS = 1024
 
 

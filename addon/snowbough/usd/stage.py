@@ -229,19 +229,19 @@ class _Writer:
         self._add_skeleton(self._skeleton, self._paths, [joint.rest for joint in tree.joints], locals_)
         if tree.motion is not None:
             self._add_motion(tree.motion, locals_)
-        parts = [*tree.parts, *tree.heaps]
+        parts = [*tree.parts, *tree.snow_meshes]
         names = _unique(self._pxr.Tf, ["Skin", "Materials", *(part.name for part in parts)])[2:]
         bark, surface = tree.parts[0], tree.parts[0].levels[0]
         every = np.ones(len(surface.triangles), dtype=bool)
         self._add_skinned(f"{self._root}/Skin/{names[0]}", surface, bark, every)
         for part, name in zip(tree.parts[1:], names[1:]):
             self._add_leaves(part, name)
-        snow = Material("Snow", SNOW_COLOR, SNOW_ROUGHNESS)
-        for heap, name in zip(tree.heaps, names[len(tree.parts) :]):
-            normals = point_normals(heap.points, heap.triangles)
-            mesh = self._add_shape(f"{self._root}/{name}", heap.points, heap.triangles, normals, "vertex")
-            path = self._materials.path_of(snow)
-            self._materials.bind(mesh, [path], np.zeros(len(heap.triangles), dtype=np.int32))
+        material = Material("Snow", SNOW_COLOR, SNOW_ROUGHNESS)
+        for snow, name in zip(tree.snow_meshes, names[len(tree.parts) :]):
+            normals = point_normals(snow.points, snow.triangles)
+            mesh = self._add_shape(f"{self._root}/{name}", snow.points, snow.triangles, normals, "vertex")
+            path = self._materials.path_of(material)
+            self._materials.bind(mesh, [path], np.zeros(len(snow.triangles), dtype=np.int32))
 
 
 def write(tree, path, _options=None):

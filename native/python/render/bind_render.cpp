@@ -152,8 +152,7 @@ in its images. materials (T,), colors and images as in set_leaves; without color
 material of `color`.)")
       .def("set_places", &set_places, "name"_a, "matrices"_a,
            "Sets the places of a mesh or a tree: (P, 4, 4), one matrix per place from its own "
-           "space, "
-           "or that of the pose, to the world.")
+           "space, or that of the pose, to the world.")
       .def("remove", &Renderer::remove, "name"_a, py::call_guard<ReleasedGil>(),
            "Removes a tree or a mesh.")
       .def("render", &render_picture, "camera"_a, "settings"_a = RenderSettings{},
@@ -161,18 +160,16 @@ material of `color`.)")
 at the bottom.)")
       .def("render_light", &render_light, "camera"_a, "settings"_a = RenderSettings{},
            "samples"_a = 1,
-           "Linear light, (height, width, 4) float32, row 0 at the bottom: means of pictures that "
-           "are shifted\nwithin a pixel's filter. Alpha is the share in which something was drawn; "
-           "the rest shows the\nbackground's light.")
+           "Linear light, (height, width, 4) float32, row 0 at the bottom: the mean of `samples` "
+           "pictures,\neach shifted within the pixel's filter. Alpha is the covered fraction of a "
+           "pixel; uncovered\npixels have the background's light.")
       .def("render_depth", &render_depth, "camera"_a, "settings"_a = RenderSettings{},
-           "What a depth buffer of OpenGL holds for a picture, (height, width) float32, row 0 at "
-           "the "
-           "bottom: from\n0 at the near plane to 1 at the far one, and 1 where nothing was drawn.")
-      .def(
-          "request_frame", &Renderer::request_frame, "camera"_a, "settings"_a = RenderSettings{},
-          py::call_guard<ReleasedGil>(),
-          "Asks for a picture and returns its ticket at once; one that was asked for before and is "
-          "not begun\nis forgotten.")
+           "OpenGL's depth buffer of a picture, (height, width) float32, row 0 at the bottom: 0 is "
+           "the near\nplane; 1 is the far plane and the background.")
+      .def("request_frame", &Renderer::request_frame, "camera"_a, "settings"_a = RenderSettings{},
+           py::call_guard<ReleasedGil>(),
+           "Requests a picture and returns its ticket at once. Replaces a request that has not "
+           "started.")
       .def("take_frame", &take_frame,
            R"(The newest picture since the last call, (ticket, (height, width) float32), or None.
 Does not wait, but must be called regularly for pictures to arrive. A pixel's bits are 0x3F000000 +
@@ -187,7 +184,7 @@ red, green and blue of a byte each: 255 * (c / (1 + c))^(1 / 2.2) of linear ligh
 shadow map's, 'buffer_bytes' of all buffers on the GPU, 'wall_seconds' including read-back, 'gpu_seconds', and
 'passes': by name 'gpu_seconds', 'wall_seconds' and 'primitives'.)")
       .def("triangles", &triangles, "name"_a, "camera"_a, "settings"_a = RenderSettings{},
-           "World positions (T, 3, 3) of the triangles that the camera would be shown of a tree.")
+           "World positions (T, 3, 3) of a tree's triangles as tessellated for the camera.")
       .def_property_readonly(
           "driver",
           [](const Renderer& self) {

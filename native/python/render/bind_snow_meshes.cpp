@@ -70,27 +70,25 @@ bool take_snow(Renderer& renderer, const std::string& tree, snow::SnowSimulation
 void bind_render_snow(RendererClass& to) {
   using namespace py::literals;
   to.def("set_mesh_snow", &set_mesh_snow, "mesh"_a, "heights"_a = py::none(), "uv"_a = py::none(),
-         "Lets snow lie on a mesh: heights (H, W) in metres, row 0 at v = 0, and coordinates uv "
-         "(T, 3, 2)\nof its corners there. None: no snow.")
-      .def(
-          "add_snow_mesh", &add_snow_mesh, "name"_a, "vertices"_a, "triangles"_a,
-          "normals"_a = py::none(),
-          "Adds the surface of snow as SnowSurface computes it, shaded as snow: vertices (N, 3) in "
-          "metres,\ntriangles (T, 3), anticlockwise seen from outside; by corner normals (T, 3, 3) "
-          "in place of smooth\nones. It is a mesh as add_mesh's.")
-      .def(
-          "set_snow", &set_snow, "tree"_a, "height"_a, "open_depth"_a, "last_depth"_a = py::none(),
-          "The snow on a tree: heights (H, W) in metres along the normals on a map of its uv_snow, "
-          "row 0 = v 0,\nas SnowSimulation.output gives them; the depth on open level ground in "
-          "metres, now and at the shot's\nend (by default the same). Shown as all snow is, see "
-          "SnowSurface.")
+         "Sets the snow on a mesh: a map of heights (H, W) in metres, row 0 at v = 0, and the "
+         "coordinates\nuv (T, 3, 2) of the mesh's corners on it. None removes the snow.")
+      .def("add_snow_mesh", &add_snow_mesh, "name"_a, "vertices"_a, "triangles"_a,
+           "normals"_a = py::none(),
+           "Adds a mesh that is shaded as snow, such as the surface from SnowSurface: vertices "
+           "(N, 3) in metres,\ntriangles (T, 3), anticlockwise seen from outside; normals "
+           "(T, 3, 3) per corner instead of smooth\nones. Otherwise as add_mesh.")
+      .def("set_snow", &set_snow, "tree"_a, "height"_a, "open_depth"_a, "last_depth"_a = py::none(),
+           "Sets the snow on a tree: a map of heights (H, W) along the normals in metres for its "
+           "uv_snow, row 0\n= v 0, as from SnowSimulation.output; the depth on open level ground "
+           "in metres, now and at the\nshot's end (by default the same). The shape of the snow is "
+           "that of SnowSurface.")
       .def("take_snow", &take_snow, "tree"_a, "simulation"_a, "open_depth"_a, "object"_a = "",
            "last_depth"_a = py::none(),
-           "The same as it lies now on an object of a SnowSimulation (by default that of the same "
-           "name). Where the\nsimulation's engine is GL and of the same device, the map stays on "
-           "the GPU, rounded by the thesis's\nGaussian and as thick as it lies (`output` is less "
-           "high where a surface curves outwards, as on\ntwigs), and True is returned; else "
-           "`output` is handed over.");
+           "Sets the snow on a tree from an object of a SnowSimulation (by default the object of "
+           "the same name).\nIf the simulation uses engine GL on the same device, the map stays on "
+           "the GPU and True is\nreturned: the thesis's Gaussian smooths it, and heights are "
+           "thicknesses (in `output` they are\nlower on convex surfaces such as twigs). Otherwise "
+           "the map is that of `output`.");
 }
 
 }  // namespace snowbough::python

@@ -16,7 +16,7 @@ constexpr double kBox = 12.0;
 /// Volume of lying snow from a flake with a radius of 1 m, in m3. Fresh snow is mostly air.
 constexpr double kLaidVolume = 4.18879 * 0.5;
 /// Frequency of a flake's flutter, in swings per second.
-constexpr float kSwings = 0.7f;
+constexpr float kFlutterRate = 0.7f;
 /// Least downward speed of a flake as a fraction of its speed, for slanting falls.
 constexpr double kLeastSinking = 0.01;
 
@@ -49,12 +49,13 @@ shared::FlakeFall flake_fall(const Snowfall& fall) {
   drift -= kBox * glm::floor(drift / kBox);
   // At this width, the path's steepest part has the angle of flutter.
   const double aside = fall.speed * std::tan(static_cast<double>(fall.flutter)) /
-                       (2.0 * 3.14159265 * static_cast<double>(kSwings));
+                       (2.0 * 3.14159265 * static_cast<double>(kFlutterRate));
   shared::FlakeFall made{};
   made.drift = fall.metre * vec4(glm::vec3(drift), static_cast<float>(kBox));
   made.velocity =
       fall.metre * vec4(glm::vec3(along * static_cast<double>(fall.speed)), fall.radius);
-  made.flutter = vec4(fall.metre * static_cast<float>(aside), kSwings, fall.shutter, fall.time);
+  made.flutter =
+      vec4(fall.metre * static_cast<float>(aside), kFlutterRate, fall.shutter, fall.time);
   made.counts = {fall.seed, static_cast<uint32_t>(std::min(std::ceil(flakes), double{kMostFlakes})),
                  0, 0};
   made.scale = vec4(fall.metre, 0.0f, 0.0f, 0.0f);

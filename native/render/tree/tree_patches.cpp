@@ -292,11 +292,11 @@ class PatchBuilder {
     edge.snow_uv = vec4(snow[0], snow[1]);
     edge.other_snow_uv = vec4(beside[0], beside[1]);
     edge.bark_uv = vec4(uv[0], uv[1]);
-    const bool goes_on = same_bark(uv[0], other[0]) && same_bark(uv[1], other[1]);
+    const bool is_continued = same_bark(uv[0], other[0]) && same_bark(uv[1], other[1]);
     edge.metric =
         vec4(0.5f * (made_.patches[left.quad].rest[0].w + made_.patches[right.quad].rest[0].w),
              std::min(source_.branch_level[left.quad], source_.branch_level[right.quad]),
-             goes_on ? 1.0f : 0.0f, 0.0f);
+             is_continued ? 1.0f : 0.0f, 0.0f);
     const auto index = static_cast<int32_t>(made_.edges.size());
     for (const Side* side : {&left, &right}) {
       const bool reversed = source_.quads[side->quad][side->corner] != side->a;

@@ -20,7 +20,7 @@ int64_t machine_memory() {
   status.dwLength = sizeof status;
   return ::GlobalMemoryStatusEx(&status) ? static_cast<int64_t>(status.ullAvailPhys) : 0;
 #elif defined(__APPLE__)
-  // All there is: macOS takes memory back from files and other programs as it is asked for.
+  // The total: on demand, macOS frees memory of caches and of other programs.
   int64_t bytes = 0;
   size_t size = sizeof bytes;
   return ::sysctlbyname("hw.memsize", &bytes, &size, nullptr, 0) == 0 ? bytes : 0;

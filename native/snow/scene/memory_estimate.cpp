@@ -42,9 +42,9 @@ int64_t count_blocks(const TexelTable& table, int32_t side) {
 int64_t count_rim_texels(const TexelTable& table) {
   int64_t count = 0;
   for (size_t i = 0; i < table.texel.size(); ++i) {
-    const bool goes_on = i + 1 < table.texel.size() && table.texel[i + 1] == table.texel[i] + 1 &&
-                         table.chart[i + 1] == table.chart[i];
-    count += table.coverage[i] < 1.0f || !goes_on ? 1 : 0;
+    const bool continues = i + 1 < table.texel.size() && table.texel[i + 1] == table.texel[i] + 1 &&
+                           table.chart[i + 1] == table.chart[i];
+    count += table.coverage[i] < 1.0f || !continues ? 1 : 0;
   }
   return count;
 }
@@ -77,7 +77,7 @@ MemoryEstimate estimate_shared_memory(const std::vector<const SceneObject*>& obj
     const auto triangles = static_cast<int64_t>(object->triangle_count());
     const int64_t vertices =
         std::max<int64_t>(static_cast<int64_t>(object->positions.size()), topology.vertex_count);
-    // See SceneLayout; with smooth points each triangle has theirs.
+    // See SceneLayout; smooth points add 16 bytes per triangle.
     estimate.geometry += vertices * 12 + triangles * (16 + 48 + 16 + 4 + (is_smooth ? 16 : 0));
     const ObjectAlpha& alpha = object->description.alpha;
     estimate.geometry += static_cast<int64_t>(alpha.mask.size() * sizeof(shared::AlphaTriangle));

@@ -62,21 +62,22 @@ class Grid {
 
 /// The rows of a grid, by y and z, that have a value over 0 or a neighbour that has one. The other
 /// rows are skipped.
-class BusyRows {
+class OccupiedRows {
  public:
   template <typename Value>
-  BusyRows(const Grid& grid, const std::vector<Value>& values) : size_(grid.size()) {
+  OccupiedRows(const Grid& grid, const std::vector<Value>& values) : size_(grid.size()) {
     const auto rows = static_cast<size_t>(size_.y) * static_cast<size_t>(size_.z);
-    std::vector<uint8_t> busy(rows, 0);
+    std::vector<uint8_t> occupied(rows, 0);
     const auto width = static_cast<size_t>(size_.x);
     base::for_each_item(rows, 256, [&](size_t row) {
       const Value* first = values.data() + row * width;
-      busy[row] = std::any_of(first, first + width, [](Value v) { return v > Value(0); }) ? 1 : 0;
+      occupied[row] =
+          std::any_of(first, first + width, [](Value v) { return v > Value(0); }) ? 1 : 0;
     });
     near_.assign(rows, 0);
     for (int z = 0; z < size_.z; ++z) {
       for (int y = 0; y < size_.y; ++y) {
-        if (busy[row(y, z)] == 0) continue;
+        if (occupied[row(y, z)] == 0) continue;
         for (int dz = std::max(z - 1, 0); dz <= std::min(z + 1, size_.z - 1); ++dz) {
           for (int dy = std::max(y - 1, 0); dy <= std::min(y + 1, size_.y - 1); ++dy) {
             near_[row(dy, dz)] = 1;
@@ -154,7 +155,7 @@ std::vector<float> depth_in_grown(const Grid& grid, const std::vector<glm::vec3>
     }
   }
   const Ball around = ball(most);
-  const BusyRows rows(grid, grown);
+  const OccupiedRows rows(grid, grown);
   std::vector<float> depth(grid.count(), 0.0f);
   const glm::ivec3 size = grid.size();
   base::for_each_item(static_cast<size_t>(size.z), 1, [&](size_t slice) {
@@ -183,7 +184,7 @@ std::vector<float> depth_in_grown(const Grid& grid, const std::vector<glm::vec3>
 /// Keeps only depths within `reach` cells of a cell deeper than `core`; sets the others to 0.
 void open_bodies(const Grid& grid, std::vector<float>& depth, float core, float reach) {
   const Ball around = ball(reach);
-  const BusyRows rows(grid, depth);
+  const OccupiedRows rows(grid, depth);
   std::vector<uint8_t> near(depth.size(), 0);
   const glm::ivec3 size = grid.size();
   for (int z = 0; z < size.z; ++z) {
@@ -211,7 +212,7 @@ void blur(const Grid& grid, std::vector<float>& values) {
   const glm::ivec3 size = grid.size();
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<float> before = values;
-    const BusyRows rows(grid, before);
+    const OccupiedRows rows(grid, before);
     glm::ivec3 step(0);
     step[axis] = 1;
     base::for_each_item(static_cast<size_t>(size.z), 1, [&](size_t slice) {
@@ -240,7 +241,7 @@ struct Net {
 Net surface_net(const Grid& grid, const std::vector<float>& values, float level) {
   Net net;
   const glm::ivec3 size = grid.size();
-  const BusyRows rows(grid, values);
+  const OccupiedRows rows(grid, values);
   std::vector<int32_t> number(grid.count(), -1);
   const auto value = [&](const glm::ivec3& at) { return values[grid.index(at)] - level; };
   for (int z = 0; z + 1 < size.z; ++z) {
@@ -366,7 +367,7 @@ Cushions find_cushions(const SurfaceMesh& mesh, const std::vector<glm::vec3>& sh
   float cell = radius / kCellsPerRadius;
   const glm::dvec3 extent(high - low);
   cell = std::max(cell, static_cast<float>(std::cbrt(extent.x * extent.y * extent.z / kMostCells)));
-  if (cell > 0.7f * radius) return cushions;  // too coarse to be of any shape
+  if (cell > 0.7f * radius) return cushions;  // too coarse for any shape
   const Grid grid(low, high, cell);
   const float cells = radius / cell;
   std::vector<float> inside = depth_in_grown(grid, places, radius, kCore * cells + 1.5f);
@@ -384,7 +385,7 @@ Cushions find_cushions(const SurfaceMesh& mesh, const std::vector<glm::vec3>& sh
   }
   const CellGrid near(boxes, radius);
   cushions.anchor.assign(net.point.size(), snowy.front());
-  cushions.way.resize(net.point.size());
+  cushions.offset.resize(net.point.size());
   base::for_each_item(net.point.size(), 64, [&](size_t p) {
     float best = std::numeric_limits<float>::max();
     for (float reach = radius; reach < 8.0f * radius; reach *= 2.0f) {
@@ -397,7 +398,7 @@ Cushions find_cushions(const SurfaceMesh& mesh, const std::vector<glm::vec3>& sh
       });
       if (best < reach) break;
     }
-    cushions.way[p] = net.point[p] - shown[cushions.anchor[p]];
+    cushions.offset[p] = net.point[p] - shown[cushions.anchor[p]];
   });
   cushions.quads = std::move(net.quads);
   return cushions;

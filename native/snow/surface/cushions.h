@@ -14,7 +14,7 @@ struct Cushions {
   /// Each point is anchored to the nearest snow-covered point of the surface: the index of that
   /// point, and the offset from it in metres.
   std::vector<int32_t> anchor;
-  std::vector<glm::vec3> way;
+  std::vector<glm::vec3> offset;
   std::vector<std::array<int32_t, 4>> quads;
 };
 

@@ -322,7 +322,7 @@ class Refiner {
       }
       spread(1);
     }
-    return kept_part(mesh_, stays);
+    return submesh(mesh_, stays);
   }
 
   const Rims& rims_;

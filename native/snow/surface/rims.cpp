@@ -29,7 +29,7 @@ constexpr float kSameFace = 0.5f;
 /// the rim.
 constexpr float kOffPlane = 0.55f;
 /// Rims that are more than this many softnesses farther away than the nearest rim are ignored.
-constexpr float kHeard = 4.0f;
+constexpr float kBlendRange = 4.0f;
 
 float eased(float x, float from, float to) {
   const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
@@ -48,9 +48,9 @@ float far_extent(const Rim& rim, const base::TriangleTree& tree, float most) {
   constexpr int kSteps = 6;
   const glm::vec3 middle = (rim.from + rim.to) * 0.5f;
   for (int k = 1; k <= kSteps; ++k) {
-    const float way = most * static_cast<float>(k) / kSteps;
-    const double off = 0.04 * most + 0.15 * way;
-    if (tree.nearest(0, middle + rim.down * way).squared_distance > off * off) {
+    const float along = most * static_cast<float>(k) / kSteps;
+    const double off = 0.04 * most + 0.15 * along;
+    if (tree.nearest(0, middle + rim.down * along).squared_distance > off * off) {
       return std::max(most * static_cast<float>(k - 1) / kSteps, 0.05f * most);
     }
   }
@@ -113,8 +113,8 @@ class RimFinder {
   glm::vec3 away(const Rim& rim, int32_t face) const {
     const auto& [a, b, c] = mesh_.triangle[face];
     const glm::vec3 middle = (mesh_.position[a] + mesh_.position[b] + mesh_.position[c]) / 3.0f;
-    const glm::vec3 way = glm::cross(unit(rim.to - rim.from), normals_[face]);
-    return glm::dot(way, (rim.from + rim.to) * 0.5f - middle) > 0.0f ? way : -way;
+    const glm::vec3 across = glm::cross(unit(rim.to - rim.from), normals_[face]);
+    return glm::dot(across, (rim.from + rim.to) * 0.5f - middle) > 0.0f ? across : -across;
   }
 
   const SurfaceMesh& mesh_;
@@ -210,7 +210,7 @@ RimPlace Rims::place(const glm::vec3& point, const glm::vec3& normal, int32_t pa
   const bool on_support = seen.front().on_support;
   float sum = 0.0f;
   for (const Seen& one : seen) {
-    if (one.distance > nearest + kHeard * softness) break;
+    if (one.distance > nearest + kBlendRange * softness) break;
     const Rim& rim = rims_[one.rim];
     if (one.on_support != on_support) continue;
     const float weight = std::exp((nearest - one.distance) / std::max(softness, 1e-6f)) *

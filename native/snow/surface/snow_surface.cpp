@@ -184,8 +184,8 @@ std::vector<glm::vec3> SnowSurface::points(const SurfaceFrame& frame) const {
   }
   const Heights heights = this->heights(frame, normals);
   const std::vector<glm::vec3> offset = offsets(frame, normals, heights);
-  const auto turned = [&](size_t p, const glm::vec3& way) {
-    return turn.empty() ? way : turn[p] * way;
+  const auto turned = [&](size_t p, const glm::vec3& vector) {
+    return turn.empty() ? vector : turn[p] * vector;
   };
   std::vector<glm::vec3> points(point_count());
   for_blocks(lying, [&](size_t, size_t begin, size_t end) {
@@ -197,7 +197,7 @@ std::vector<glm::vec3> SnowSurface::points(const SurfaceFrame& frame) const {
     for (size_t c = begin; c < end; ++c) {
       const auto p = static_cast<size_t>(cushions_.anchor[c]);
       const float part = std::clamp(heights.thickness[p] / cushion_height_[c], 0.0f, 1.0f);
-      points[lying + c] = points[p] + turned(p, cushions_.way[c] * (bridging * part));
+      points[lying + c] = points[p] + turned(p, cushions_.offset[c] * (bridging * part));
     }
   });
   for_blocks(points.size(), [&](size_t, size_t begin, size_t end) {

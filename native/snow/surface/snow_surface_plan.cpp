@@ -163,12 +163,13 @@ void SnowSurface::find_carriers(const SurfaceSource& source) {
     if (source.shading[c] < 0 || source.shading[c + 1] < 0 || source.shading[c + 2] < 0) continue;
     const glm::vec2 w = carrier_weight_[p];
     const std::array<float, 3> weight{1.0f - w.x - w.y, w.x, w.y};
-    glm::vec3 way(0.0f);
+    glm::vec3 shift(0.0f);
     for (size_t k = 0; k < 3; ++k) {
       const glm::vec3& n = normal[source.shading[c + k]];
-      way -= weight[k] * glm::dot(mesh_.position[p] - planned_positions_[triangles_[c + k]], n) * n;
+      shift -=
+          weight[k] * glm::dot(mesh_.position[p] - planned_positions_[triangles_[c + k]], n) * n;
     }
-    curvature_[p] = kCurvature * way;
+    curvature_[p] = kCurvature * shift;
   }
 }
 
@@ -242,8 +243,8 @@ void SnowSurface::find_neighbours(float reach) {
   neighbour_weight_.resize(neighbour_.size());
   std::vector<int32_t> next(neighbour_begin_.begin(), neighbour_begin_.end() - 1);
   for (const auto& [a, b] : edges.ends) {
-    const glm::vec3 way = mesh_.position[a] - mesh_.position[b];
-    const float weight = 0.5f * std::exp(-glm::dot(way, way) / (reach * reach));
+    const glm::vec3 between = mesh_.position[a] - mesh_.position[b];
+    const float weight = 0.5f * std::exp(-glm::dot(between, between) / (reach * reach));
     neighbour_[next[a]] = b;
     neighbour_weight_[next[a]++] = weight;
     neighbour_[next[b]] = a;
@@ -270,8 +271,8 @@ void SnowSurface::find_normals(float reach) {
     base::for_each_item(lying_points(), 1024, [&](size_t p) {
       glm::vec3 sum = before[p];
       for (int32_t i = neighbour_begin_[p]; i < neighbour_begin_[p + 1]; ++i) {
-        const glm::vec3 way = mesh_.position[p] - mesh_.position[neighbour_[i]];
-        sum += before[neighbour_[i]] * (0.5f * std::exp(-glm::dot(way, way) / (reach * reach)));
+        const glm::vec3 apart = mesh_.position[p] - mesh_.position[neighbour_[i]];
+        sum += before[neighbour_[i]] * (0.5f * std::exp(-glm::dot(apart, apart) / (reach * reach)));
       }
       normal_[p] = unit(sum);
     });
@@ -295,8 +296,8 @@ void SnowSurface::find_thickness(const base::TriangleTree& tree, float depth) {
   for (size_t p = 0; p < lying_points(); ++p) part_area[part[p]] += area_[p];
   is_sheet_.assign(lying_points(), 0);
   base::for_each_item(lying_points(), 256, [&](size_t p) {
-    const glm::dvec3 way(-normal_[p]);
-    const double below = tree.distance_along(0, glm::dvec3(mesh_.position[p]), way, 1e-5);
+    const glm::dvec3 inwards(-normal_[p]);
+    const double below = tree.distance_along(0, glm::dvec3(mesh_.position[p]), inwards, 1e-5);
     const float sheet = kSheetThickness * std::sqrt(part_area[part[p]]);
     is_sheet_[p] = std::isfinite(below) ? 0 : 1;
     const float thickness = std::isfinite(below) ? static_cast<float>(below) : sheet;

@@ -137,10 +137,10 @@ SurfaceMesh receiver_mesh(const SurfaceSource& source) {
     mesh.base.push_back(static_cast<int32_t>(t));
     keep[t] = glm::length(triangle_cross(mesh, t)) > 0.0f ? 1 : 0;
   }
-  return kept_part(mesh, keep);
+  return submesh(mesh, keep);
 }
 
-SurfaceMesh kept_part(const SurfaceMesh& mesh, const std::vector<uint8_t>& keep) {
+SurfaceMesh submesh(const SurfaceMesh& mesh, const std::vector<uint8_t>& keep) {
   SurfaceMesh part;
   std::vector<int32_t> number(mesh.position.size(), -1);
   for (size_t t = 0; t < mesh.triangle.size(); ++t) {

@@ -54,7 +54,7 @@ std::vector<glm::vec3> triangle_normals(const SurfaceMesh& mesh);
 SurfaceMesh receiver_mesh(const SurfaceSource& source);
 
 /// Returns the triangles with keep[t] other than 0, and the points that these triangles use.
-SurfaceMesh kept_part(const SurfaceMesh& mesh, const std::vector<uint8_t>& keep);
+SurfaceMesh submesh(const SurfaceMesh& mesh, const std::vector<uint8_t>& keep);
 
 /// Splits each edge at one position that both of its faces share, so that no T-junctions appear.
 /// @param share position of the split on each edge as a fraction of its length, 0 < share < 1. An

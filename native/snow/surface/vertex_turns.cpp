@@ -13,9 +13,9 @@ struct VertexFrame {
   int32_t neighbour = -1;
 };
 
-glm::mat3 basis(const glm::vec3& normal, const glm::vec3& way) {
+glm::mat3 basis(const glm::vec3& normal, const glm::vec3& direction) {
   const glm::vec3 n = glm::normalize(normal);
-  const glm::vec3 x = glm::normalize(way - n * glm::dot(n, way));
+  const glm::vec3 x = glm::normalize(direction - n * glm::dot(n, direction));
   return {x, glm::cross(n, x), n};
 }
 

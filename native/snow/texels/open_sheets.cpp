@@ -93,7 +93,7 @@ std::vector<uint8_t> find_open_sheets(const std::vector<int32_t>& triangles,
   std::vector<uint8_t> open(sheets.sheet.size());
   for (size_t t = 0; t < open.size(); ++t) {
     const double length = rim[sheet_of(t)];
-    open[t] = length * length > kClosedButFor * area[sheet_of(t)] ? 1 : 0;
+    open[t] = length * length > kLargestOpening * area[sheet_of(t)] ? 1 : 0;
   }
   return open;
 }

@@ -25,9 +25,9 @@ std::vector<Run> find_runs(const TexelTable& table) {
   for (size_t i = 0; i < table.texel.size(); ++i) {
     const int32_t texel = table.texel[i];
     const int32_t column = texel % table.resolution;
-    const bool goes_on = !runs.empty() && column % 32 != 0 && table.texel[i - 1] == texel - 1 &&
-                         table.chart[i] == runs.back().chart;
-    if (goes_on) {
+    const bool continues = !runs.empty() && column % 32 != 0 && table.texel[i - 1] == texel - 1 &&
+                           table.chart[i] == runs.back().chart;
+    if (continues) {
       ++runs.back().count;
     } else {
       const int32_t square = texel / table.resolution / 32 * squares + column / 32;

@@ -31,7 +31,7 @@ constexpr double kMaxPairsPerFace = 0.01;
 /// and in radii.
 constexpr double kSpare = 0.06;
 constexpr double kMostAtATime = 1.0;
-constexpr double kStretchOfWay = 8.0;
+constexpr double kStretchOfMove = 8.0;
 constexpr double kStretchOfRadius = 4.0;
 /// For longer faces: the length as a multiple of the nearest vertex's distance.
 constexpr double kStretch = 2.0;
@@ -117,7 +117,8 @@ class Clearer {
       base::report_progress(execution.progress, static_cast<float>(round) / kRounds);
       const Pairs crossing = crossing_quads(points_, fine_.quads, all, changed, execution.threads);
       const std::vector<glm::dvec3> before(points_);
-      for (const CrossingLimbs& limbs : strangers(crossing)) part(limbs, round >= kThinnerOnly);
+      for (const CrossingLimbs& limbs : unrelated_limbs(crossing))
+        separate(limbs, round >= kThinnerOnly);
       if (static_cast<double>(crossing.size()) > kMaxPairsPerFace * static_cast<double>(all.size()))
         return;
       if (round < kBackRounds) {
@@ -172,7 +173,7 @@ class Clearer {
     return std::max(limb.rings[row].corner, limb.rings[next].corner);
   }
 
-  std::vector<CrossingLimbs> strangers(const Pairs& crossing) const {
+  std::vector<CrossingLimbs> unrelated_limbs(const Pairs& crossing) const {
     std::vector<std::array<int32_t, 4>> sorted;
     for (const auto& [f, g] : crossing) {
       const int32_t a = branch(f), b = branch(g);
@@ -203,7 +204,7 @@ class Clearer {
   }
 
   /// Bends the thinner of two limbs away from the other one, unless they intersect in the export.
-  void part(const CrossingLimbs& limbs, bool both_bend) {
+  void separate(const CrossingLimbs& limbs, bool both_bend) {
     const Approach near = nearest_approach(paths_[limbs.first], paths_[limbs.second]);
     if (near.clearance <= 0.0) return;
     const glm::dvec3 off = near.on_second - near.on_first;
@@ -211,14 +212,14 @@ class Clearer {
     const double both = near.first_radius + near.second_radius;
     const double inside =
         reach(limbs.first_faces, direction, 1.0) - reach(limbs.second_faces, direction, -1.0);
-    const double way = std::clamp(inside, 0.0, kMostAtATime * both) + kSpare * both;
+    const double move = std::clamp(inside, 0.0, kMostAtATime * both) + kSpare * both;
     const bool first_bends = near.first_radius < near.second_radius;
     if (first_bends || both_bend) {
-      bend(limbs.first, place_of(limbs.first_faces, near.on_first, both), -direction * way,
+      bend(limbs.first, place_of(limbs.first_faces, near.on_first, both), -direction * move,
            near.first_radius);
     }
     if (!first_bends || both_bend) {
-      bend(limbs.second, place_of(limbs.second_faces, near.on_second, both), direction * way,
+      bend(limbs.second, place_of(limbs.second_faces, near.on_second, both), direction * move,
            near.second_radius);
     }
   }
@@ -238,9 +239,9 @@ class Clearer {
   }
 
   /// Moves a limb's vertices around a place, less with distance.
-  void bend(int32_t limb, const glm::dvec3& place, const glm::dvec3& way, double radius) {
+  void bend(int32_t limb, const glm::dvec3& place, const glm::dvec3& move, double radius) {
     const double stretch =
-        std::max(kStretchOfWay * glm::length(way), kStretchOfRadius * radius) + radius;
+        std::max(kStretchOfMove * glm::length(move), kStretchOfRadius * radius) + radius;
     if (first_faces_.empty()) number_faces();
     std::vector<int32_t> vertices;
     for (size_t i = first_faces_[limb]; i < first_faces_[limb + 1]; ++i) {
@@ -257,7 +258,7 @@ class Clearer {
     for (const int32_t v : vertices) {
       const double share = std::min(1.0, glm::distance(points_[v], place) / farthest);
       const double left = 1.0 - share * share;
-      points_[v] += way * (left * left);
+      points_[v] += move * (left * left);
     }
   }
 
@@ -312,7 +313,7 @@ class Clearer {
         around.faces[0].push_back(static_cast<int32_t>(f));
       }
     }
-    tree::take_back(around, base, execution, points_);
+    tree::undo_moves(around, base, execution, points_);
   }
 
   /// Whether a corner of a face is within `distance` of a vertex: the other end of a long face may

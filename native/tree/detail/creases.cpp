@@ -116,9 +116,9 @@ void soften_creases(const FineMesh& fine, std::span<const FaceOrigin> origins,
       glm::dvec3 sum(0.0);
       double count = 0.0;
       for (; i < wanted.size() && wanted[i].first == v; ++i, count += 1.0) sum += wanted[i].second;
-      const glm::dvec3 way = points[v] + sum * (kStep / count) - first[v];
-      const double length = glm::length(way);
-      points[v] = first[v] + (length > farthest[v] ? way * (farthest[v] / length) : way);
+      const glm::dvec3 offset = points[v] + sum * (kStep / count) - first[v];
+      const double length = glm::length(offset);
+      points[v] = first[v] + (length > farthest[v] ? offset * (farthest[v] / length) : offset);
     }
   }
 }

@@ -259,9 +259,9 @@ class ForkBlender {
         sum += (points_[v] - first_points_[v]) * weight;
         weights += weight;
       }
-      const glm::dvec3 way = from + sum / weights - p;
+      const glm::dvec3 offset = from + sum / weights - p;
       const glm::dvec3 normal = blended_distance(p, forks_of(mover), forks_).gradient;
-      p += (way - normal * glm::dot(way, normal)) * mover.relaxation;
+      p += (offset - normal * glm::dot(offset, normal)) * mover.relaxation;
     }
     glm::dvec3 outwards;
     std::tie(p, outwards) = onto_surface(mover, p, kSteps);

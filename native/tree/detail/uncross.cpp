@@ -21,7 +21,7 @@ constexpr double kShareStep = 0.34;
 constexpr double kSmoothing = 0.5;
 constexpr int kSmoothRounds = 12;
 /// Progress at which undoing is finished.
-constexpr float kTakenBack = 0.9f;
+constexpr float kUndone = 0.9f;
 /// Forks per thread at a time.
 constexpr size_t kDirtyForkBlock = 8;
 
@@ -37,7 +37,7 @@ class Uncrosser {
         crossing_(forks.faces.size()),
         crossed_before_(forks.faces.size()) {}
 
-  void take_back(const base::Execution& execution, std::vector<uint8_t> dirty = {}) {
+  void undo_moves(const base::Execution& execution, std::vector<uint8_t> dirty = {}) {
     const std::vector<glm::dvec3> moved(points_);
     // Fraction of each vertex's displacement that is kept.
     std::vector<double> shares(points_.size(), 1.0);
@@ -62,7 +62,7 @@ class Uncrosser {
         }
       }
       if (!crosses) return;
-      even_out(wanted);
+      limit_differences(wanted);
       for (const int32_t v : forks_.moving) {
         if (wanted[v] != shares[v]) points_[v] = before_[v] + (moved[v] - before_[v]) * wanted[v];
       }
@@ -95,7 +95,7 @@ class Uncrosser {
   }
 
   /// Limits the difference between neighbours' fractions to kShareStep.
-  void even_out(std::vector<double>& shares) const {
+  void limit_differences(std::vector<double>& shares) const {
     for (int pass = 0; pass < 3; ++pass) {
       for (const int32_t vertex : forks_.moving) {
         for (const int32_t v : forks_.neighbours.of(vertex)) {
@@ -155,16 +155,16 @@ class Uncrosser {
 
 }  // namespace
 
-void take_back(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
-               const base::Execution& execution, std::vector<glm::dvec3>& points) {
-  Uncrosser(forks, before, points).take_back(execution);
+void undo_moves(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
+                const base::Execution& execution, std::vector<glm::dvec3>& points) {
+  Uncrosser(forks, before, points).undo_moves(execution);
 }
 
 void uncross(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
              const base::Execution& execution, std::vector<glm::dvec3>& points,
              std::vector<uint8_t> dirty) {
   Uncrosser uncrosser(forks, before, points);
-  uncrosser.take_back(execution.part(0.0f, kTakenBack), std::move(dirty));
+  uncrosser.undo_moves(execution.part(0.0f, kUndone), std::move(dirty));
   uncrosser.smooth();
 }
 

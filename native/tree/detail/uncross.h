@@ -31,10 +31,10 @@ struct ForkFaces {
   }
 };
 
-/// Only undoes movements that caused intersections.
+/// Undoes only the moves that caused intersections.
 /// @param before, points, execution  as for uncross.
-void take_back(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
-               const base::Execution& execution, std::vector<glm::dvec3>& points);
+void undo_moves(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
+                const base::Execution& execution, std::vector<glm::dvec3>& points);
 
 /// Repairs intersecting faces at forks. Where moving made faces intersect, the vertices around them
 /// move back step by step until none do. Faces that intersected before are moved between their

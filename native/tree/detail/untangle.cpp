@@ -125,8 +125,8 @@ class Untangler {
     const auto beside = forks_.neighbours.of(vertex);
     glm::dvec3 sum(0.0);
     for (const int32_t v : beside) {
-      const glm::dvec3 way = points_[v] - points_[vertex];
-      sum += way * std::min(1.0, pull_[vertex] / std::max(glm::length(way), 1e-30));
+      const glm::dvec3 offset = points_[v] - points_[vertex];
+      sum += offset * std::min(1.0, pull_[vertex] / std::max(glm::length(offset), 1e-30));
     }
     return points_[vertex] + sum / static_cast<double>(beside.size());
   }

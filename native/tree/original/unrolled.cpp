@@ -178,11 +178,11 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
       const glm::dvec2 edge = flat[(k + 2) % 3] - flat[(k + 1) % 3];
       const glm::dvec2 start = flat[(k + 1) % 3];
       const double side = cross(edge, flat[k] - start);
-      bool goes_on = false;
+      bool is_continued = false;
       for (const glm::dvec2& corner : beyond) {
-        goes_on = goes_on || cross(edge, corner - start) * side < -1e-12 * side * side;
+        is_continued = is_continued || cross(edge, corner - start) * side < -1e-12 * side * side;
       }
-      if (!goes_on) continue;
+      if (!is_continued) continue;
       out = k;
       farthest = shares[k];
     }

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kTrunkWords = {"trunk", "bole", "stamm", "tronc"};
 /// Fraction by which more of one cluster's branches must grow on another's than the reverse.
-constexpr double kClearlyStanding = 0.25;
+constexpr double kClearlyGrowing = 0.25;
 /// With more clusters than this, names determine the order.
 constexpr size_t kMostRanked = 12;
 
@@ -102,22 +102,22 @@ bool is_trunk(const std::string& name) {
                      [&](std::string_view word) { return lower.find(word) != std::string::npos; });
 }
 
-/// Fraction of the branches whose root touches one of `bearers`, except at that one's own root.
-double standing_share(const std::vector<Branch>& branches, const std::vector<Branch>& bearers) {
-  const SegmentTree segments(bearers, std::vector<int32_t>(bearers.size(), 0), 0.0f);
-  double standing = 0.0;
+/// Fraction of the branches whose root touches one of `parents`, except at its root.
+double growing_share(const std::vector<Branch>& branches, const std::vector<Branch>& parents) {
+  const SegmentTree segments(parents, std::vector<int32_t>(parents.size(), 0), 0.0f);
+  double growing = 0.0;
   for (const Branch& branch : branches) {
     const NearestSegment found = segments.nearest(branch.points.front(), 1, Measure::kDistance);
-    standing += found.branch >= 0 && found.distance <= found.radius + branch.radii.front() &&
-                        found.point != bearers[found.branch].points.front()
-                    ? 1.0
-                    : 0.0;
+    growing += found.branch >= 0 && found.distance <= found.radius + branch.radii.front() &&
+                       found.point != parents[found.branch].points.front()
+                   ? 1.0
+                   : 0.0;
   }
-  return standing / static_cast<double>(std::max<size_t>(branches.size(), 1));
+  return growing / static_cast<double>(std::max<size_t>(branches.size(), 1));
 }
 
 /// Swaps neighbours in `order` if the first grows on the second.
-void put_bearers_first(const std::vector<std::string>& names, const std::vector<Branch>& branches,
+void put_parents_first(const std::vector<std::string>& names, const std::vector<Branch>& branches,
                        const std::vector<int32_t>& branch_cluster, std::vector<int32_t>& order) {
   if (order.size() > kMostRanked) return;
   std::vector<std::vector<Branch>> members(names.size());
@@ -133,7 +133,7 @@ void put_bearers_first(const std::vector<std::string>& names, const std::vector<
       const std::vector<Branch>& first = members[order[i]];
       const std::vector<Branch>& second = members[order[i + 1]];
       if (numbered_alike(order[i], order[i + 1]) ||
-          standing_share(first, second) <= standing_share(second, first) + kClearlyStanding) {
+          growing_share(first, second) <= growing_share(second, first) + kClearlyGrowing) {
         continue;
       }
       std::swap(order[i], order[i + 1]);
@@ -253,7 +253,7 @@ std::vector<int32_t> rank_levels(const std::vector<std::string>& cluster_names,
     });
     for (size_t i = 0; i < places.size(); ++i) order[places[i]] = family[i];
   }
-  put_bearers_first(cluster_names, branches, branch_cluster, order);
+  put_parents_first(cluster_names, branches, branch_cluster, order);
   std::stable_partition(order.begin(), order.end(),
                         [&](int32_t c) { return is_trunk(cluster_names[c]); });
   std::vector<int32_t> level(count);

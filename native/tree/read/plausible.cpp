@@ -41,26 +41,26 @@ bool is_block(const Branch& branch) {
 }
 
 /// Vector from end to end of a straight branch; else zero.
-glm::vec3 straight_way(const Branch& branch) {
-  const glm::vec3 way = branch.points.back() - branch.points.front();
-  return polyline_length(branch.points) <= (1.0f + kBend) * glm::length(way) ? way
-                                                                             : glm::vec3(0.0f);
+glm::vec3 straight_vector(const Branch& branch) {
+  const glm::vec3 vector = branch.points.back() - branch.points.front();
+  return polyline_length(branch.points) <= (1.0f + kBend) * glm::length(vector) ? vector
+                                                                                : glm::vec3(0.0f);
 }
 
 /// Number of branches that are straight along the longest one, the longest perpendicular to it, or
 /// perpendicular to both.
 size_t count_framed(const std::vector<Branch>& branches) {
-  std::vector<glm::vec3> ways;
+  std::vector<glm::vec3> vectors;
   for (const Branch& branch : branches) {
-    const glm::vec3 way = straight_way(branch);
-    if (glm::length(way) > 0.0f) ways.push_back(way);
+    const glm::vec3 vector = straight_vector(branch);
+    if (glm::length(vector) > 0.0f) vectors.push_back(vector);
   }
-  std::sort(ways.begin(), ways.end(),
+  std::sort(vectors.begin(), vectors.end(),
             [](const glm::vec3& a, const glm::vec3& b) { return glm::length(a) > glm::length(b); });
   std::vector<glm::vec3> axes;
   size_t framed = 0;
-  for (const glm::vec3& way : ways) {
-    const glm::vec3 direction = glm::normalize(way);
+  for (const glm::vec3& vector : vectors) {
+    const glm::vec3 direction = glm::normalize(vector);
     const auto along = [&](const glm::vec3& axis) {
       return glm::length(glm::cross(axis, direction)) <= kOffAngle;
     };

@@ -43,7 +43,7 @@ void ConeChain::add(std::span<const TubeSection> sections) {
   for (size_t i = 0; i + 1 < sections.size(); ++i) {
     cones_.push_back(Cone::between(sections[i].centre, sections[i].radius, sections[i + 1].centre,
                                    sections[i + 1].radius));
-    ways_.push_back(ways_.back() + glm::length(cones_.back().along));
+    lengths_.push_back(lengths_.back() + glm::length(cones_.back().along));
   }
 }
 
@@ -93,17 +93,17 @@ void ConeChain::take_nearer(const glm::dvec3& p, size_t begin, size_t end, bool 
 }
 
 size_t ConeChain::end_within(size_t from, double length) const {
-  const auto end = std::lower_bound(ways_.begin() + static_cast<std::ptrdiff_t>(from),
-                                    ways_.end() - 1, ways_[from] + length);
-  return static_cast<size_t>(end - ways_.begin());
+  const auto end = std::lower_bound(lengths_.begin() + static_cast<std::ptrdiff_t>(from),
+                                    lengths_.end() - 1, lengths_[from] + length);
+  return static_cast<size_t>(end - lengths_.begin());
 }
 
 size_t ConeChain::begin_within(size_t from, double length) const {
   // Backwards, the distance to a cone is that to its end.
-  const auto first =
-      std::upper_bound(ways_.begin() + 1, ways_.begin() + static_cast<std::ptrdiff_t>(from) + 1,
-                       ways_[from] - length);
-  return static_cast<size_t>(first - ways_.begin()) - 1;
+  const auto first = std::upper_bound(lengths_.begin() + 1,
+                                      lengths_.begin() + static_cast<std::ptrdiff_t>(from) + 1,
+                                      lengths_[from] - length);
+  return static_cast<size_t>(first - lengths_.begin()) - 1;
 }
 
 ConeRun ConeRun::around(std::shared_ptr<const ConeChain> chain, size_t at, double length) {

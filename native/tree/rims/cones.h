@@ -63,7 +63,7 @@ class ConeChain {
 
   std::vector<Cone> cones_;
   /// Arc length at each cone and, last, at the end.
-  std::vector<double> ways_{0.0};
+  std::vector<double> lengths_{0.0};
   /// One for every kRun cones, from the first on.
   std::vector<Ball> balls_;
 };

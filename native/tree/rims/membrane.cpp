@@ -16,7 +16,7 @@ constexpr int kFirstSweeps = 25;
 constexpr int kSweeps = 8;
 constexpr double kOverRelaxation = 1.5;
 /// Vertices that move with a rim are attracted to their place, with the square of the distance
-/// relative to the rim's reach: hardly beside the rim, where they must make way, and at the reach
+/// relative to the rim's reach: hardly beside the rim, where they must move, and at the reach
 /// as strongly as by a neighbour at this fraction of it. Without this, the whole limb would rotate
 /// with the rim up to the reach, and back within a single row.
 constexpr double kFade = 0.25;
@@ -26,13 +26,13 @@ constexpr int kSpreads = 12;
 constexpr int kMostAhead = 1;
 /// Maximum number of times that rims are stopped within a step before turned faces are stopped
 /// themselves.
-constexpr int kMostHolds = 4;
+constexpr int kMostStops = 4;
 
 /// Number of steps until the rims reach their targets.
 int count_steps(std::span<const RimReach> rims) {
   double steps = 0.0;
   for (const RimReach& reach : rims) {
-    steps = std::max(steps, reach.way / std::max(kStep * reach.spread, 1e-30));
+    steps = std::max(steps, reach.farthest / std::max(kStep * reach.spread, 1e-30));
   }
   return std::clamp(static_cast<int>(std::ceil(steps)), 0, kMostSteps);
 }
@@ -60,7 +60,7 @@ class Membrane {
   void move(std::vector<double>& shares) {
     patch_.spread(kSpreads);
     for (int step = 0; step < steps_; ++step) {
-      weigh();
+      set_weights();
       take_step(step == 0 ? kFirstSweeps : kSweeps);
     }
     for (size_t i = 0; i < rim_count_; ++i) {
@@ -73,23 +73,23 @@ class Membrane {
   /// Closer neighbours pull more: small faces are the stiffest, and large ones absorb the movement.
   /// But a limb's rotation shows from row to row, for rows of any length: around the limb, vertices
   /// beyond the reach pull as if they were no farther than half the hole.
-  void weigh() {
+  void set_weights() {
     weights_.clear();
-    held_.clear();
+    attraction_.clear();
     for (const MembraneNode& node : nodes_) {
       if (node.rim) continue;
       const RimReach& reach = patch_.reach(node);
       const double away = std::min(reach.from_centre(patch_.place(node.vertex)), reach.radius);
-      const double hold = away / std::max(kFade * reach.radius * reach.radius, 1e-30);
-      held_.push_back(hold * hold);
+      const double pull = away / std::max(kFade * reach.radius * reach.radius, 1e-30);
+      attraction_.push_back(pull * pull);
       const double quarter = reach.quarter_length;
       for (const int32_t other : neighbours_.of(node.vertex)) {
-        const glm::dvec2 way = difference(patch_.place(node.vertex), patch_.place(other));
-        const double x = way.x * quarter;
+        const glm::dvec2 offset = difference(patch_.place(node.vertex), patch_.place(other));
+        const double x = offset.x * quarter;
         const double y =
-            patch_.local(other) < 0 ? std::min(std::abs(way.y), reach.most_ahead) : way.y;
+            patch_.local(other) < 0 ? std::min(std::abs(offset.y), reach.most_ahead) : offset.y;
         weights_.emplace_back(1.0 / std::max(x * x + y * y, 1e-30),
-                              1.0 / std::max(x * x + way.y * way.y, 1e-30));
+                              1.0 / std::max(x * x + offset.y * offset.y, 1e-30));
       }
     }
   }
@@ -106,7 +106,7 @@ class Membrane {
       for (size_t i = rim_count_; i < nodes_.size(); ++i) {
         MembraneNode& node = nodes_[i];
         glm::dvec2 sum(0.0);
-        glm::dvec2 weights(held_[i - rim_count_]);
+        glm::dvec2 weights(attraction_[i - rim_count_]);
         for (const int32_t v : neighbours_.of(node.vertex)) {
           const int32_t other = patch_.local(v);
           const glm::dvec2& w = weights_[weight++];
@@ -123,9 +123,9 @@ class Membrane {
     for (MembraneNode& node : nodes_) node.relaxed = node.velocity;
   }
 
-  /// A rim's vertices wait for their neighbours and for its slowest, otherwise vertices would
-  /// overrun those that are held back.
-  void wait() {
+  /// Stops vertices of a rim that are ahead of their neighbours or of the rim's slowest vertex, so
+  /// that they do not pass stopped ones.
+  void limit_lead() {
     std::vector<int> slowest(reaches_.size(), steps_);
     for (size_t i = 0; i < rim_count_; ++i) {
       int& least = slowest[nodes_[i].junction];
@@ -135,19 +135,19 @@ class Membrane {
       MembraneNode& node = nodes_[i];
       const RimReach& reach = patch_.reach(node);
       const int behind = std::min(nodes_[node.before].gone, nodes_[node.after].gone);
-      const double ahead = (node.gone - slowest[node.junction]) * reach.way / steps_;
+      const double ahead = (node.gone - slowest[node.junction]) * reach.farthest / steps_;
       node.stopped = node.gone > behind + kMostAhead || ahead > reach.most_ahead;
     }
   }
 
   void take_step(int sweeps) {
-    wait();
-    for (int hold = 0;; ++hold) {
+    limit_lead();
+    for (int stops = 0;; ++stops) {
       relax(sweeps);
       patch_.find_turned();
-      patch_.even_out();
-      if (patch_.turned().empty() || hold == kMostHolds) break;
-      patch_.hold_rims();
+      patch_.relax_turned();
+      if (patch_.turned().empty() || stops == kMostStops) break;
+      patch_.stop_rims();
     }
     patch_.stop_turned();
     for (size_t i = 0; i < rim_count_; ++i) nodes_[i].gone += nodes_[i].stopped ? 0 : 1;
@@ -163,7 +163,7 @@ class Membrane {
   /// Weights of neighbours, around the limb and along it, and of the attraction to free vertices'
   /// places.
   std::vector<glm::dvec2> weights_;
-  std::vector<double> held_;
+  std::vector<double> attraction_;
 };
 
 }  // namespace

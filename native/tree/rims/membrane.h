@@ -22,7 +22,7 @@ struct RimReach {
   double radius = 0.0;
   double quarter_length = 1.0;
   /// Distance of the rim's point that moves farthest.
-  double way = 0.0;
+  double farthest = 0.0;
   /// Maximum lead in metres of a point over the rim's slowest: half of the hole, otherwise the hole
   /// would turn inside out.
   double most_ahead = 0.0;
@@ -31,9 +31,9 @@ struct RimReach {
   /// Vertices up to this many edges from the rim are spread out.
   int spread_depth = 0;
 
-  double metres(const glm::dvec2& way) const {
-    const double x = way.x * quarter_length;
-    return std::sqrt(x * x + way.y * way.y);
+  double metres(const glm::dvec2& offset) const {
+    const double x = offset.x * quarter_length;
+    return std::sqrt(x * x + offset.y * offset.y);
   }
   double from_centre(const TubePlace& place) const { return metres(difference(centre, place)); }
 };

@@ -10,7 +10,7 @@ namespace {
 constexpr double kLeastArea = 0.04;
 /// Number of times that corners of turned faces move to their neighbours' mean before the rims
 /// around them are stopped, and fraction of the distance per time.
-constexpr int kEvenings = 10;
+constexpr int kRelaxations = 10;
 constexpr double kEvening = 0.6;
 
 double cross(const glm::dvec2& a, const glm::dvec2& b) {
@@ -124,7 +124,7 @@ void MembranePatch::spread(int sweeps) {
     }
   }
   find_turned();
-  even_out();
+  relax_turned();
   stop_turned();
   finish_step();
 }
@@ -159,9 +159,9 @@ void MembranePatch::find_turned() {
   }
 }
 
-void MembranePatch::even_out() {
+void MembranePatch::relax_turned() {
   std::vector<int32_t> vertices, faces;
-  for (int pass = 0; pass < kEvenings && !turned_.empty(); ++pass) {
+  for (int pass = 0; pass < kRelaxations && !turned_.empty(); ++pass) {
     vertices.clear();
     ++mark_;
     const auto take = [&](int32_t v) {
@@ -201,15 +201,15 @@ bool MembranePatch::to_middle(int32_t vertex) {
   glm::dvec2 sum(0.0);
   double count = 0.0;
   for (const int32_t v : neighbours_.of(vertex)) {
-    const glm::dvec2 way = difference(now, moved(v));
-    sum += way * std::min(1.0, reach.spread / std::max(reach.metres(way), 1e-30));
+    const glm::dvec2 offset = difference(now, moved(v));
+    sum += offset * std::min(1.0, reach.spread / std::max(reach.metres(offset), 1e-30));
     count += 1.0;
   }
   if (count > 0.0) node.velocity += sum * (kEvening / count);
   return true;
 }
 
-void MembranePatch::hold_rims() {
+void MembranePatch::stop_rims() {
   for (const int32_t f : turned_) {
     for (const int32_t v : unrolled_.quads[f]) {
       if (local_of_[v] >= 0 && nodes[local_of_[v]].rim) nodes[local_of_[v]].stopped = true;

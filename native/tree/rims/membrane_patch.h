@@ -54,10 +54,10 @@ class MembranePatch {
   const std::vector<int32_t>& turned() const { return turned_; }
 
   /// Moves the free corners of turned faces to the middle of their neighbours.
-  void even_out();
+  void relax_turned();
 
   /// Stops the rims' vertices at turned faces.
-  void hold_rims();
+  void stop_rims();
 
   /// Stops all corners of faces that still turn over in this step, and of faces that would turn
   /// over because of that.

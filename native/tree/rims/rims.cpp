@@ -93,7 +93,7 @@ class Side {
 
 /// Removes jumps from lengths around a rim, where sides graze the parent: replaces a value by the
 /// median of it and its neighbours if that differs by more than `jump`.
-void take_out_jumps(double jump, std::vector<double>& lengths) {
+void remove_jumps(double jump, std::vector<double>& lengths) {
   const size_t count = lengths.size();
   // A rim of eight points has only its own shape.
   for (size_t pass = 8; pass < 2 * count; pass *= 2) {
@@ -125,24 +125,24 @@ void stretch(const std::vector<double>& least, const std::vector<double>& greate
 /// child.
 void space_evenly(const Fork& fork, const LimbTubes& tubes, Rim& rim) {
   const size_t count = rim.size();
-  std::vector<double> way(count + 1, 0.0);
+  std::vector<double> lengths(count + 1, 0.0);
   for (size_t i = 0; i < count; ++i) {
-    way[i + 1] = way[i] + glm::distance(rim[i].position, rim[(i + 1) % count].position);
+    lengths[i + 1] = lengths[i] + glm::distance(rim[i].position, rim[(i + 1) % count].position);
   }
-  const double around = way[count];
+  const double around = lengths[count];
   if (rim.empty() || around <= 0.0) return;
   double offset = 0.0;
-  for (size_t i = 0; i < count; ++i) offset += way[i] / around - 0.25 * rim[i].quarter;
+  for (size_t i = 0; i < count; ++i) offset += lengths[i] / around - 0.25 * rim[i].quarter;
   offset /= static_cast<double>(count);
   const Rim from(rim);
   for (RimPoint& point : rim) {
     const double share = 0.25 * point.quarter + offset;
     const double rounds = std::floor(share);
     const double place = (share - rounds) * around;
-    const auto above = std::upper_bound(way.begin() + 1, way.end() - 1, place);
-    const auto low = static_cast<size_t>(above - way.begin()) - 1, high = (low + 1) % count;
-    const double step = way[low + 1] - way[low];
-    const double t = step > 0.0 ? (place - way[low]) / step : 0.0;
+    const auto above = std::upper_bound(lengths.begin() + 1, lengths.end() - 1, place);
+    const auto low = static_cast<size_t>(above - lengths.begin()) - 1, high = (low + 1) % count;
+    const double step = lengths[low + 1] - lengths[low];
+    const double t = step > 0.0 ? (place - lengths[low]) / step : 0.0;
     const double next = from[high].quarter + (high == 0 ? 4.0 : 0.0);
     const double quarter = from[low].quarter * (1.0 - t) + next * t + 4.0 * rounds;
     point.turned = quarter - point.quarter;
@@ -173,7 +173,7 @@ void meet_limbs(const Fork& fork, const LimbTubes& tubes, double farthest, Rim& 
     greatest.push_back(std::max(high, inmost));
     lengths.push_back(std::clamp(base, least.back(), greatest.back()));
   }
-  take_out_jumps(kJump * fork.radius, lengths);
+  remove_jumps(kJump * fork.radius, lengths);
   stretch(least, greatest, lengths);
   for (size_t i = 0; i < rim.size(); ++i) {
     rim[i].length = lengths[i];

@@ -14,7 +14,7 @@ namespace {
 
 /// Range of the movement around a rim: a multiple of its farthest point's displacement, plus a
 /// number of the hole's radii.
-constexpr double kReachOfWay = 2.5;
+constexpr double kReachOfMove = 2.5;
 constexpr double kReachOfFork = 2.0;
 /// Vertices up to this many edges from a rim, more for rims with many, move between their
 /// neighbours; neighbours farther than the rim's own edge length, or this many radii of the hole,
@@ -34,13 +34,13 @@ RimReach rim_reach(int32_t junction, const Rim& rim, const Fork& fork, const Lim
   reach.quarter_length = 0.5 * M_PI * tubes.radius(fork.parent_chain, reach.centre.length);
   double extent = 0.0;
   for (const RimPoint& point : rim) {
-    reach.way = std::max(reach.way, reach.metres(difference(point.base, point.target)));
+    reach.farthest = std::max(reach.farthest, reach.metres(difference(point.base, point.target)));
     extent = std::max({extent, reach.from_centre(point.base), reach.from_centre(point.target)});
   }
   reach.spread = std::min(kSpread, 2.0 * M_PI / static_cast<double>(rim.size())) * fork.radius;
   reach.spread_depth = std::max(kSpreadDepth, static_cast<int>(rim.size()) / 6);
   reach.most_ahead = fork.radius;
-  reach.radius = extent + kReachOfWay * reach.way + kReachOfFork * fork.radius;
+  reach.radius = extent + kReachOfMove * reach.farthest + kReachOfFork * fork.radius;
   return reach;
 }
 

@@ -113,7 +113,7 @@ std::vector<std::vector<size_t>> chain_loose_sections(std::span<const CrossSecti
   rows.cut_jumps();
   for (const Link& link : second) rows.link(link);
   rows.cut_jumps();
-  for (int round = 0; round < kFitRounds && rows.change_over(links, planes); ++round) {
+  for (int round = 0; round < kFitRounds && rows.relink(links, planes); ++round) {
     for (const Link& link : all) rows.link(link);
     rows.cut_jumps();
   }

@@ -48,7 +48,7 @@ void Rows::link(const Link& link) {
   length_[link.from][link.from_side] = length_[link.to][link.to_side] = link.length;
 }
 
-bool Rows::change_over(const Links& links, const std::vector<Plane>& planes) {
+bool Rows::relink(const Links& links, const std::vector<Plane>& planes) {
   bool any = false;
   for (size_t i = 0; i < next_.size(); ++i) {
     for (int side = 0; side < 2; ++side) {

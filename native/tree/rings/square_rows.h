@@ -20,7 +20,7 @@ class Rows {
   /// Repairs rows that continue from their own limb into the root of a child, so that the rest of
   /// their limb, which fits better, is left unlinked. Relinks such rows.
   /// @return whether any was changed.
-  bool change_over(const Links& links, const std::vector<Plane>& planes);
+  bool relink(const Links& links, const std::vector<Plane>& planes);
 
   /// Removes links that are far longer than those on both their sides.
   void cut_jumps();

@@ -124,12 +124,12 @@ bool ring_rises(const Hole& hole, const glm::dvec3& centre, const glm::dvec3& no
 /// Whether the straight path from the hole to a joint passes close to the joints in between, from
 /// `first` on, with about the same width.
 bool is_shortcut(const LimbPath& child, const Hole& hole, size_t first, size_t joint) {
-  const glm::dvec3 way = child.points[joint] - hole.centre;
+  const glm::dvec3 offset = child.points[joint] - hole.centre;
   for (size_t i = first; i < joint; ++i) {
     const glm::dvec3 to = child.points[i] - hole.centre;
-    const double t = std::clamp(glm::dot(to, way) / glm::dot(way, way), 0.0, 1.0);
+    const double t = std::clamp(glm::dot(to, offset) / glm::dot(offset, offset), 0.0, 1.0);
     const double corner = hole.corner + (child.corners[joint] - hole.corner) * t;
-    if (glm::distance(to, way * t) + std::abs(corner - child.corners[i]) >
+    if (glm::distance(to, offset * t) + std::abs(corner - child.corners[i]) >
         kLargestShortcut * child.corners[i]) {
       return false;
     }

@@ -90,10 +90,10 @@ void fair(LimbPath& path) {
       const double t = glm::dot(path.points[i] - path.points[i - 1], along) / square;
       const glm::dvec3 wanted =
           path.points[i - 1] + along * std::clamp(t, kFairMargin, 1.0 - kFairMargin);
-      const glm::dvec3 way = path.points[i] + (wanted - path.points[i]) * kFairStep - first[i];
+      const glm::dvec3 vector = path.points[i] + (wanted - path.points[i]) * kFairStep - first[i];
       const double most = kFairStray * path.corners[i];
-      const double length = glm::length(way);
-      path.points[i] = first[i] + (length > most ? way * (most / length) : way);
+      const double length = glm::length(vector);
+      path.points[i] = first[i] + (length > most ? vector * (most / length) : vector);
       moved = true;
     }
     if (!moved) return;

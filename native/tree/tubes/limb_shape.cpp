@@ -59,11 +59,11 @@ LimbShape::LimbShape(const LimbPath& path, const LimbSurface& limb,
   if (!limb.continues_parent && rings_.size() > 1) {
     // The hole is skewed; the limb around it is as round as at its first own ring.
     rings_[0].frame = rings_[1].frame;
-    const glm::dvec3 way = centre(0, 1.0) - centre(0, 0.0);
+    const glm::dvec3 vector = centre(0, 1.0) - centre(0, 0.0);
     const Frame& next = rings_[1].frame;
-    const double length = glm::length(way);
-    hole_twist_ =
-        largest_turn(limb.rings[0], length > 0.0 ? transport(next, way / length) : next, vertices);
+    const double length = glm::length(vector);
+    hole_twist_ = largest_turn(limb.rings[0],
+                               length > 0.0 ? transport(next, vector / length) : next, vertices);
   }
 }
 

@@ -119,9 +119,9 @@ class RowCutter {
   /// How far a child moves along its parent, towards the tip, per unit of height.
   double leaning(const Junction& junction) const {
     const std::vector<Ring>& rings = surface_.limbs[junction.child].rings;
-    const glm::dvec3 way = rings[1].centre - rings[0].centre;
-    const double rise = std::max(glm::dot(way, rings[0].normal), 0.0);
-    const double along = glm::dot(way, surface_.limbs[junction.parent].rings[junction.row].normal);
+    const glm::dvec3 step = rings[1].centre - rings[0].centre;
+    const double rise = std::max(glm::dot(step, rings[0].normal), 0.0);
+    const double along = glm::dot(step, surface_.limbs[junction.parent].rings[junction.row].normal);
     return std::abs(along) < kFlattest * rise ? along / rise : std::copysign(kFlattest, along);
   }
 
@@ -133,12 +133,12 @@ class RowCutter {
       const double length = row_length(surface_.limbs[limb], row);
       RowSamples& samples = wanted[row];
       const size_t count = samples.values.size();
-      double way = 0.0;
-      for (size_t i = 0; i < count && way < reach; ++i) {
+      double passed = 0.0;
+      for (size_t i = 0; i < count && passed < reach; ++i) {
         const size_t k = step > 0 ? i : count - 1 - i;
         const double sample = length * (samples.at[k + 1] - samples.at[k]);
-        samples.values[k] = std::max(samples.values[k], std::min(sample, reach - way) / piece);
-        way += sample;
+        samples.values[k] = std::max(samples.values[k], std::min(sample, reach - passed) / piece);
+        passed += sample;
       }
       reach -= length;
     }

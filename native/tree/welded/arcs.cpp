@@ -105,10 +105,10 @@ class Assembler {
       limb.points.emplace_back(farthest);
     } else {
       const glm::dvec3 last(limb.points.back());
-      const glm::dvec3 way = direction(glm::dvec3(limb.points[limb.points.size() - 2]), last);
-      const double ahead = glm::dot(farthest - last, way);
+      const glm::dvec3 along = direction(glm::dvec3(limb.points[limb.points.size() - 2]), last);
+      const double ahead = glm::dot(farthest - last, along);
       if (ahead <= 0.0) return;
-      limb.points.emplace_back(last + way * ahead);
+      limb.points.emplace_back(last + along * ahead);
     }
     // A cone's last ring is half as far from its tip as the ring before it.
     const size_t count = limb.radii.size();
@@ -141,18 +141,18 @@ class Assembler {
       if (rings == nullptr) continue;
       const std::vector<Contour>& contours = rings->contours;
       const size_t last = contours.size() - 1;
-      const glm::dvec3 way = last >= 1 ? direction(contours[std::min<size_t>(1, last - 1)].centre,
-                                                   contours[std::min<size_t>(4, last)].centre)
-                             : count > 0
-                                 ? direction(glm::dvec3(limb.points.back()), contours[0].centre)
-                                 : glm::dvec3(0.0);
+      const glm::dvec3 along = last >= 1 ? direction(contours[std::min<size_t>(1, last - 1)].centre,
+                                                     contours[std::min<size_t>(4, last)].centre)
+                               : count > 0
+                                   ? direction(glm::dvec3(limb.points.back()), contours[0].centre)
+                                   : glm::dvec3(0.0);
       std::vector<double> areas;
       for (size_t i = 0; i < std::min(kThicknessRings, contours.size()); ++i) {
         areas.push_back(contours[i].area);
       }
       std::nth_element(areas.begin(), areas.begin() + static_cast<ptrdiff_t>(areas.size() / 2),
                        areas.end());
-      const double straight = 0.5 + 0.5 * glm::dot(heading, way);
+      const double straight = 0.5 + 0.5 * glm::dot(heading, along);
       const double score =
           std::sqrt(areas[areas.size() / 2] / M_PI) * std::pow(straight, kStraightness);
       if (score > best_score) {

@@ -13,10 +13,10 @@ namespace snowbough::tree {
 namespace {
 
 /// Progress at which the links are found; and vertices between two progress reports.
-constexpr float kWaysFound = 0.6f;
+constexpr float kLinksFound = 0.6f;
 constexpr size_t kAskEvery = 16384;
 
-struct Way {
+struct Link {
   int32_t from = 0, to = 0;
   double length = 0.0;
 };
@@ -43,11 +43,11 @@ double across_edge(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c
 }
 
 /// Both directions of every link.
-std::vector<Way> find_ways(const LocalMesh& mesh, const std::vector<LocalTriangle>& triangles) {
-  std::vector<Way> ways;
+std::vector<Link> find_links(const LocalMesh& mesh, const std::vector<LocalTriangle>& triangles) {
+  std::vector<Link> links;
   const auto add = [&](int32_t a, int32_t b, double length) {
-    ways.push_back({a, b, length});
-    ways.push_back({b, a, length});
+    links.push_back({a, b, length});
+    links.push_back({b, a, length});
   };
   // Edge, and the corner across.
   std::vector<std::tuple<int32_t, int32_t, int32_t>> sides;
@@ -71,10 +71,10 @@ std::vector<Way> find_ways(const LocalMesh& mesh, const std::vector<LocalTriangl
     }
     i = j;
   }
-  std::sort(ways.begin(), ways.end(), [](const Way& v, const Way& w) {
+  std::sort(links.begin(), links.end(), [](const Link& v, const Link& w) {
     return std::tie(v.from, v.to, v.length) < std::tie(w.from, w.to, w.length);
   });
-  return ways;
+  return links;
 }
 
 }  // namespace
@@ -109,9 +109,9 @@ std::vector<double> geodesic_distances(const LocalMesh& mesh,
                                        std::span<const int32_t> sources,
                                        const base::Progress& progress) {
   base::report_progress(progress, 0.0f);
-  const std::vector<Way> ways = find_ways(mesh, triangles);
+  const std::vector<Link> links = find_links(mesh, triangles);
   std::vector<size_t> begin(mesh.positions.size() + 1, 0);
-  for (const Way& way : ways) ++begin[way.from + 1];
+  for (const Link& link : links) ++begin[link.from + 1];
   for (size_t v = 0; v + 1 < begin.size(); ++v) begin[v + 1] += begin[v];
 
   std::vector<double> distance(mesh.positions.size(), std::numeric_limits<double>::infinity());
@@ -121,8 +121,8 @@ std::vector<double> geodesic_distances(const LocalMesh& mesh,
     distance[v] = 0.0;
     front.emplace(0.0, v);
   }
-  base::report_progress(progress, kWaysFound);
-  const base::Progress walk = base::part_of(progress, kWaysFound, 1.0f);
+  base::report_progress(progress, kLinksFound);
+  const base::Progress walk = base::part_of(progress, kLinksFound, 1.0f);
   size_t reached = 0;
   while (!front.empty()) {
     const auto [at, v] = front.top();
@@ -133,10 +133,10 @@ std::vector<double> geodesic_distances(const LocalMesh& mesh,
           walk, std::min(1.0f, static_cast<float>(reached) / static_cast<float>(distance.size())));
     }
     for (size_t i = begin[v]; i < begin[v + 1]; ++i) {
-      const double there = at + ways[i].length;
-      if (there < distance[ways[i].to]) {
-        distance[ways[i].to] = there;
-        front.emplace(there, ways[i].to);
+      const double there = at + links[i].length;
+      if (there < distance[links[i].to]) {
+        distance[links[i].to] = there;
+        front.emplace(there, links[i].to);
       }
     }
   }

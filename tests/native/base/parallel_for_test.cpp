@@ -26,7 +26,7 @@ TEST(Parallel, EveryBlockIsDoneOnce) {
   }
 }
 
-TEST(Parallel, TheFirstBlockThatFailsIsTold) {
+TEST(Parallel, TheFirstBlockThatFailsIsReported) {
   for (const int threads : {1, 4}) {
     try {
       parallel_for(1000, 1, {threads, {}}, [](size_t begin, size_t) {

@@ -71,13 +71,13 @@ TEST(GpuThread, RefusesAnUnknownDeviceByName) {
 TEST(GpuThread, PostReturnsAtOnceAndHandsErrorsOver) {
   const auto thread = GpuThread::shared();
   std::promise<void> open;
-  std::promise<std::string> told;
+  std::promise<std::string> message;
   std::atomic<int> done{0};
   const auto note = [&](const std::exception_ptr& error) {
     try {
       std::rethrow_exception(error);
     } catch (const std::exception& what) {
-      told.set_value(what.what());
+      message.set_value(what.what());
     }
   };
   thread->post([&] { open.get_future().wait(); }, note);  // would wait for ever, if post did
@@ -85,22 +85,22 @@ TEST(GpuThread, PostReturnsAtOnceAndHandsErrorsOver) {
   EXPECT_EQ(done, 0);
   open.set_value();
   thread->post([] { throw std::runtime_error("broken"); }, note);
-  EXPECT_EQ(told.get_future().get(), "broken");
+  EXPECT_EQ(message.get_future().get(), "broken");
   EXPECT_EQ(done, 1);
 }
 
 TEST(GpuThread, AnErrorOfPostedGlIsHandedOverAndGone) {
   const auto thread = GpuThread::shared();
-  std::promise<std::string> told;
+  std::promise<std::string> message;
   thread->post([] { glEnable(0xFFFF); },
                [&](const std::exception_ptr& error) {
                  try {
                    std::rethrow_exception(error);
                  } catch (const std::exception& what) {
-                   told.set_value(what.what());
+                   message.set_value(what.what());
                  }
                });
-  EXPECT_NE(told.get_future().get().find("0x0500"), std::string::npos);
+  EXPECT_NE(message.get_future().get().find("0x0500"), std::string::npos);
   thread->run([] {});  // throws what is left behind
 }
 

@@ -3,10 +3,10 @@
 #include "gpu/program.h"
 #include "gpu/resources.h"
 
-// A small program for the tests of what runs programs.
+// A small program for tests of the classes that run programs.
 namespace snowbough::gpu {
 
-/// What weighted_rows.comp.glsl reads and writes: row r is the sum of weight[t] * source[place[t]]
+/// Data of weighted_rows.comp.glsl: row r is the sum of weight[t] * source[place[t]]
 /// over t in [begin[r], begin[r + 1]).
 struct WeightedRows {
   const Buffer& begin;

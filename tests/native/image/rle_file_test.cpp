@@ -20,7 +20,7 @@
 namespace snowbough::image {
 namespace {
 
-/// What OpenEXR itself writes.
+/// The file that OpenEXR itself writes.
 std::string by_openexr(const ExrLayout& layout, const std::vector<float>& pixels) {
   const std::string path =
       std::filesystem::temp_directory_path() / ("snowbough_rle_" + std::to_string(::getpid()));
@@ -91,7 +91,7 @@ std::vector<float> mixed_pixels(size_t count) {
 TEST(RleFile, holdsTheHeaderThePlacesAndTheLinesFromTheTop) {
   const std::string path =
       std::filesystem::temp_directory_path() / ("snowbough_rle_file_" + std::to_string(::getpid()));
-  // One float packs no shorter, so that it stands there as it is.
+  // One float does not compress, so that it is stored unpacked.
   const float pixels[] = {1.5f, -2.0f};
   write_rle_file(path, layout_of(1, 2, {"Y"}), "head", pixels);
   const std::string bytes = read_file(path);

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-// What the tests of files share.
+// Shared by the tests of files.
 namespace snowbough::image {
 
 /// A folder of its own per test, removed afterwards.

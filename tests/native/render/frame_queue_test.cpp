@@ -16,7 +16,7 @@ TEST(FrameQueue, onlyOnePumpWaitsAtATime) {
   EXPECT_FALSE(queue.claim_pump());
 }
 
-TEST(FrameQueue, anErrorIsToldOnceAndEndsTheWaiting) {
+TEST(FrameQueue, anErrorIsReportedOnceAndEndsTheWait) {
   FrameQueue queue;
   queue.request(Camera{}, RenderSettings{});
   EXPECT_TRUE(queue.claim_pump());

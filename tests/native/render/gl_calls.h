@@ -7,20 +7,20 @@
 
 namespace snowbough::render {
 
-/// What OpenGL was asked for.
+/// Counts of OpenGL calls.
 struct GlCalls {
-  /// Answers that cannot be given before the GPU is done, or that bring its data to the processor.
+  /// Queries that wait for the GPU, or that copy its data to the processor.
   int32_t read_backs = 0;
-  /// Calls that return when the GPU has got somewhere.
+  /// Calls that wait for a fence of the GPU.
   int32_t waits = 0;
   /// Memory barriers.
   int32_t barriers = 0;
-  /// Bytes handed to buffers that are there.
+  /// Bytes written to existing buffers.
   int64_t uploaded = 0;
 };
 
-/// Stands in libepoxy's pointer to a function of OpenGL while it lives, and tells `Note::of` of
-/// each call before it is made.
+/// While it lives, replaces libepoxy's pointer to a function of OpenGL and calls `Note::of` before
+/// each call.
 template <auto Slot, typename Note, typename Function = std::remove_reference_t<decltype(*Slot)>>
 class Watched;
 
@@ -41,7 +41,7 @@ class Watched<Slot, Note, Result (*)(Arguments...)> {
   }
   static Result call(Arguments... arguments) {
     Note::of(arguments...);
-    // In its own place, because a function that nobody has called yet looks itself up there.
+    // Into the pointer itself: at its first call, libepoxy's function resolves itself there.
     *Slot = real_;
     const struct Again {
       ~Again() { take(); }

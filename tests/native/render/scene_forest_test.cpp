@@ -71,14 +71,14 @@ TEST(SceneForest, instancesLookLikeTreesOfTheirOwn) {
       scene.objects.set_pose(name_of(i), {all[static_cast<size_t>(i)]});
     }
     const auto apart = drawn(scene);
-    const FrameStatistics told = scene.frames.statistics();
+    const FrameStatistics before = scene.frames.statistics();
     for (int32_t i = 0; i < kTrees; ++i) scene.objects.remove(name_of(i));
     add_tree(scene, "tree");
     scene.objects.set_places("tree", all);
     EXPECT_EQ(drawn(scene), apart);
-    EXPECT_EQ(scene.frames.statistics().triangles, told.triangles);
-    EXPECT_EQ(scene.frames.statistics().dropped, told.dropped);
-    EXPECT_GT(told.plain + told.tessellated, kTrees);
+    EXPECT_EQ(scene.frames.statistics().triangles, before.triangles);
+    EXPECT_EQ(scene.frames.statistics().dropped, before.dropped);
+    EXPECT_GT(before.plain + before.tessellated, kTrees);
     scene.objects.remove("tree");
     add_tree(scene, name_of(0));
     for (int32_t i = 1; i < kTrees; ++i) scene.objects.share_tree(name_of(i), name_of(0));

@@ -37,13 +37,13 @@ TEST(SceneFrames, statisticsCountAllPatchesAndNameThePasses) {
     add_both(scene);
     EXPECT_THROW(scene.frames.statistics(), std::runtime_error);
     scene.frames.render(square_camera(), {});
-    const FrameStatistics told = scene.frames.statistics();
+    const FrameStatistics statistics = scene.frames.statistics();
     const auto patches = static_cast<int64_t>(scene.frames.levels("tree").classes.size());
-    EXPECT_EQ(told.dropped + told.plain + told.tessellated, patches);
-    EXPECT_GT(told.tessellated, 0);
-    EXPECT_GE(told.triangles, told.plain);
+    EXPECT_EQ(statistics.dropped + statistics.plain + statistics.tessellated, patches);
+    EXPECT_GT(statistics.tessellated, 0);
+    EXPECT_GE(statistics.triangles, statistics.plain);
     const auto has = [&](const char* name) {
-      return std::any_of(told.passes.begin(), told.passes.end(),
+      return std::any_of(statistics.passes.begin(), statistics.passes.end(),
                          [&](const gpu::PassTime& pass) { return pass.name == name; });
     };
     for (const char* name : {"pose", "edges", "classify", "shadow", "plain", "tessellated"}) {

@@ -106,7 +106,7 @@ TEST(SceneSnow, snowIsTessellatedByTheThesissRuleWhereItLiesOnTop) {
   });
 }
 
-/// Where shaders/lib/snow_surface.h has the snow on the tube's vertex at `rest`.
+/// Position of the snow on the tube's vertex at `rest` by shaders/lib/snow_surface.h.
 glm::vec3 on_snow(const glm::vec3& rest, float thickness, const SnowDepths& depths) {
   const glm::vec3 normal = glm::vec3(lying() * glm::vec4(rest.x, rest.y, 0.0f, 0.0f)) / 0.1f;
   shared::SnowPoint point = shared::point_noise(rest / depths.last);

@@ -85,7 +85,7 @@ struct Bench {
     OcclusionPass().run(scene, projection, tiles.front(), {{0, scene.triangle_count}}, target);
   }
 
-  /// What the tile's own pixels show, row by row, and their depths in metres.
+  /// Surfaces that the tile's own pixels show, row by row, and their depths in metres.
   std::vector<shared::SeenPixel> visible() const { return visible_in(tiles.front()); }
 
   /// The same of a tile that `target` shows.

@@ -5,7 +5,7 @@
 #include "snow/output/smoothing.h"
 #include "snow/seams/seam_table.h"
 
-// Output's stages in their plainest form.
+// Simple reference implementations of the output's stages.
 namespace snowbough::snow {
 
 /// One value an owned texel, smoothed as output is.

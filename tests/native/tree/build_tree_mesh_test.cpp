@@ -12,7 +12,7 @@
 namespace snowbough::tree {
 namespace {
 
-/// Shares that are reported while `work` runs.
+/// Progress that is reported while `work` runs.
 template <typename Work>
 std::vector<float> shares_of(const Work& work) {
   std::vector<float> shares;
@@ -37,7 +37,7 @@ TEST(BuildTreeMesh, ProgressRisesFrom0To1) {
 }
 
 TEST(BuildTreeMesh, StopsAtWhicheverPlaceItIsAskedTo) {
-  // In the surface, its crossings and relief, and the charts: every place that asks is tried.
+  // Cancels at every check: in the surface, its crossings and relief, and the charts.
   const Skeleton skeleton = RandomSkeleton(3).make();
   const size_t places = shares_of([&](const base::Progress& progress) {
                           TreeMeshOptions options;
@@ -59,7 +59,7 @@ TEST(BuildTreeMesh, StopsWhereverItIsAskedToWhileItIsSubdivided) {
   const Skeleton skeleton = RandomSkeleton(3).make();
   TreeMeshOptions options;
   options.lod = 3;
-  // Which blocks' places are asked at follows from the number of threads that take them.
+  // The number of threads determines the blocks that check for cancelling.
   options.threads = 1;
   const std::vector<float> shares = shares_of([&](const base::Progress& progress) {
     TreeMeshOptions asking = options;

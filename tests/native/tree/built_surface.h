@@ -11,7 +11,7 @@
 
 namespace snowbough::tree {
 
-/// A skeleton's surface as it is before relief, and what it was built from.
+/// A skeleton's surface before relief, and its inputs.
 struct Built {
   SurfaceScale scale;
   std::vector<LimbPath> paths;

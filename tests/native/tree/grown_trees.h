@@ -55,7 +55,7 @@ inline std::vector<GrownLimb> grow_limbs(int limbs, int twigs) {
   return tree;
 }
 
-/// Triangles whose vertices and faces come in an order that a seed tells.
+/// Triangles whose vertices and faces come in an order that a seed determines.
 class TriangleSoup {
  public:
   int32_t add_vertex(const glm::vec3& p) {
@@ -102,7 +102,7 @@ class TriangleSoup {
     return write(order, number, triangles);
   }
 
-  /// The same as it was made.
+  /// The limbs as they were made.
   std::string in_order() const {
     std::vector<int32_t> order(vertices_.size());
     std::iota(order.begin(), order.end(), 0);
@@ -255,7 +255,7 @@ inline float outside_tree(const std::vector<GrownLimb>& limbs, const glm::vec3& 
   return std::max(least, -p.z);
 }
 
-/// Every limb is there, on its parent, not farther from its true root than `tolerance` of the
+/// Every limb is found, on its parent, not farther from its true root than `tolerance` of the
 /// parent's radius there, and ends at its tip.
 inline void expect_limbs(const std::vector<GrownLimb>& limbs, const Skeleton& skeleton,
                          float tolerance) {

@@ -141,7 +141,7 @@ TEST_F(ReadTree, ABenchIsNoTree) {
 }
 
 TEST_F(ReadTree, WhatIsNearlyAllNoWoodIsNoTree) {
-  // The body alone would be refused; two horns make no tree of it.
+  // The body alone is refused; with two horns it is still not a tree.
   std::vector<GrownLimb> body{{-1, {-1, 0, 1.5f}, {1, 0, 1.5f}, 0.6f}};
   for (const float x : {-0.8f, 0.5f}) body.push_back({0, {x, 0, 1.3f}, {x, 0, 0}, 0.2f});
   const auto field = [&](const glm::vec3& p) { return outside_tree(body, p); };
@@ -169,7 +169,7 @@ TEST_F(ReadTree, ATableAndALadderAreNoTrees) {
 }
 
 TEST_F(ReadTree, BarsAtOtherAnglesMayBeATree) {
-  // As a generator draws it that knows no taper.
+  // As drawn by a generator without taper.
   TriangleSoup tree;
   bar({0, 0, 0}, {0, 0, 3}, 0.1f, tree);
   for (int i = 0; i < 6; ++i) {
@@ -203,7 +203,7 @@ TEST_F(ReadTree, WoodThatIsLeftOutIsReportedWithItsShareOfTheArea) {
 }
 
 TEST_F(ReadTree, LevelsFollowWhoStandsOnWhomNotSize) {
-  // The limbs are longer and thicker than what bears them.
+  // The limbs are longer and thicker than their parents.
   for (const auto& [trunk, limbs] : {std::pair("trunk", "branch"), std::pair("part_a", "part_b")}) {
     TreeText text;
     text.line(std::string("g ") + trunk + "1");

@@ -111,7 +111,7 @@ TEST_F(ReadTree, SquaresAreNotTakenForTubesOfLooseFaces) {
   expect_tree(read(without_common_vertices(text.text())), "SQUARES_PER_GROUP");
 }
 
-TEST_F(ReadTree, LeavesWithoutAnyNamesAreToldByTheirShape) {
+TEST_F(ReadTree, LeavesWithoutAnyNamesAreRecognisedByTheirShape) {
   TreeText text;
   text.tree(false, [](int, int) { return ""; });
   for (int i = 0; i < 5; ++i) text.leaf({0.5f, 0.1f, 2.6f + 0.01f * i}, {0.1f, 0.2f, 0});

@@ -135,8 +135,8 @@ class RandomSkeleton {
   std::vector<Branch> branches_;
 };
 
-/// A branch of one radius but for its tip, which is half as thick; of a level that nobody has found
-/// yet.
+/// A branch of one radius but for its tip, which is half as thick; whose level is not
+/// yet known.
 inline Branch tapering(std::string name, std::vector<glm::vec3> points, float radius) {
   Branch branch;
   branch.name = std::move(name);

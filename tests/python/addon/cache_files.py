@@ -5,7 +5,7 @@ from snowbough.cache import files, manifest
 
 
 def written(shot="s", frames=(1, 2), complete=True, cache="", **snowfall):
-    """What a manifest says of a bake of the frames first to last."""
+    """The manifest of a bake of the frames first to last."""
     snowfall = {
         "frame_start": frames[0],
         "frame_end": frames[-1],

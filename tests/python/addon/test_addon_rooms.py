@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The add-on's rooms: imports run one way between them and never in a circle, and what needs no Blender needs none.
+"""The add-on's rooms: imports have one direction and no cycles, and modules without Blender do not import it.
 
-Nothing is imported to find out: the imports are read from the files.
+The imports are read from the files, without importing them.
 """
 
 import ast
@@ -195,7 +195,7 @@ def upward(imports, rooms):
 
 
 def circles(imports):
-    """A text for each import that closes a circle of modules."""
+    """A text for each import that closes a cycle of modules."""
     graph = {}
     for one in imports:
         if one.imported not in BLENDERS:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether the surfaces of a stopped bake are worth their time."""
+"""Whether a stopped bake still computes its surfaces."""
 
 from snowbough.bake.job import takes_longer_than
 

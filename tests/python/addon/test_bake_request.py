@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings on their way into a simulation and a manifest (snowbough.bake.request, .simulation), without Blender."""
+"""Settings as passed to a simulation and a manifest (snowbough.bake.request, .simulation), without Blender."""
 
 import math
 from dataclasses import replace

@@ -94,7 +94,7 @@ def test_checkpoints_between_the_regular_ones_go_once_passed(tmp_path):
 
 
 def test_a_state_without_its_sidecar_is_never_left(tmp_path):
-    """Such a checkpoint would be damaged; a sidecar alone is none."""
+    """Such a checkpoint would be damaged; a sidecar alone is not a checkpoint."""
     (tmp_path / "state_0004").mkdir()  # which is no file and cannot be removed
     (tmp_path / "state_0004.json").touch()
     with pytest.raises(OSError):

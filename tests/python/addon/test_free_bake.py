@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Free Bake removes what its own manifests list, and nothing else; whose cache a folder is (without Blender)."""
+"""Free Bake removes only the files in its own manifests; the owner of a cache folder (without Blender)."""
 
 import os
 
@@ -165,7 +165,7 @@ def test_a_new_bake_goes_round_what_no_bake_has_made(tmp_path):
     assert versions.resumable_version(tmp_path, ["a"]) == (None, [])
 
 
-# -- whose it is ----------------------------------------------------------------------------------------
+# -- owners --------------------------------------------------------------------------------------------
 
 
 @pytest.fixture

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the engines' hand-over does without Blender (snowbough.gltf): images, thinning, and files that keep the
-specification's rules (tests/support/glb.py reads them back)."""
+"""The export to glTF without Blender (snowbough.gltf): images, thinning, and files that conform to the specification
+(tests/support/glb.py reads them back)."""
 
 import json
 from dataclasses import replace
@@ -222,7 +222,7 @@ def test_points_of_a_cell_become_one():
     assert len(merged) <= 36 and len(found) < 72
     corner = merged[found].astype(float)
     across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    assert (across[:, 2] > 0).all()  # none is turned over
+    assert (across[:, 2] > 0).all()  # none is flipped
     assert across[:, 2].sum() / 2 == pytest.approx(0.8, abs=0.25)
     assert len({tuple(sorted(t)) for t in found.tolist()}) == len(found)
     assert thinning.clustered(points, quads, 0.0) == (points, quads)
@@ -438,7 +438,7 @@ def test_compressed_rows_come_back(count, stride, spread):
 
 
 def same_triangles(a, b):
-    """Whether triangles (T, 3) are equal up to the corner at which they begin."""
+    """Whether triangles (T, 3) are equal up to cyclic order of corners."""
     turned = [np.array([np.roll(t, -t.argmin()) for t in one]) for one in (a, b)]
     return np.array_equal(*turned)
 
@@ -528,7 +528,7 @@ def some_cards():
 def test_cards_replace_the_parts_and_the_snow(tmp_path):
     tree = some_tree()
     tree.parts.append(tree_data.Part("leaves", [leaves_surface(4)] * 2, [tree_data.Material("leaf")]))
-    tree.heaps.append(tree_data.Heap("snow", np.eye(3, dtype=np.float32), np.array([(0, 1, 2)])))
+    tree.snow_meshes.append(tree_data.SnowMesh("snow", np.eye(3, dtype=np.float32), np.array([(0, 1, 2)])))
     tree.cards = some_cards()
     for read in small(tmp_path, tree):
         bark, leaves, snow = (read.lods(read.node(name)) for name in ("cube_LOD0", "leaves_LOD0", "snow"))
@@ -558,7 +558,7 @@ def test_what_is_no_number_is_refused():
 
 
 def test_the_reader_sees_what_is_wrong(tmp_path):
-    """The rules can fail: a file with one number changed breaks the one that is meant."""
+    """Each rule detects errors: a file with one changed number breaks it."""
     path = tmp_path / "t.gltf"
     tree_file.build(some_tree()).write_separate(path)
 

@@ -1,4 +1,4 @@
-"""Where the add-on finds its native module, and what it says where there is none."""
+"""Where the add-on finds its native module, and its message without one."""
 
 import importlib.machinery
 import importlib.util
@@ -30,7 +30,7 @@ def native(tmp_path, monkeypatch):
 
 @pytest.fixture
 def folder(native, tmp_path, monkeypatch):
-    """The folder that is looked into first."""
+    """The folder that is searched first."""
     folder = tmp_path / "modules"
     folder.mkdir()
     monkeypatch.setenv(native.ENVIRONMENT_VARIABLE, str(folder))

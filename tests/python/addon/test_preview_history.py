@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the live preview remembers of the frames that it has played (snowbough.preview.history), without Blender."""
+"""Frames that the live preview stores (snowbough.preview.history), without Blender."""
 
 from dataclasses import dataclass, field
 
@@ -11,7 +11,7 @@ MAP = 16 * 16 * 4
 
 @dataclass
 class Pose:
-    """A scene.pose.ScenePose, as far as memory looks at it."""
+    """A scene.pose.ScenePose with the attributes that count memory."""
 
     objects: dict = field(default_factory=dict)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The live preview's shader is GLSL by the reference compiler's reading, with the declarations that Blender adds."""
+"""The reference compiler accepts the live preview's shader with the declarations that Blender adds."""
 
 import shutil
 import subprocess
@@ -13,7 +13,7 @@ BYTES = {"FLOAT": 4, "VEC4": 16, "MAT4": 64}
 
 
 def declarations(stage):
-    """What Blender writes above a stage's source."""
+    """The text that Blender inserts before a stage's source."""
     yield "#version 450 core"
     for name, value in interface.INPUTS["defines"]:
         yield f"#define {name} {value}"

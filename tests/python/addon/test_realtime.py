@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The room `realtime` without Blender: what is handed to the renderer, light, the pace of a viewport, frames."""
+"""The room `realtime` without Blender: calls of the renderer, light, the frame rate of a viewport, frames."""
 
 import math
 
@@ -9,7 +9,7 @@ from snowbough.realtime import frame_code, lights, pacing, records, sync
 
 
 class Recorder:
-    """Stands for a native Renderer: notes the calls and the names in them."""
+    """A mock of a native Renderer: records the calls and their names."""
 
     def __init__(self):
         self.calls = []
@@ -143,9 +143,10 @@ def test_snow_on_a_tree_comes_changes_stays_and_goes_with_the_tree(renderer):
 
 
 def test_a_tree_is_given_its_barks_images(renderer):
-    coat = records.Coat(np.zeros((1, 4, 2), np.float32), np.zeros(1, np.int32), (records.Paint((1, 1, 1)),))
+    paints = (records.Paint((1, 1, 1)),)
+    bark_images = records.BarkImages(np.zeros((1, 4, 2), np.float32), np.zeros(1, np.int32), paints)
     of = tree()
-    of.coat = coat
+    of.bark_images = bark_images
     keeper = sync.Sync(renderer)
     keeper.update(records.Scene([], [of]))
     assert renderer.take() == [("add_tree", "t"), ("set_bark", "t"), ("set_pose", "t")]
@@ -169,7 +170,7 @@ def test_trees_that_look_the_same_share_a_base(renderer):
     ]
     keeper.update(records.Scene([], [tree("b", pose=1.0), tree("c", print_="q"), tree("d")]))
     assert renderer.take() == [("remove", "a"), ("share_tree", "d"), ("set_pose", "d")]
-    # A tree that gets leaves of its own no longer shares.
+    # A tree that gets its own leaves no longer shares data.
     leafed = tree("d", leaves=one_leaf(), leaves_print="l")
     keeper.update(records.Scene([], [tree("b", pose=1.0), tree("c", print_="q"), leafed]))
     assert renderer.take() == [("remove", "d"), ("add_tree", "d"), ("set_leaves", "d"), ("set_pose", "d")]

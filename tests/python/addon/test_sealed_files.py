@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Damaged manifests, inputs and sidecars are refused in words, never half understood (without Blender)."""
+"""Damaged manifests, inputs and sidecars are refused with a message, never partly read (without Blender)."""
 
 import base64
 import os

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The files of snow surfaces (snowbough.surface): recorded, computed from the cache alone, refused where they are
-damaged, and as before where an update stops. Without Blender."""
+"""The files of snow surfaces (snowbough.surface): recorded, computed from the cache alone, refused if damaged, and
+unchanged if an update stops. Without Blender."""
 
 import contextlib
 import os

@@ -145,13 +145,13 @@ def some_tree():
         tree_data.Part("tree bark", [bark], [tree_data.Material("bark")]),
         tree_data.Part("leaves", [quads_surface(leaves(40))], [leaf]),
     ]
-    heaps = [tree_data.Heap("tree bark_snow", np.eye(3, dtype=np.float32), np.array([(0, 1, 2)]))]
+    snow_meshes = [tree_data.SnowMesh("tree bark_snow", np.eye(3, dtype=np.float32), np.array([(0, 1, 2)]))]
     motion = tree_data.Motion(np.linspace(0.0, 2.0, 5), turns)
-    return tree_data.Tree("a tree", JOINTS, parts, 2, heaps=heaps, motion=motion)
+    return tree_data.Tree("a tree", JOINTS, parts, 2, snow_meshes=snow_meshes, motion=motion)
 
 
 def complaints(pxr, path):
-    """What USD's own checks find."""
+    """The errors that USD's validators find."""
     try:
         from pxr import UsdValidation
     except ImportError:  # before 24.11

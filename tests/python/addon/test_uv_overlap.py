@@ -26,7 +26,7 @@ def test_neighbouring_triangles_share_no_cell():
 
 def test_half_overlapping_squares_are_found():
     triangles = square(0.0, 0.0, 0.5) + square(0.25, 0.0, 0.5)
-    # 0.5 x 0.25 of the 0.5 x 0.75 that are drawn are claimed twice.
+    # 0.5 x 0.25 of the covered 0.5 x 0.75 overlap.
     assert uv_overlap.overlap_share(triangles) == pytest.approx(1 / 3, abs=1e-3)
 
 

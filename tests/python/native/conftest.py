@@ -1,4 +1,4 @@
-"""Tests of what snow does run on both engines."""
+"""Runs the tests of snow on both engines."""
 
 import pytest
 from snow_fall import ENGINE
@@ -24,7 +24,7 @@ def pytest_generate_tests(metafunc):
 
 @pytest.fixture
 def engine(request):
-    """Simulations of the test have this engine where they ask for none."""
+    """Sets the engine of the test's simulations that name none."""
     before = ENGINE.set(request.param)
     yield request.param
     ENGINE.reset(before)

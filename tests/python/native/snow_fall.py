@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Snow on one mesh, for the tests of how much lies where."""
+"""Snow on one mesh, for tests of its distribution."""
 
 from contextvars import ContextVar
 
@@ -10,7 +10,7 @@ from snow_meshes import STAYS
 DOWN = (0.0, 0.0, -1.0)
 
 
-# The engine of simulations that ask for none.
+# The engine of simulations that name none.
 ENGINE = ContextVar("engine", default="AUTO")
 
 

@@ -126,7 +126,7 @@ def projected(positions, faces):
             np.cross(corners[k] - corners[0], corners[k + 1] - corners[0]) for k in range(1, len(face) - 1)
         )
         axis = int(np.argmax(np.abs(normal)))
-        # What looks up or down by less than its side is seen from the side, as a limit of 66 degrees has it.
+        # Faces that are steeper than 66 degrees are projected from a side.
         level = np.abs(normal[:2]).max()
         if axis == 2 and level > np.cos(np.radians(66.0)) * np.linalg.norm(normal) * 0.7 and len(face) < 5:
             axis = int(np.argmax(np.abs(normal[:2])))

@@ -41,7 +41,7 @@ def sphere(radius=0.5, around=48, rings=24):
 
 
 def turned_over(mesh):
-    """The mesh with its triangles the other way round, so that its back is where its front was."""
+    """The mesh with flipped triangles: front and back swap."""
     positions, triangles, uv = mesh
     return positions, triangles[:, ::-1].copy(), uv[:, ::-1].copy()
 

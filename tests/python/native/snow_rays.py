@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ray casting with numpy, to know by another way than the core's where parallel snow arrives.
+"""Ray casting with numpy: an independent reference of where parallel snow lands.
 
 Rays are parallel, so triangles and origins are projected along them onto a plane and binned there: an exact
 answer for every point, in a few seconds for a million points.
@@ -139,8 +139,8 @@ def fragment_samples(table, uv, resolution, which, per_edge):
 
 
 def lit_shares(table, mesh, resolution, which, scene, direction, margin, per_edge):
-    """Which part of its surface rays reach, for every texel of `which`, by per_edge x per_edge rays on the
-    texel's square: shares of the owned texels (N,), 0 for others; and how many rays each was asked with."""
+    """The fraction of its surface that rays reach, for every texel of `which`, by per_edge x per_edge rays on
+    the texel's square: fractions of the owned texels (N,), 0 for others; and the number of rays of each."""
     positions, triangles, uv = mesh
     owned, triangle, b, c = fragment_samples(table, uv, resolution, which, per_edge)
     total, lit = (np.zeros(len(table["texel"])) for _ in range(2))

@@ -1,4 +1,4 @@
-"""The light on bark: no frames around the holes of forks, no dashes along furrows, no sun behind the limb."""
+"""The light on bark: no outlines around the holes of forks, no dashes along furrows, no sunlight behind the limb."""
 
 import numpy as np
 import pytest

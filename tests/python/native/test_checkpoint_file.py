@@ -1,4 +1,4 @@
-"""The one form of checkpoint: what is read is what was written, to the last bit, or nothing."""
+"""The checkpoint's format: reading returns the written bits, or an error."""
 
 import numpy as np
 import pytest

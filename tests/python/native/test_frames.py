@@ -1,5 +1,5 @@
-"""The renderer as a viewport uses it: cameras by matrices, meshes with images, linear light, and frames that nobody
-waits for."""
+"""The renderer as a viewport uses it: cameras by matrices, meshes with images, linear light, and asynchronous
+frames."""
 
 import time
 
@@ -242,7 +242,7 @@ def test_a_trees_arrays_make_the_same_tree(renderer):
 
 
 def newest(renderer, ticket, seconds=30):
-    """The frame with that ticket, taken as it arrives."""
+    """Polls until the frame with that ticket arrives."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         frame = renderer.take_frame()

@@ -1,4 +1,4 @@
-"""The native renderer draws what it drew before (tests/support/golden.py)."""
+"""The native renderer's pictures equal the stored ones (tests/support/golden.py)."""
 
 import sys
 from pathlib import Path

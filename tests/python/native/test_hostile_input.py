@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Input that is no input: the module answers with an exception, soon, and takes no memory for it.
+"""Invalid input: the module raises an exception soon and allocates no memory for it.
 
-What crashed or hung once runs in a child process, which a crash ends and nothing else.
+Input that once crashed or hung runs in a child process, so that a crash ends only the child.
 """
 
 import copy
@@ -43,7 +43,7 @@ def with_number(array, value):
     return array
 
 
-# -- objects that were never made ----------------------------------------------------------------------
+# -- objects without __init__ --------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", CLASSES)
@@ -195,7 +195,7 @@ try:
 except ImportError:  # Windows
     resource = None
 
-sees_memory = pytest.mark.skipif(resource is None, reason="this system does not tell the peak of memory")
+sees_memory = pytest.mark.skipif(resource is None, reason="this system does not report the peak of memory")
 
 
 def peak_memory(program):
@@ -263,7 +263,7 @@ def test_a_large_bare_map_is_read_however_it_is_packed(tmp_path, compression):
 
 @pytest.fixture
 def bare_checkpoint(tmp_path):
-    """8 kB that stand for a bare map of 8192 x 8192 texels."""
+    """8 kB that encode a bare map of 8192 x 8192 texels."""
     mask = zlib.compress(bytes(8192 * 8192 // 8), 1)
     body = struct.pack("<I", 0) + struct.pack("<II", 1, 1)
     body += struct.pack("<I", 6) + b"ground" + struct.pack("<I", 8192) + struct.pack("<16d", *[0] * 16)

@@ -1,4 +1,4 @@
-"""A flight from 80 m to 2 m: what of a frame's change is due to the level of detail stays under a bound."""
+"""A flight from 80 m to 2 m: the part of a frame's change that the level of detail causes stays under a bound."""
 
 import sys
 from pathlib import Path
@@ -12,7 +12,7 @@ sys.path.append(str(ROOT / "benchmarks" / "realtime"))
 import flight  # noqa: E402
 import scenes  # noqa: E402
 
-#: Pairs of neighbouring frames that are looked at, of all of the flight's.
+#: Compared pairs of neighbouring frames of the flight.
 PAIRS = np.linspace(0, flight.FRAMES - 2, 7).astype(int)
 SIZE = (160, 120)
 #: Parts of edges are as long, pixels; and where levels stay what they are.
@@ -39,7 +39,7 @@ def picture(renderer, number, target_pixels, **options):
 
 
 def added_changes(renderer, target_of, pairs=PAIRS):
-    """By pair and block: how much more (or less) a block changes than where the level stays what it is."""
+    """By pair and block: the change of a block minus its change at a constant level."""
     found = []
     for number in pairs:
         own = [picture(renderer, number + k, target_of(number + k)) for k in (0, 1)]

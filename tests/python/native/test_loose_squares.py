@@ -1,4 +1,4 @@
-"""Trees of squares whose order in the file means nothing: shuffled copies of trees that are known."""
+"""Trees of squares in random order: shuffled copies of known trees."""
 
 import json
 import pathlib

@@ -94,9 +94,9 @@ def test_no_face_runs_back_over_the_whole_texture_at_the_seam(tmp_path, sides, s
     across = np.ptp(uv[..., 0], axis=1)[side]
     around = np.ptp(np.unwrap(2 * np.pi * angles(mesh.vertices[mesh.quads]), axis=1), axis=1)[side]
     assert (across <= 1.2 * turns * around / (2 * np.pi) + 1e-3).all()
-    if turns == int(turns):  # a texture that tiles shows no seam: every face has all its share of it
+    if turns == int(turns):  # a tiled texture shows no seam: every face has its full part of it
         assert (across >= 0.8 * turns * around / (2 * np.pi)).all()
-    else:  # what lies on the other side of the seam is not reached
+    else:  # coordinates on the other side of the seam are not used
         assert uv[side][..., 0].min() >= -1e-4 and uv[side][..., 0].max() <= turns + 1e-4
 
 
@@ -219,7 +219,7 @@ def branch(name, parent, points, radii):
 
 
 def test_a_welded_tree_is_looked_up_across_its_forks(tmp_path):
-    """Its coordinates are its x and z, so that they tell where on it a face of ours was looked up."""
+    """Its coordinates are its x and z, so they name the place on it that a rebuilt face was looked up at."""
     height = np.linspace(0, 8, 17)
     along = np.linspace(0, 1, 13)[:, None]
     grown = native.Skeleton.from_branches(

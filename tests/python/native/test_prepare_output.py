@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What output needs, built beside the first steps: it changes no result, whatever happens meanwhile."""
+"""Output is prepared in the background during the first steps; this never changes a result."""
 
 import numpy as np
 import pytest

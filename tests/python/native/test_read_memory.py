@@ -1,4 +1,4 @@
-"""A large file is streamed: what reading and rebuilding it takes stays a small multiple of its size."""
+"""A large file is streamed: the memory for reading and rebuilding it is a small multiple of its size."""
 
 import json
 import os

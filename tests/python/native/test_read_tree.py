@@ -1,4 +1,4 @@
-"""read_tree and Skeleton as Python sees them, on small files and on the real trees where they are there."""
+"""read_tree and Skeleton in Python, on small files and, where available, on real trees."""
 
 import json
 import os
@@ -384,7 +384,7 @@ def test_real_trees_need_no_options(name, form, up_axis, branches, foliage):
 
 @needs_trees
 def test_aspen_leaves_hang_twig_by_twig():
-    """Arbaro writes leaves in the order of the twigs: numbers of twigs that do not fall are right."""
+    """Arbaro writes leaves in the order of the twigs, so their twigs' numbers must not decrease."""
     skeleton = native.read_tree(TREES / "levels" / "quaking_aspen.obj")
     branches, leaf_branch = skeleton.branches, skeleton.foliage.leaf_branch
     twigs = [int(branches[b].name.removeprefix("stems_2_")) for b in leaf_branch if branches[b].level == 2]

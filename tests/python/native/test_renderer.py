@@ -1,4 +1,4 @@
-"""The real-time renderer: what its passes find against NumPy, no cracks, limbs as round as the subdivided meshes'."""
+"""The real-time renderer: passes compared with NumPy, no cracks, limbs as round as the subdivided meshes'."""
 
 import math
 from collections import Counter
@@ -227,7 +227,7 @@ def test_limbs_are_as_round_as_the_subdivided_meshes(mesh):
 
 
 def test_bark_has_four_scales_each_half_as_high_that_come_with_the_samples(mesh):
-    """Corners of the trunk, whose circumference is a metre and a quarter, seen from so far that all are as far away."""
+    """Corners of the trunk, whose circumference is 1.25 m, seen from so far that their distances are equal."""
     rise, waves = 0.2 * 0.2, (8, 16, 32, 64)
     view = {"target": (0, 0, 2.5), "field_of_view": 0.01, "height": 4 * HEIGHT}
     camera = native.Camera(eye=(0, -1000, 2.5), **view)
@@ -313,7 +313,7 @@ def leaf(renderer, image, **options):
 
 
 def bark_of(mesh, color):
-    """Arguments of set_bark: coordinates of no matter, and one colour."""
+    """Arguments of set_bark: arbitrary coordinates, and one colour."""
     quads = len(mesh.quads)
     return np.zeros((quads, 4, 2), np.float32), np.zeros(quads, np.int32), [color]
 

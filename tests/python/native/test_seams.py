@@ -83,7 +83,7 @@ def test_snow_on_a_rebuilt_tree_is_even_across_its_seams():
     sides = positions[triangles[:, 1:]] - positions[triangles[:, :1]]
     area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
     texel = np.sqrt(area.sum() / 2 / table["coverage"].sum())
-    # Snow on what faces up, with grain and with shadows some 15 texels apart.
+    # Snow on faces that face up, with grain and with shadows some 15 texels apart.
     lit = np.sin(points / (15 * texel)).sum(axis=1) > -0.5
     grain = np.random.default_rng(7).uniform(0.7, 1.3, len(points))
     stored = np.zeros((resolution, resolution), np.float32)

@@ -1,4 +1,4 @@
-"""Levels of detail keep a tree's outline: which pixels each covers, drawn here along X and along Y."""
+"""Levels of detail keep a tree's outline: the pixels that each covers, seen along X and along Y."""
 
 from pathlib import Path
 

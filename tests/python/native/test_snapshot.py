@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A snapshot gives the output of its moment, whatever the simulation does before it is worked out."""
+"""A snapshot gives the output of its moment, even if the simulation continues before the output is computed."""
 
 import threading
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Snow falls through what an alpha image cuts away, and lies on what it leaves, through SnowSimulation."""
+"""SnowSimulation with alpha images: snow falls through their holes and lies on the rest."""
 
 import numpy as np
 import pytest

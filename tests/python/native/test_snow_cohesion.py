@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cohesion: how much steeper snow stands on what is thin."""
+"""Cohesion: snow on thin parts is steeper."""
 
 import math
 
@@ -54,7 +54,7 @@ def test_flat_faces_and_rims_are_as_without():
 
 
 def test_a_bank_on_smooth_faces_shows_none_of_their_edges():
-    """By the faces' own normals 24 of them would step by 8 mm where they meet."""
+    """With face normals, 24 of them would have steps of 8 mm between them."""
     row = lying(tube(0.13), 0.1, 256, 0.0, smooth(0.13))[128]
     flank = (row[2:] > 0.025) & (row[2:] < 0.07)
     assert flank.sum() > 20
@@ -101,7 +101,7 @@ def test_without_repose_it_means_nothing():
 
 
 def test_limits_that_change_while_nothing_lies_count_where_it_snows_again():
-    """In the pose that was looked at last: a box on its side, whose former top has shed all of its snow."""
+    """In the last pose the box lies on its side, and its former top has lost all snow."""
     mesh = box(0.5, 0.5)
     turned = np.ascontiguousarray(mesh[0][:, [2, 1, 0]] * np.float32((1, 1, -1)))
     maps = []

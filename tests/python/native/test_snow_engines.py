@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The two engines of a simulation: which one there is, that they agree, and that one needs no driver."""
+"""The two engines of a simulation: their choice, their agreement, and the one that needs no driver."""
 
 import math
 import os
@@ -59,7 +59,7 @@ def test_engines_agree(density):
 def test_engines_agree_closely_where_snow_moves(repose):
     """Each engine moves snow in its own order, and snow rests at 92 to 100 % of the steepest slope.
 
-    On a ball that turns by 20 degrees per step the shape at rest of one step is where the next begins.
+    On a ball that turns by 20 degrees per step, each step begins with the previous step's shape at rest.
     """
     cpu, gl = (baked(engine, repose=math.radians(repose), max_depth=1.0) for engine in ("CPU", "GL"))
     ball, ground = zip(cpu[:2], gl[:2])
@@ -191,7 +191,7 @@ def test_the_gpus_passes_are_measured_where_that_is_asked_for(mapping):
         assert {"triangles", "occlusion", "deposit", "stability", "statistics"} <= set(costs)
         assert costs["triangles"]["calls"] == 2
         assert all(cost["gpu_seconds"] > 0 for cost in costs.values())
-        assert sim.pass_costs() == {}, "told once"
+        assert sim.pass_costs() == {}, "reported once"
         sim.measure_passes(False)
         sim.step({}, 0.01)
         assert sim.pass_costs() == {}

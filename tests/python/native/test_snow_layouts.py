@@ -34,7 +34,7 @@ def test_five_layouts_carry_the_same_snow(name):
         heights, areas, fallen = snow_on(SHAPES[name](), lay_out, resolution, name == "ball")
         volumes[layout] = float((heights * areas).sum())
     print(name, volumes, "of", fallen)
-    # Of a cone too steep for any: parts of what fell on it.
+    # For a cone too steep to hold snow: fractions of the fallen snow.
     most = fallen * 1e-3 if name == "cone" else 0.02 * volumes["each face"]
     assert max(volumes.values()) - min(volumes.values()) < most
 
@@ -42,6 +42,6 @@ def test_five_layouts_carry_the_same_snow(name):
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_a_cone_steeper_than_repose_is_bare_in_every_layout(layout):
     heights, areas, fallen = snow_on(SHAPES["cone"](), LAYOUTS[layout], 1024, False)
-    # What stays is in the row of texels that its foot cuts through.
+    # The remaining snow is in the row of texels at its foot.
     assert float((heights * areas).sum()) < 1e-3 * fallen
     assert float(areas[heights > 1e-3].sum()) < 0.02 * float(areas.sum())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Snow that stays on what moves: bending meshes, extreme wind behind a post, the books of sliding."""
+"""Snow that stays on moving objects: bending meshes, extreme wind behind a post, the balance of sliding."""
 
 import numpy as np
 import pytest

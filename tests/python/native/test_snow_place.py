@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where snow lies, against ray casting; and how much, on layouts and on shapes seen with the rays."""
+"""Places and amounts of snow, compared with ray casting, on several layouts and shapes."""
 
 import numpy as np
 import pytest

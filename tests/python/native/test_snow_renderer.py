@@ -16,7 +16,7 @@ LIGHT["ground_color"] = (0.05, 0.05, 0.05)
 
 
 def lumps(size=128, depth=0.1):
-    """Heights that have nothing to do with the layout: what two sides of a seam show differs everywhere."""
+    """Heights that ignore the layout, so that the two sides of every seam differ."""
     random = np.random.default_rng(7).random((size, size))
     wide = sum(np.roll(random, (i, j), (0, 1)) for i in range(5) for j in range(5)) / 25
     return (wide * depth).astype(np.float32)
@@ -57,7 +57,7 @@ def heap(request):
 
 @pytest.mark.parametrize("seen", ["front", "back"])
 def test_snow_whose_normal_turns_away_from_the_eye_is_no_dark_speck(renderer, seen):
-    """At outlines triangles are seen whose corners' normals already point backwards, as lit as those beside them."""
+    """At outlines, triangles with vertex normals that point away from the eye are as bright as their neighbours."""
     # So large that grains and glints are finer than pixels.
     triangle = np.float32([(-200, -200, 0), (200, -200, 0), (0, 200, 0)])
     faces = np.int32([(0, 1, 2) if seen == "front" else (0, 2, 1)])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An object gets another mesh while snow falls: its map goes on where the new mesh has a surface."""
+"""An object gets another mesh while snow falls: its map continues where the new mesh has a surface."""
 
 import numpy as np
 import pytest

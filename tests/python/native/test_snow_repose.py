@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Repose: what shape snow takes where its own surface would be too steep, and where it goes."""
+"""Repose: the shape of snow whose surface would be too steep, and the places to which it moves."""
 
 import math
 
@@ -41,7 +41,7 @@ def moved(mesh, offset):
 
 
 def assert_balanced(sim):
-    """What was deposited lies there or has slid; what heights are rounded by counts as stretching."""
+    """Deposited snow lies or has slid; the rounding of heights counts as stretching."""
     sums = sim.statistics()["total"]
     assert abs(sums["stretched_volume"]) <= 2e-6 * sums["deposited_volume"]
     assert sums["held_volume"] == pytest.approx(
@@ -309,7 +309,7 @@ def test_both_engines_move_the_same_snow():
 
 
 def test_slopes_of_a_ball_do_not_become_combs():
-    """Neighbouring texels on a bank may not take turns in height."""
+    """Heights of neighbouring texels on a slope must not alternate."""
     mesh = sphere(0.4, 64, 32)
     with simulation({"ball": mesh}, resolution=256) as sim:
         fall(sim, {"ball": mesh}, 0.1, 24)
@@ -375,5 +375,5 @@ def test_walls_shed_their_snow_once_however_they_are_shaded(smooth):
         after = sim.height("ball").ravel()[walls]
     lies = before > 0.02
     assert lies.sum() > 100
-    # Those that other faces share are none, and bare.
+    # Texels shared with other faces are not walls and are bare.
     assert np.median(after[lies] / before[lies]) == pytest.approx(0.5, rel=1e-3)

@@ -69,7 +69,7 @@ def test_one_frame_in_ten_parts_ends_where_one_in_a_piece_does(tilt):
     assert held[0] < 0.08  # some slid
 
 
-@pytest.mark.skipif(not hasattr(os, "sysconf"), reason="this Python does not tell the memory of the machine")
+@pytest.mark.skipif(not hasattr(os, "sysconf"), reason="this Python does not report the memory")
 def test_a_scene_that_does_not_fit_is_refused_with_the_figure_and_a_hint():
     positions, triangles, uv = grid()
     machine = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")

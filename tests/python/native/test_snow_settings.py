@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings that change while a simulation runs: the next step has them, and what lies stays."""
+"""Settings that change while a simulation runs: the next step uses them, and lying snow stays."""
 
 import math
 

@@ -41,7 +41,7 @@ def test_the_sides_that_are_asked_for_take_snow():
         height, _, statistics = snow_on(down, sides=sides)
         assert height.min() == pytest.approx(least) and height.max() == 0.0
         assert statistics["back_face_share"] == back_share
-    # A box inside out: what shows is its backs.
+    # An inside-out box shows its backs.
     assert snow_on(turned_over(box()), sides="BOTH")[0].min() == pytest.approx(-0.1)
     assert snow_on(turned_over(box()))[2]["held_volume"] < 0.02 * 0.1
     with pytest.raises(ValueError, match="'it'.*AUTO, FRONT, BOTH, not 'LEFT'"):
@@ -220,7 +220,7 @@ def test_a_wavy_smooth_sheet_keeps_its_volume_on_both_sides():
     assert float((abs(smoothed) * area).sum()) == pytest.approx(volume, rel=0.03)
 
 
-# What the outside sees
+# Output
 
 
 def test_smoothing_normals_and_seams_work_below_as_above():

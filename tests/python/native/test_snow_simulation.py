@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A simulation as an object: what its bits depend on, its state, its receivers, its end, and what it refuses."""
+"""A simulation as an object: determinism, state, receivers, end of life, and errors."""
 
 import gc
 
@@ -210,7 +210,7 @@ def test_output_is_smooth_where_the_map_is_sharp():
     positions, triangles, uv = grid()
     with simulation(blur_radius=0.05, noise_density=0.1, pixel_size=0.01) as sim:
         sim.add_object("it", triangles, uv, resolution=64)
-        # So many that hardly a texel is left bare, onto which nothing would flow.
+        # So many that almost no texel is bare; snow would not flow onto a bare one.
         for step in range(60):
             sim.step({"it": positions} if step == 0 else {}, 0.1 / 60)
         stored, output = sim.height("it"), sim.output("it")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checkpoints of other objects and cut ones are refused, and leave the snow as it was."""
+"""Truncated, foreign or damaged checkpoints are refused and leave the snow unchanged."""
 
 import numpy as np
 import pytest

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""snowbough_native.SnowSurface and its relatives: shapes of arrays, and what bad input says."""
+"""snowbough_native.SnowSurface and its relatives: shapes of arrays, and errors for invalid input."""
 
 import numpy as np
 import pytest
@@ -57,8 +57,8 @@ def test_up_says_how_the_receiver_is_tilted():
     surface = make(mesh, shading=smooth(*mesh[:2]))
     turn = rotated(np.eye(3), "x", 40.0)  # of rows: where the axes go
     tilted = surface.points(level(), DEPTH, positions=rotated(mesh[0], "x", 40.0))
-    told = surface.points(level(), DEPTH, up=tuple(turn @ (0.0, 0.0, 1.0)))
-    assert tilted == pytest.approx(told @ turn, abs=1e-5)
+    expected = surface.points(level(), DEPTH, up=tuple(turn @ (0.0, 0.0, 1.0)))
+    assert tilted == pytest.approx(expected @ turn, abs=1e-5)
 
 
 def test_a_style_without_overhang_keeps_snow_on_the_box():

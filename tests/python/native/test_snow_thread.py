@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The GPU thread: a caller's own GL context stays as it was, errors arrive, what is closed is released."""
+"""The GPU thread: a caller's own GL context stays unchanged, errors arrive, closed objects are released."""
 
 import ctypes
 import gc

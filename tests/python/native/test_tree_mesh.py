@@ -1,4 +1,4 @@
-"""The rebuilt tree as Python sees it: arrays, options, bones, and real exports where they are at hand."""
+"""The rebuilt tree in Python: arrays, options, bones, and, where available, real exports."""
 
 import os
 import subprocess
@@ -67,7 +67,7 @@ def centreline_distance(branches, points, radii_of):
 
 
 def wood_outside_parents(skeleton, pieces=8):
-    """Volume of the original tubes less what lies inside their parents."""
+    """Volume of the original tubes without the parts inside their parents."""
     branches = skeleton.branches
     t = (np.arange(pieces) + 0.5) / pieces
     total = 0.0
@@ -282,7 +282,7 @@ def test_progress_cancels_the_surface_and_the_charts(until):
 
     with pytest.raises(KeyboardInterrupt):
         native.build_tree_mesh(small_tree(), progress=go_on)
-    assert [share >= until for share in shares].count(True) == 1  # it asked no more after the answer
+    assert [share >= until for share in shares].count(True) == 1  # it asks no more after the answer
 
 
 def test_what_progress_raises_comes_through_the_mesh():

@@ -113,7 +113,7 @@ def test_texels_are_even_with_48_of_them_for_each_branch():
 
 @pytest.mark.parametrize("path, least_fill", REAL_TREES)
 def test_real_tree_by_sampling(path, least_fill):
-    """The same as above found another way, with nothing of the project's in it."""
+    """The same by an independent method."""
     mesh = native.build_tree_mesh(native.read_tree(str(path)), snow_resolution=1024)
     charts = find_charts(mesh.quads, mesh.uv_snow)
     texel, owner = sample_owners(mesh.uv_snow, charts, 1024)

@@ -33,7 +33,7 @@ void DepositPass::run(SceneBuffers& scene, const gpu::Buffer& projection, const 
     program.bind("TexelSteps", batch.steps);
     program.set("tile_origin", shown.low);
     program.set("tile_size", shown.size());
-    program.set("goes_on", is_first ? 0 : 1);
+    program.set("adds_to_gain", is_first ? 0 : 1);
     program.set("resolution",
                 static_cast<float>(scene.groups[static_cast<size_t>(batch.group)].resolution));
     program.dispatch_indirect(batch.active_groups, kBlocks);

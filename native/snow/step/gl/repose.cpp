@@ -56,7 +56,7 @@ void ReposePass::run(SceneBuffers& scene, const ReposeSettings& settings, float 
       std::any_of(has_moved_.begin(), has_moved_.end(), [](uint8_t moved) { return moved != 0; });
   if (any_moved && limits.cohesion > 0.0f && scene.smooth_point_count > 0) find_curvatures(scene);
   for (ReposeBuffers& set : sets_) {
-    const bool moves = any_moved && take_pose(scene, set);
+    const bool moves = any_moved && update_pose(scene, set);
     if (moves) find_surface(scene, set);
     clear_lists(set);
     set_cells(scene, set);
@@ -71,7 +71,7 @@ void ReposePass::run(SceneBuffers& scene, const ReposeSettings& settings, float 
 }
 
 /// Uploads which receivers have moved; returns whether any has.
-bool ReposePass::take_pose(const SceneBuffers& scene, ReposeBuffers& set) {
+bool ReposePass::update_pose(const SceneBuffers& scene, ReposeBuffers& set) {
   bool any = false;
   const std::vector<size_t> numbers = objects_by_slot(scene.layout.plan);
   for (size_t i = 0; i < set.objects.size(); ++i) {

@@ -46,7 +46,7 @@ class ReposePass {
     int32_t next = 0;
   };
 
-  bool take_pose(const SceneBuffers& scene, ReposeBuffers& set);
+  bool update_pose(const SceneBuffers& scene, ReposeBuffers& set);
   void find_surface(const SceneBuffers& scene, const ReposeBuffers& set);
   void find_curvatures(const SceneBuffers& scene);
   void set_cells(const SceneBuffers& scene, const ReposeBuffers& set);

@@ -61,7 +61,7 @@ TEST(MaterialLayers, smallerImagesAreRepeatedTexelByTexel) {
 
 TEST(MaterialLayers, coloursMultiplyLightNotBytes) {
   on_gpu([] {
-    // Half the light of white is 188 in sRGB; of what is half as bright already, 137.
+    // Half the light of white is 188 in sRGB, a quarter is 137.
     const gpu::Texture layers = material_layers(
         {{glm::vec3(0.5f, 1.0f, 0.0f), {}}, {glm::vec3(0.5f), {1, 1, {188, 188, 188, 255}}}}, "it");
     EXPECT_EQ(texels_of(layers, 0), (Bytes{188, 255, 0, 255}));

@@ -18,7 +18,7 @@ TEST(Flakes, asManyAreInTheAirAsLayTheDepth) {
   const shared::FlakeFall made = flake_fall(of);
   const double box = made.drift.w;
   const double each = 4.18879 * 0.5 * std::pow(static_cast<double>(of.radius), 3.0);
-  // What passes level ground in a second: flakes a m3, times their speed, times the snow in one.
+  // Snow per second on level ground: flakes per m3 times speed times snow per flake.
   EXPECT_NEAR(made.counts.y / (box * box * box) * static_cast<double>(of.speed) * each, 1e-6, 1e-9);
 }
 
@@ -39,7 +39,7 @@ TEST(Flakes, swingAsideAtTheAngleOfTheirFlutter) {
   of.speed = 2.0f;
   of.flutter = std::atan(0.5f);
   const shared::FlakeFall made = flake_fall(of);
-  // The steepest moment of a swing: its width times the swings a second times 2 pi.
+  // Largest sideways speed: amplitude times frequency times 2 pi.
   EXPECT_NEAR(made.flutter.x * made.flutter.y * 6.2831853f, 1.0f, 1e-5f);
   of.flutter = 1.0f;
   EXPECT_THROW(flake_fall(of), std::invalid_argument);

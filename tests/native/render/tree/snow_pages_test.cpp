@@ -59,7 +59,7 @@ TEST(SnowPages, mapsStayWhenOthersComeAndGo) {
     pages.remove(full);
     const ivec4 wide = pages.add(7 * shared::kSnowPage, 1);
     EXPECT_GE(wide.z, copied.z + 2);
-    // A page that was full holds nothing beside a small map.
+    // A page that was full is empty outside a small map.
     const ivec4 small = pages.add(1, 1);
     EXPECT_EQ(small.z, full.z);
     const float deep = 1.0f;

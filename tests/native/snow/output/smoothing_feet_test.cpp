@@ -1,4 +1,4 @@
-// Smoother where snow ends in a feet.
+// Smoother at the feet of slopes.
 #include <gtest/gtest.h>
 
 #include <algorithm>

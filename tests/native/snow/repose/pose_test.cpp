@@ -1,4 +1,4 @@
-// What of an object's pose matters to repose.
+// The part of an object's pose that matters to repose.
 #include "snow/repose/pose.h"
 
 #include <gtest/gtest.h>

@@ -52,7 +52,7 @@ TEST(ReposeFlow, AllowsALinkDownTooSteepASurfaceItsPartOfASlope) {
   EXPECT_FLOAT_EQ(shared::link_limit(0.01f, slope, 0.001f, 3.0f, 0.5f), 0.02f);
 }
 
-TEST(ReposeFlow, ReckonsWithColumnsThatHoldAsMuchAsSnowAlongTheNormal) {
+TEST(ReposeFlow, UsesColumnsThatHoldAsMuchAsSnowAlongTheNormal) {
   EXPECT_FLOAT_EQ(shared::column_height(1.0f), 1.0f);
   EXPECT_FLOAT_EQ(shared::column_height(0.5f), 2.0f);
   EXPECT_FLOAT_EQ(shared::column_height(-0.5f), 1.0f / shared::kWallUp);

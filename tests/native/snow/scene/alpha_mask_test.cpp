@@ -41,7 +41,7 @@ TEST(AlphaExtension, IsKnownByFourNames) {
   EXPECT_THROW(alpha_extension("repeat"), std::invalid_argument);
 }
 
-/// Of one triangle with one image.
+/// The alpha of one triangle with one image.
 ObjectAlpha one_triangles() {
   return {{{0, 0}, {1, 0}, {0, 1}},
           {0},

@@ -1,4 +1,4 @@
-// Which triangles decide whether a work group of texels has anything to do.
+// Triangles that determine whether a work group of texels is active.
 #include "snow/scene/group_triangles.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ MapTopology quads(int32_t cells, int32_t resolution, bool split) {
   return topology;
 }
 
-/// What the header says, texel by texel.
+/// The header's definition, evaluated texel by texel.
 std::vector<std::set<uint32_t>> expected(const TexelTable& table,
                                          const std::vector<int32_t>& order) {
   const auto group_count = (order.size() + shared::kTexelGroup - 1) / shared::kTexelGroup;

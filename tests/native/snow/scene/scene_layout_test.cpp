@@ -65,8 +65,8 @@ TEST(SceneLayout, GivesSmallMapsTheFirstSlotsAndNamesTheReceivers) {
 TEST(SceneLayout, HoldsReceiversMapTrianglesBySlot) {
   const SceneLayout layout = ThreeObjects().laid_out();
   EXPECT_EQ(layout.map_triangles.size(), 4u);
-  // The ground's first triangle is the scene's fifth and the first on a map, the cart's the other
-  // way.
+  // The ground's first triangle is the scene's fifth and the first on a map, the cart's the
+  // reverse.
   EXPECT_EQ(layout.map_offsets[0], -4);
   EXPECT_EQ(layout.map_offsets[1], 2);
 }

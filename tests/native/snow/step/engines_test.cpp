@@ -1,4 +1,4 @@
-// The two engines against each other, step by step, through the interface that both have.
+// Compares the two engines step by step through their common interface.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The order in which a step calls the passes of its engine, whichever that is.
+// The order in which a step calls the passes of any engine.
 #include "snow/step/frame_step.h"
 
 #include <gmock/gmock.h>
@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-/// Writes down what it is called for.
+/// Records its calls.
 class WritesDown : public Engine {
  public:
   explicit WritesDown(const std::vector<const SceneObject*>& objects)

@@ -1,4 +1,4 @@
-// What the sky sees, found on the processor, is what the passes in OpenGL find.
+// Occlusion on the processor and in OpenGL gives the same result.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -72,8 +72,8 @@ TrianglesSetUp set_up_bench(const Bench& bench) {
   return set_up(positions, bench.scene.triangles.read_all<shared::SceneTriangle>(), bench.frame);
 }
 
-/// Of the pixels of the bench's tile, which share both engines find different: another triangle, or
-/// a depth that is more than 1e-5 of its range off.
+/// Fraction of the pixels of the bench's tile in which the engines differ: another triangle, or a
+/// depth that differs by more than 1e-5 of its range.
 double share_of_others(const Bench& bench, const Seen& by_gl, const Seen& by_cpu) {
   EXPECT_EQ(by_gl.size(), by_cpu.size());
   size_t shown = 0;
@@ -115,7 +115,7 @@ TEST(CpuOcclusion, IsWhatThePassesInOpenGLFind) {
         const PixelRect pixels = bench.tiles.front().pixels;
         EXPECT_LE(share_of_others(bench, bench.visible(), seen_of(made.corners, pixels)), 1e-4)
             << pixel_size;
-        // Of the very same corners: what is left is OpenGL's rounding of depths.
+        // The corners are equal, so only OpenGL's rounding of depths differs.
         EXPECT_LE(share_of_others(bench, bench.visible(), seen_of(corners, pixels)), 1e-5)
             << pixel_size;
       }

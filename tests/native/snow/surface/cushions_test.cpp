@@ -63,10 +63,10 @@ TEST(Cushions, JoinNeedlesInOneClosedBody) {
 TEST(Cushions, HangOnTheNeedlesNearThem) {
   const SurfaceMesh mesh = spray(60);
   const Cushions cushions = cushions_on(mesh, 0.001f);
-  ASSERT_EQ(cushions.anchor.size(), cushions.way.size());
+  ASSERT_EQ(cushions.anchor.size(), cushions.offset.size());
   for (size_t p = 0; p < cushions.anchor.size(); ++p) {
     ASSERT_LT(cushions.anchor[p], static_cast<int32_t>(mesh.position.size()));
-    EXPECT_LT(glm::length(cushions.way[p]), kDepth);
+    EXPECT_LT(glm::length(cushions.offset[p]), kDepth);
   }
 }
 

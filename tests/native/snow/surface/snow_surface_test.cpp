@@ -128,7 +128,7 @@ float volume_of(const SnowSurface& surface, const std::vector<glm::vec3>& points
 }
 
 TEST(SnowSurface, OnANarrowTopHoldsWhatTheMapHolds) {
-  // What repose leaves on a post: a pyramid.
+  // The shape after repose on a post: a pyramid.
   constexpr float kSide = 0.1f, kTop = 0.06f;
   const SurfaceSource post = slab(kSide, 0.5f);
   std::vector<float> map = on_tops(post, kTop);
@@ -205,8 +205,8 @@ TEST(SnowSurface, LeansFurtherOnTheLeeSide) {
   EXPECT_NEAR(most(windy, 0, -1.0f), most(calm, 0, -1.0f), 1e-4f);
 }
 
-/// Metres between what is shown on two boards 2 cm apart, away from their ends: negative where the
-/// two sides overlap.
+/// Gap in metres between the snow on two boards 2 cm apart, away from their ends: negative where
+/// the two sides overlap.
 float gap_between_boards(float bridging) {
   const SurfaceSource boards = boxes(
       {{{-1.0f, 0.0f, -0.3f}, {-0.01f, 1.0f, 0.0f}}, {{0.01f, 0.0f, -0.3f}, {1.0f, 1.0f, 0.0f}}});

@@ -88,8 +88,8 @@ TEST(ReceiverMesh, SmoothCornersShareAMeanNormalAndFlatOnesDoNot) {
   }
 }
 
-TEST(KeptPart, HasNoPointsThatItsTrianglesDoNotUse) {
-  const SurfaceMesh part = kept_part(square(2), {1, 0, 0, 0, 0, 0, 0, 0});
+TEST(Submesh, HasNoPointsThatItsTrianglesDoNotUse) {
+  const SurfaceMesh part = submesh(square(2), {1, 0, 0, 0, 0, 0, 0, 0});
   EXPECT_EQ(part.position.size(), 3u);
   EXPECT_THAT(part.triangle, ElementsAre(ElementsAre(0, 1, 2)));
 }

@@ -1,4 +1,4 @@
-// cut_map: which chart owns a texel, and what of others lies in it.
+// cut_map: the chart that owns a texel, and the fragments of other charts in it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@ namespace snowbough::snow {
 namespace {
 
 TEST(Sheets, AreWhatSharesVertices) {
-  // Two triangles on an edge, one on a corner of theirs, one apart.
+  // Two triangles on an edge, one at one of their corners, one separate.
   const Sheets sheets = find_sheets({0, 1, 2, 2, 1, 3, 3, 4, 5, 6, 7, 8}, 9);
   EXPECT_EQ(sheets.sheet, (std::vector<int32_t>{0, 0, 0, 1}));
   EXPECT_EQ(sheets.count, 2);

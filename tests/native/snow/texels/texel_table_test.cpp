@@ -45,7 +45,7 @@ TEST(TexelTable, aQuadOverTheWholeMapOwnsEveryTexel) {
 }
 
 TEST(TexelTable, aStripOneAndAHalfTexelsWideLosesNothing) {
-  // Columns 10.25 to 11.75: two half-covered-and-more texels a row, neither centre outside.
+  // Columns 10.25 to 11.75: two texels per row, at least half covered, centres inside.
   const TexelTable table = build_texel_table(quad_map(10.25f / 64, 0, 11.75f / 64, 1, 64));
   EXPECT_EQ(table.texel.size(), 128u);
   EXPECT_THAT(table.coverage, Each(testing::FloatNear(0.75f, 1e-5f)));
@@ -338,7 +338,7 @@ TEST(TexelTable, texelsThatSeveralTrianglesHoldAsAWholeGoToTheFirstChart) {
   add_quad(topology, 0, 0, 1, 1);
   const TexelTable table = build_texel_table(topology);
   EXPECT_EQ(table.overlap, 1.0f);
-  // The second chart takes one, so that it has a home.
+  // The second chart takes one, so that it has a texel.
   EXPECT_EQ(std::count(table.chart.begin(), table.chart.end(), 1), 1);
   for (const double sum : share_sums(table, 4)) EXPECT_NEAR(sum, 1.0, 1e-5);
 }

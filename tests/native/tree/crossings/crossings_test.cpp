@@ -20,7 +20,7 @@ using Pairs = std::vector<std::pair<int32_t, int32_t>>;
 
 constexpr uint32_t kSeeds = 60;
 
-/// What surfaces are made of.
+/// Input of surfaces.
 struct Plan {
   explicit Plan(const Skeleton& tree)
       : skeleton(tree),
@@ -130,7 +130,7 @@ TEST(Surface, APartLiesWhereItLiesInTheWhole) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const Plan plan(RandomSkeleton(seed).make());
     const Surface whole = plan.build();
-    // The last branch with all that it hangs on.
+    // The last branch with its ancestors.
     std::vector<uint8_t> only(plan.paths.size(), 0);
     for (auto b = static_cast<int32_t>(only.size()) - 1; b >= 0;
          b = plan.skeleton.branches[b].parent) {

@@ -64,7 +64,7 @@ TEST(ClearLimbs, TwigsThatCrossInTheExportStay) {
   EXPECT_GT(crossing_twigs(passing(0.2f * kRadius), Detail::kDefault), 0);
 }
 
-/// A trunk along Z and limbs off it along X, some of whose vertices lie where they should not.
+/// A trunk along Z and limbs off it along X, some of whose vertices are misplaced.
 struct Dented {
   BuiltTubes built;
   FineMesh fine;
@@ -117,7 +117,7 @@ Branch limb_along_x(float height, float radius) {
 TEST(ClearLimbs, WhatLiesFarFromACrossingOfParentAndChildStays) {
   Dented tree(make_skeleton({trunk(), limb_along_x(5.5f, 0.1f)}));
   ASSERT_EQ(tree.crossings(), 0U);
-  // Off the base, where nothing would bring them but going back.
+  // Off the base, where only undoing the move brings them back.
   for (glm::dvec3& p : tree.points) p.z += p.x > 2.0 ? 0.01 * (p.x - 2.0) : 0.0;
   const std::vector<glm::dvec3> before(tree.points);
   tree.draw_through_trunk(1, 0.5);
@@ -146,7 +146,7 @@ TEST(ClearLimbs, HowFarGoesBackDependsOnWhatCrossesThere) {
   }
 }
 
-TEST(ClearLimbs, LimbsAsThinAsAnyMayBeAreMendedAsWell) {
+TEST(ClearLimbs, LimbsAsThinAsAnyMayBeAreRepairedAsWell) {
   Dented tree(make_skeleton({trunk(), limb_along_x(5.5f, 0.0f), limb_along_x(2.5f, 0.1f)}));
   ASSERT_EQ(tree.crossings(), 0U);
   tree.draw_through_trunk(1, 0.3);

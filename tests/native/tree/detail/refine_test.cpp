@@ -47,7 +47,7 @@ Skeleton without_thickness() {
   return make_skeleton({stem, side_branch(5.5f, 0.0f), side_branch(5.5f, 0.0f, {-1, 0, 0})});
 }
 
-/// Trees on which one thing or another goes wrong first.
+/// Trees that are hard to refine.
 std::map<std::string, Skeleton> odd_trees() {
   return {{"chain", bent_chain()},
           {"fork", make_skeleton({trunk(), side_branch(5.5f, 0.1f)})},

@@ -13,8 +13,8 @@ namespace {
 constexpr int kPatchSide = 16;
 constexpr double kPull = 1.0;
 
-/// A dome of quads over the unit grid, of which the middle rows were pushed over the next ones: the
-/// surface there lies threefold.
+/// A dome of quads over the unit grid, of which the middle rows were pushed over the next ones: so
+/// that the surface has three layers there.
 struct Pleat {
   std::vector<glm::dvec3> points;
   std::vector<Quad> quads;

@@ -33,7 +33,7 @@ std::string error_of(const std::string& text, size_t buffer_size = 1 << 16) {
 
 const std::string kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
-/// All of a scene that the pieces of a text may get wrong.
+/// All data of a scene that splitting the text into pieces could change.
 void expect_same(const ObjScene& a, const ObjScene& b, const std::string& when) {
   EXPECT_EQ(a.positions, b.positions) << when;
   EXPECT_EQ(a.uvs, b.uvs) << when;
@@ -113,7 +113,7 @@ TEST(ObjReader, GivesTheSameWithAnyNumberOfThreadsAndPieces) {
 TEST(ObjReader, NamesTheFirstOfSeveralBadLines) {
   std::string text = kTriangle;
   for (int i = 0; i < 200; ++i) text += "f 1 2 3\n";
-  // In different pieces, and the first is told by what stands before its own.
+  // In different pieces; the first error depends on the text before its piece.
   EXPECT_THAT(error_of(text + "f 1 2 -5\n" + text + "v x\n"), HasSubstr("t.obj:204: "));
   EXPECT_THAT(error_of(text + "v x\n" + text + "f 1 2 -9\n"), HasSubstr("t.obj:204: "));
   // On one line, and on one after the other.

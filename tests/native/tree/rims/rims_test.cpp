@@ -11,7 +11,7 @@
 namespace snowbough::tree {
 namespace {
 
-/// A rim of 16 points around the only child, which the base has all in the middle of the hole.
+/// A rim of 16 points around the only child; the base places all in the hole's middle.
 Rim rim_of(const BuiltTubes& built) {
   const Fork& fork = built.forks.front();
   const TubePlace middle = built.tubes.nearest(fork.parent_chain, fork.centre, {5.5, 0.0}, 3.0);

@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kAround = 16, kAlong = 21;
 
-/// The trunk of a fork as a regular grid with a hole of two by two faces in it, whose rim wants to
-/// go `way` metres along the trunk.
+/// The trunk of a fork as a regular grid with a hole of two by two faces in it, whose rim is to
+/// move by `distance` metres along the trunk.
 struct GridWithHole {
   BuiltTubes built{make_skeleton({trunk(0.2f), side_branch(5.5f, 0.1f)})};
   UnrolledLimbs unrolled;
@@ -21,7 +21,7 @@ struct GridWithHole {
 
   static int32_t vertex(int around, int along) { return along * kAround + around % kAround; }
 
-  explicit GridWithHole(double way) {
+  explicit GridWithHole(double distance) {
     const double quarter = 4.0 / kAround, step = 0.08;
     for (int y = 0; y < kAlong; ++y) {
       for (int x = 0; x < kAround; ++x) {
@@ -40,7 +40,7 @@ struct GridWithHole {
       RimPoint point;
       point.vertex = vertex(x, y);
       point.base = point.target = unrolled.places[point.vertex];
-      point.target.length += way;
+      point.target.length += distance;
       rims[0].push_back(point);
     }
   }
@@ -83,8 +83,8 @@ TEST(UnrolledLimbs, ARimWithoutRoomStaysBehind) {
   EXPECT_LT(least, 0.5);
 }
 
-/// The hole grows to an egg that points up the trunk and aside: what a child that leans along its
-/// parent asks for.
+/// The hole becomes an egg that points up the trunk and aside, as for a child that leans along its
+/// parent.
 TEST(UnrolledLimbs, ARimThatGrowsToAnEggStaysLittleBehind) {
   GridWithHole grid(0.0);
   for (RimPoint& point : grid.rims[0]) {
@@ -101,7 +101,7 @@ TEST(UnrolledLimbs, ARimThatGrowsToAnEggStaysLittleBehind) {
 TEST(UnrolledLimbs, WhatTurnsWithARimTurnsBackWithinItsReach) {
   GridWithHole grid(0.0);
   for (RimPoint& point : grid.rims[0]) point.target.quarter += 0.3;
-  // Above the rim's reach, rows are long: there it used to turn back in one.
+  // Above the rim's reach, rows are long; an earlier version folded back within one.
   constexpr int kLong = 15;
   for (int y = kLong + 1; y < kAlong; ++y) {
     for (int x = 0; x < kAround; ++x) {

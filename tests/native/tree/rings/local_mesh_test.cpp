@@ -103,7 +103,7 @@ TEST(ClosedEnds, AClosedTubeMayEndAtItsCaps) {
 }
 
 TEST(ClosedEnds, TwoPolygonsOfManyCornersBackToBackAreOneFlatPatch) {
-  // Looked at corner by corner within corner, this would take hours.
+  // With quadratic cost this would take hours.
   constexpr int32_t kCorners = 200000;
   LocalMesh mesh;
   for (int32_t i = 0; i < kCorners; ++i) {

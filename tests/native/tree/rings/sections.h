@@ -6,7 +6,7 @@
 
 #include "tree/rings/squares.h"
 
-// Squares across limbs for the tests of what puts them in order.
+// Squares across limbs for tests of their ordering.
 namespace snowbough::tree {
 
 /// A square of the given half diagonal across `along`.

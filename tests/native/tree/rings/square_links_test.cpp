@@ -60,7 +60,7 @@ TEST(Links, OfAPlaneLeaveBySideAndTheNearestIsTheCheapest) {
 }
 
 TEST(Links, BetweenPlanesSideBySideAreNone) {
-  // 60 degrees off a normal is where it ends.
+  // The limit is 60 degrees off a normal.
   const std::vector<Plane> beyond = {plane_at({0, 0, 0}), plane_at({1.8, 0, 1})};
   EXPECT_THAT(Links(beyond).sorted(), IsEmpty());
   const std::vector<Plane> within = {plane_at({0, 0, 0}), plane_at({1.7, 0, 1})};

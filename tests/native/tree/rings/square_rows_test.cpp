@@ -71,8 +71,8 @@ TEST(Rows, StayWholeWhereDistancesGrowSteadilyOrTheLongOneIsTheLast) {
   EXPECT_THAT(rows.rows(), ElementsAre(ElementsAre(0u, 1u, 2u, 3u)));
 }
 
-/// A pole of five squares, 0 to 4; a twig leaves it: its root 5 stands aside of the way on from 2,
-/// and 6 and 7 go on from there.
+/// A pole of five squares, 0 to 4; a twig leaves it: its root 5 stands beside the line from 2 on,
+/// and 6 and 7 continue from 5.
 struct PoleAndTwig {
   std::vector<Plane> planes;
 
@@ -101,17 +101,17 @@ struct PoleAndTwig {
 TEST(Rows, ChangeOverFromATwigsRootToTheirOwnLimbThatWaitsBehindIt) {
   const PoleAndTwig scene;
   Rows rows(scene.planes.size());
-  // The pole ran into the twig's root, which was nearer than its own next square.
+  // Earlier, the pole continued with the twig's root, which is nearer than its next square.
   for (const auto& [from, to] : {std::pair{0, 1}, {1, 2}, {2, 5}, {5, 6}, {6, 7}, {3, 4}}) {
     rows.link(scene.link(static_cast<uint32_t>(from), static_cast<uint32_t>(to)));
   }
   ASSERT_THAT(rows.rows(),
               UnorderedElementsAre(ElementsAre(0u, 1u, 2u, 5u, 6u, 7u), ElementsAre(3u, 4u)));
   const Links links(scene.planes);
-  EXPECT_TRUE(rows.change_over(links, scene.planes));
+  EXPECT_TRUE(rows.relink(links, scene.planes));
   EXPECT_THAT(rows.rows(),
               UnorderedElementsAre(ElementsAre(0u, 1u, 2u, 3u, 4u), ElementsAre(5u, 6u, 7u)));
-  EXPECT_FALSE(rows.change_over(links, scene.planes));
+  EXPECT_FALSE(rows.relink(links, scene.planes));
 }
 
 }  // namespace

@@ -59,9 +59,10 @@ Skeleton crowd(int count) {
 
 TEST(Surface, BranchesWithoutRoomOnTheirParentAreReportedWithTheirNames) {
   EXPECT_THAT(build(crowd(5)).surface.squeezed, testing::UnorderedElementsAre(1, 2, 3, 4, 5));
-  EXPECT_THAT(build_tree_mesh(crowd(5)).warnings,
-              testing::Contains("5 branches were squeezed because their parent lacks room: b1, "
-                                "b2, b3 and 2 more"));
+  EXPECT_THAT(
+      build_tree_mesh(crowd(5)).warnings,
+      testing::Contains("5 branches have a shortened base because their parent lacks room: b1, "
+                        "b2, b3 and 2 more"));
 }
 
 TEST(Surface, ABranchWithRoomForItsWholeWidthIsNotReportedAsSqueezed) {

@@ -30,15 +30,15 @@ class AdditivePoints {
   AdditivePoints& operator=(const AdditivePoints&) = delete;
 };
 
-/// Fills a receiver's layer of the maps, and the homes of its triangles. `first_owner`: the owner
-/// of its first texel.
+/// Fills a receiver's layer of the maps, and the main_texels of its triangles. `first_owner`: the
+/// owner of its first texel.
 void add_receiver(const TexelTable& table, uint32_t first_owner, int32_t layer,
-                  gpu::Texture& owners, gpu::Texture& charts, std::span<glm::uvec2> homes) {
+                  gpu::Texture& owners, gpu::Texture& charts, std::span<glm::uvec2> main_texels) {
   const size_t texels =
       static_cast<size_t>(table.resolution) * static_cast<size_t>(table.resolution);
   std::vector<uint32_t> owner_map(texels, 0);
   std::vector<uint32_t> chart_map(texels, 0);
-  std::vector<float> home_share(homes.size(), 0.0f);
+  std::vector<float> main_share(main_texels.size(), 0.0f);
   uint32_t owner = first_owner;
   for (const int32_t index : texel_order(table)) {
     const auto i = static_cast<size_t>(index);
@@ -48,9 +48,9 @@ void add_receiver(const TexelTable& table, uint32_t first_owner, int32_t layer,
     const auto end = static_cast<size_t>(table.fragment_begin[i + 1]);
     for (auto f = static_cast<size_t>(table.fragment_begin[i]); f < end; ++f) {
       const auto triangle = static_cast<size_t>(table.fragment_triangle[f]);
-      if (table.fragment_share[f] > home_share[triangle]) {
-        home_share[triangle] = table.fragment_share[f];
-        homes[triangle] = {owner, chart_map[texel]};
+      if (table.fragment_share[f] > main_share[triangle]) {
+        main_share[triangle] = table.fragment_share[f];
+        main_texels[triangle] = {owner, chart_map[texel]};
       }
     }
     ++owner;
@@ -69,8 +69,8 @@ GeometryDeposit::Maps::Maps(int32_t resolution, int32_t layers)
 
 GeometryDeposit::GeometryDeposit(const std::vector<const SceneObject*>& objects,
                                  const SceneBuffers& scene) {
-  std::vector<glm::uvec2> homes(static_cast<size_t>(scene.map_triangles.bytes()) /
-                                sizeof(shared::MapTriangle));
+  std::vector<glm::uvec2> main_texels(static_cast<size_t>(scene.map_triangles.bytes()) /
+                                      sizeof(shared::MapTriangle));
   const SceneLayout& layout = scene.layout;
   const std::vector<size_t> numbers = objects_by_slot(layout.plan);
   for (const MapGroup& group : scene.groups) {
@@ -81,15 +81,16 @@ GeometryDeposit::GeometryDeposit(const std::vector<const SceneObject*>& objects,
       const SceneObject& object = *objects[numbers[at]];
       const auto first =
           static_cast<size_t>(layout.first_triangle[numbers[at]] + layout.map_offsets[at]);
-      add_receiver(*object.table, owner, slot - group.first_slot, maps.owners, maps.charts,
-                   std::span(homes).subspan(first, static_cast<size_t>(object.triangle_count())));
+      add_receiver(
+          *object.table, owner, slot - group.first_slot, maps.owners, maps.charts,
+          std::span(main_texels).subspan(first, static_cast<size_t>(object.triangle_count())));
       // Texels are in whole groups per object, see BatchWriter.
       const auto texels = static_cast<uint32_t>(object.table->texel.size());
       owner += (texels + shared::kTexelGroup - 1) / shared::kTexelGroup * shared::kTexelGroup;
     }
   }
-  homes_ = gpu::Buffer(homes);
-  homes_view_ = gpu::BufferTexture(homes_, GL_RG32UI);
+  main_texels_ = gpu::Buffer(main_texels);
+  main_texels_view_ = gpu::BufferTexture(main_texels_, GL_RG32UI);
 }
 
 void GeometryDeposit::begin() {
@@ -114,7 +115,7 @@ void GeometryDeposit::run(const SceneBuffers& scene, const gpu::Buffer& projecti
     points_.bind_texture("occlusion", occlusion.views.visible);
     points_.bind_texture("owners", maps.owners);
     points_.bind_texture("charts", maps.charts);
-    points_.bind_texture("homes", homes_view_);
+    points_.bind_texture("main_texels", main_texels_view_);
     points_.set("group_objects", glm::uvec2(group.first_slot, group.end_slot));
     points_.set("batch_texels", glm::uvec2(batch.first, batch.first + batch.count));
     points_.set("tile_origin", shown.low);

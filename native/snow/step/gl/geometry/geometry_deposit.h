@@ -44,8 +44,8 @@ class GeometryDeposit {
   };
   std::vector<Maps> maps_;
   /// Per map triangle: the owner (see above) of the texel that holds most of it, and its chart.
-  gpu::Buffer homes_;
-  gpu::BufferTexture homes_view_;
+  gpu::Buffer main_texels_;
+  gpu::BufferTexture main_texels_view_;
   gpu::Program points_{
       {"geometry_deposit.vert.glsl", "geometry_deposit.geom.glsl", "geometry_deposit.frag.glsl"}};
   gpu::Program gains_{{"geometry_gain.comp.glsl"}};

@@ -249,7 +249,7 @@ TEST(CpuDeposit, IsTheSameBitsOnSmoothAndTwoSidedSurfacesWithHoles) {
   }
 }
 
-TEST(CpuDeposit, FindsAreasAnewWhereTheSurfaceHasMoved) {
+TEST(CpuDeposit, RecomputesAreasWhereTheSurfaceHasMoved) {
   const SceneObject object = bumps(6, 0.03f, 1, 64);
   Prepared step = prepare(object, falling({0, 0, -1}, 0.01), 2048);
   look(step.scene, step.tiles[0]);

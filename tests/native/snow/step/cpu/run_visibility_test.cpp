@@ -82,14 +82,14 @@ TEST(RunSight, FollowsASlope) {
 
 TEST(RunSight, TellsWhichTileSamplesLieIn) {
   const Shown shown(5.0f);
-  const auto sight = [&](float low, float high) {
+  const auto visibility = [&](float low, float high) {
     return visibility_of(level(low, 210.0f, high, 212.0f), shown.tile, shown.seen.data());
   };
-  EXPECT_EQ(sight(90.0f, 99.9f), RunVisibility::kElsewhere);
-  EXPECT_EQ(sight(132.1f, 140.0f), RunVisibility::kElsewhere);
-  EXPECT_EQ(sight(99.0f, 101.0f), RunVisibility::kUnknown);
-  EXPECT_EQ(sight(131.0f, 133.0f), RunVisibility::kUnknown);
-  EXPECT_EQ(sight(100.1f, 131.9f), RunVisibility::kOpen);
+  EXPECT_EQ(visibility(90.0f, 99.9f), RunVisibility::kElsewhere);
+  EXPECT_EQ(visibility(132.1f, 140.0f), RunVisibility::kElsewhere);
+  EXPECT_EQ(visibility(99.0f, 101.0f), RunVisibility::kUnknown);
+  EXPECT_EQ(visibility(131.0f, 133.0f), RunVisibility::kUnknown);
+  EXPECT_EQ(visibility(100.1f, 131.9f), RunVisibility::kOpen);
 }
 
 TEST(RunSight, OfWhatIsNoNumberNothingIsKnown) {

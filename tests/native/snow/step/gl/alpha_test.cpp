@@ -1,4 +1,4 @@
-// Alpha in the occlusion pass: a fragment in a hole is not there, for occluders and receivers.
+// Alpha in the occlusion pass: a fragment in a hole is missing, for occluders and receivers.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ SceneObject alpha_card(const std::string& name, float z) {
   return square(name, 1.0f, z, 64, false);
 }
 
-/// Two texels side by side: the left one is there, the right one is a hole.
+/// Two texels side by side: the left one is opaque, the right one is a hole.
 std::shared_ptr<const AlphaMask> left_half(uint32_t extension = shared::kAlphaRepeat) {
   return std::make_shared<const AlphaMask>(make_alpha_mask(2, 1, extension, {128, 127}));
 }
@@ -87,7 +87,7 @@ TEST(OcclusionAlpha, AHoleIsWhereTheImageHasIt) {
 }
 
 TEST(OcclusionAlpha, AnImageRepeatsMirrorsExtendsOrEndsBeyondItsEdge) {
-  // The alpha_card shows u from 0 to 2: there, hole, and then once more, turned, drawn out, or
+  // The card shows u from 0 to 2: opaque, hole, and then repeated, mirrored, extended, or
   // nothing.
   const std::pair<uint32_t, int64_t> expected[] = {{shared::kAlphaRepeat, 128},
                                                    {shared::kAlphaMirror, 128},

@@ -14,7 +14,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// What texels gain in the bench's first tile.
+/// Gains of texels in the bench's first tile.
 std::vector<shared::TexelStep> gathered(Bench& bench, bool has_noise = false) {
   DepositPass().run(bench.scene, bench.projection, bench.tiles[0], bench.target, has_noise, true);
   return bench.scene.batches[0].steps.read_all<shared::TexelStep>();

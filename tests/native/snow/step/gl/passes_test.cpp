@@ -145,7 +145,7 @@ TEST(TexelGroups, LeaveOutWhatFacesAwayOnceItIsKnownToBeBare) {
     ASSERT_EQ(batch.group_count(), 4);
     TexelGroupsPass groups;
     groups.run(bench.scene, false);
-    // Nobody has looked yet whether snow lies there.
+    // Not yet tested for snow.
     EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1, 2, 3}));
     StabilityPass().run(bench.scene, {}, 0.01f, 1.0f);
     groups.run(bench.scene, false);
@@ -196,7 +196,7 @@ TEST(WorkGroupSize, ChangesNoResult) {
     }
     EXPECT_EQ(heights[0], heights[1]);
     EXPECT_NEAR(sums[0].visible_area, sums[1].visible_area, 1e-5);
-    // What the smaller square covers is not seen; areas are measured across the fall.
+    // The part below the smaller square is hidden; areas are perpendicular to the fall.
     EXPECT_NEAR(sums[0].visible_area, (1.0 - 0.4 * 0.4) / std::sqrt(1.09), 0.005);
     // These are added up in floats first.
     EXPECT_NEAR(sums[0].deposited, sums[1].deposited, 1e-5 * sums[0].deposited);

@@ -1,4 +1,4 @@
-// The batches that texels come to the GPU in.
+// The batches in which texels are uploaded to the GPU.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ TEST(TexelBatches, FillUpTheirLastGroupWithTexelsOfNobody) {
       EXPECT_EQ(places[i] == shared::kNowhere, i >= own) << i;
       EXPECT_EQ(begin[i] == begin[i + 1], i >= own) << i;
     }
-    // Those without any read one: it lies behind the last.
+    // Texels without fragments read one behind the last.
     EXPECT_EQ(begin.back(), fragments);
     EXPECT_EQ(batch.fragments.read_all<shared::Fragment>().size(), fragments + 1);
   });
