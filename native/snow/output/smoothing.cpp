@@ -129,13 +129,10 @@ void Smoother::for_each_row_band(
   });
 }
 
-void Smoother::for_each_run(size_t number,
-                            const std::function<void(int32_t row, Run run)>& work) const {
-  const Level& level = levels_[number];
-  for_each_row_band(grid_.levels[number], [&](size_t, int32_t first, int32_t last) {
-    for (int32_t y = first; y < last; ++y) {
-      for (int32_t r = level.run_row[y]; r < level.run_row[y + 1]; ++r) work(y, level.runs[r]);
-    }
+void Smoother::for_each_run(const std::function<void(Run run)>& work) const {
+  const Level& level = levels_[0];
+  for_each_row_band(grid_.levels[0], [&](size_t, int32_t first, int32_t last) {
+    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) work(level.runs[r]);
   });
 }
 
@@ -172,14 +169,14 @@ template <typename IsFilled, typename Runs>
 static void find_level_runs(int32_t size, const IsFilled& is_filled, Runs& runs,
                             std::vector<int32_t>& run_row) {
   for (int32_t y = 0; y < size; ++y) {
-    bool goes_on = false;
+    bool in_run = false;
     for (int32_t x = 0; x < size; x += kBlock) {
       const int32_t count = std::min(kBlock, size - x);
       const int32_t cell = y * size + x;
       const bool filled = is_filled(cell, count);
-      if (filled && goes_on) runs.back().end = cell + count;
-      if (filled && !goes_on) runs.push_back({cell, cell + count});
-      goes_on = filled;
+      if (filled && in_run) runs.back().end = cell + count;
+      if (filled && !in_run) runs.push_back({cell, cell + count});
+      in_run = filled;
     }
     run_row[static_cast<size_t>(y) + 1] = static_cast<int32_t>(runs.size());
   }
@@ -207,7 +204,7 @@ std::vector<uint8_t> Smoother::tiles_of_runs() const {
 
 void Smoother::load(const std::vector<float>& map) {
   Level& level = levels_[0];
-  for_each_run(0, [&](int32_t, Run run) {
+  for_each_run([&](Run run) {
     load_run(map.data(), grid_.inverse_area.data(), level.at(level.height),
              level.at(level.inverse_weight), run.begin, run.end);
   });
@@ -327,7 +324,7 @@ void Smoother::cycle(size_t number, float variance) {
 
 void Smoother::store(std::vector<float>& map) {
   Level& level = levels_[0];
-  for_each_run(0, [&](int32_t, Run run) {
+  for_each_run([&](Run run) {
     store_run(level.at(level.height), grid_.inverse_area.data(), level.at(level.inverse_weight),
               map.data(), run.begin, run.end);
   });

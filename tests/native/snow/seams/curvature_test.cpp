@@ -162,6 +162,13 @@ Shown shown(const LaidOutMesh& mesh, const std::function<float(glm::vec3)>& dept
   return result;
 }
 
+float layer_height(float held, LayerTerms terms) {
+  LayerBlock<1> layer;
+  layer.set(0, held, terms);
+  raise_layers(layer.view(), 1);
+  return layer.height[0];
+}
+
 TEST(LayerHeight, isWhatIsHeldOnFlatGround) {
   EXPECT_FLOAT_EQ(layer_height(0.05f, {1, 0, 0}), 0.05f);
   EXPECT_FLOAT_EQ(layer_height(-0.05f, {1, 0, 0}), -0.05f);

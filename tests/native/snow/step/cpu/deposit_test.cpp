@@ -1,5 +1,5 @@
-// The deposit on the processor goes through runs of fragments, and decides for many at once. Here
-// it is held against the same by the letter: fragment by fragment, sample by sample.
+// The deposit on the processor goes through runs of fragments and decides for many at once. These
+// tests compare it with a plain version that evaluates each fragment and each sample alone.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -71,7 +71,7 @@ SceneObject bumps(int32_t cells, float height, uint32_t seed, int32_t resolution
   return object;
 }
 
-/// What a step looks like before the deposit of its first tile.
+/// The state of a step before the deposit of its first tile.
 struct Prepared {
   cpu::Scene scene;
   std::vector<Tile> tiles;
@@ -126,9 +126,9 @@ TexelFragments fragments_of(const TexelTable& table, int32_t i) {
           static_cast<size_t>(table.fragment_begin[static_cast<size_t>(i) + 1])};
 }
 
-/// What a texel gains in a tile, by the letter; its step so far in `step`.
+/// Adds what a texel gains in a tile to `step`, fragment by fragment.
 void add_by_the_letter(kernel::Letter& letter, const SceneObject& object, TexelFragments own,
-                       bool goes_on, shared::TexelStep& step) {
+                       bool adds_to_gain, shared::TexelStep& step) {
   const TexelTable& table = *object.table;
   kernel::Letter::SurfaceSums sums{};
   bool front = false;
@@ -148,7 +148,7 @@ void add_by_the_letter(kernel::Letter& letter, const SceneObject& object, TexelF
   }
   const auto texel = letter.surface_of_sums(sums);
   const bool mixed = front && back;
-  uint32_t gain = goes_on ? step.gain & ~(shared::kBackSide | shared::kMixedSides) : 0u;
+  uint32_t gain = adds_to_gain ? step.gain & ~(shared::kBackSide | shared::kMixedSides) : 0u;
   for (size_t f = own.begin; f < own.end; ++f) {
     const auto triangle = static_cast<uint32_t>(table.fragment_triangle[f]);
     const glm::vec4 surface = letter.triangle_surface[triangle];
@@ -177,7 +177,7 @@ shared::TexelStep step_of(const cpu::Receiver& receiver, size_t i) {
   return {steps.gain[i], steps.area[i], steps.up[i], steps.back_up[i]};
 }
 
-/// Holds all tiles of a step against the letter; returns how many texels gained anything.
+/// Compares all tiles of a step with the plain version; returns how many texels gained anything.
 size_t compare(const SceneObject& object, const FallSettings& fall, int32_t tile_size) {
   Prepared step = prepare(object, fall, tile_size);
   const cpu::Receiver& receiver = step.scene.receivers[0];

@@ -222,7 +222,7 @@ TEST(CpuOcclusion, NeighboursShareNoPixelAndLeaveNoneOut) {
   }
 }
 
-/// The same by the letter: every triangle, every pixel, three sides in 64 bits.
+/// The same by brute force: tests every triangle at every pixel, with its three sides in 64 bits.
 Seen by_the_letter(const Corners& corners, const PixelRect& pixels) {
   const glm::ivec2 size = pixels.size();
   Seen seen(static_cast<size_t>(size.x) * static_cast<size_t>(size.y), {0, shared::kOpenSky});
