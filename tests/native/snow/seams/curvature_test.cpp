@@ -139,7 +139,7 @@ struct Shown {
   double uncorrected;
 };
 
-/// What a map holds and shows whose heights are `depth(position)`.
+/// The volumes that a map with heights `depth(position)` holds and shows.
 Shown shown(const LaidOutMesh& mesh, const std::function<float(glm::vec3)>& depth) {
   const TexelTable table = build_texel_table(mesh.topology);
   const SeamTable seams = build_seam_table(mesh.topology, table, mesh.positions);
