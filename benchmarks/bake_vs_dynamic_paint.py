@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Time per frame of a whole bake, beside Blender's Dynamic Paint, in one run on one machine. Prints a table.
+"""Time per frame of a whole bake, compared with Blender's Dynamic Paint, in one run on one machine. Prints a table.
 
     blender -b --factory-startup --python-exit-code 1 -P benchmarks/bake_vs_dynamic_paint.py -- [--frames 48]
         [--sizes 1024,2048] [--scene turning|still] [--json FILE]

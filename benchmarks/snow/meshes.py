@@ -5,7 +5,6 @@ Meshes made elsewhere are in shared/data beside the checkout. A measurement whos
 without it. The bunny has no UVs: Blender unwraps it once into build/snow.
 """
 
-import functools
 import subprocess
 import sys
 from pathlib import Path
@@ -21,11 +20,6 @@ import snowbough_native as native  # noqa: E402
 from snow_meshes import box, grid, rotated, sphere, wind  # noqa: E402, F401
 
 
-def use_engine(name):
-    """Sets the engine of all further simulations in this process: AUTO, GL or CPU."""
-    native.SnowSimulation = functools.partial(native.SnowSimulation, engine=name)
-
-
 def in_blender(script, *arguments):
     """Runs a script beside this file in Blender without a window."""
     program = ["blender", "-b", "--factory-startup", "--python-exit-code", "1"]
@@ -35,33 +29,24 @@ def in_blender(script, *arguments):
     )
 
 
-def unwrapped(name, scale):
-    """A mesh of shared/data/snow with a Smart UV layout, or None if it or Blender is missing."""
-    source, target = SHARED / "snow" / f"{name}.obj", BUILD / f"{name}.npz"
+def bunny():
+    """A bunny 1.5 m high with a Smart UV layout, or None if the mesh is missing."""
+    source, target = SHARED / "snow" / "stanford-bunny.obj", BUILD / "stanford-bunny.npz"
     if not target.is_file():
         if not source.is_file():
             return None
         BUILD.mkdir(parents=True, exist_ok=True)
         in_blender("unwrap.py", source, target)
     data = np.load(target)
-    return data["positions"] * np.float32(scale), data["triangles"], data["uv"]
+    return data["positions"] * np.float32(10.0), data["triangles"], data["uv"]
 
 
-def bunny():
-    """1.5 m high."""
-    return unwrapped("stanford-bunny", 10.0)
-
-
-def spot():
-    return unwrapped("spot", 1.0)
-
-
-def tree(resolution=1024, name="AL06a_squares"):
+def tree():
     """A real tree rebuilt as one surface with its snow UVs."""
-    path = SHARED / "trees" / "squares" / f"{name}.obj"
+    path = SHARED / "trees" / "squares" / "AL06a_squares.obj"
     if not path.is_file():
         return None
-    mesh = native.build_tree_mesh(native.read_tree(str(path)), snow_resolution=resolution)
+    mesh = native.build_tree_mesh(native.read_tree(str(path)), snow_resolution=1024)
     quads, uv = np.asarray(mesh.quads), np.asarray(mesh.uv_snow)
     triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int32)
     return (

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """First steps of a scene of many receivers: processor time of each part, and memory.
 
-    PYTHONPATH=build/python:tests/python/native python3 benchmarks/snow/receivers.py [--count 1000]
-        [--resolution 256] [--mesh square|hill|ball] [--steps 2] [--own]
+    python3 benchmarks/snow/receivers.py [--count 1000] [--resolution 256] [--mesh square|hill|ball] [--steps 2] [--own]
 
 The receivers are copies of one mesh of about 200 triangles, half a metre wide, side by side. --own: meshes of their
 own, which share no texel table. 1 mm of snow falls per step, with a flutter of 10 degrees, repose in every step, engine
@@ -15,8 +14,7 @@ import resource
 import time
 
 import numpy as np
-import snowbough_native as native
-from snow_meshes import grid, sphere
+from meshes import grid, native, sphere
 
 WIDTH = 0.5
 

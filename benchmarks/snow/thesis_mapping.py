@@ -28,9 +28,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from meshes import bunny, grid, native, rotated, texel_size, wind  # noqa: E402
-from place import reached_texels  # noqa: E402
 from snow_meshes import STAYS  # noqa: E402
-from snow_rays import outline_area, plane_axes, texel_points  # noqa: E402
+from snow_rays import lit_shares, outline_area, plane_axes, texel_points  # noqa: E402
 from speed import line  # noqa: E402
 
 DEPTH = 0.001
@@ -152,6 +151,17 @@ def core_steps(mesh, direction, resolution, pixel_size, steps, mapping):
             taken.append(time.perf_counter() - started)
             first = sim.height("it") if first is None else first
         return first, sim.height("it"), sim.texel_area("it"), float(np.median(taken[1:] or taken))
+
+
+def reached_texels(table, mesh, resolution, snowed, scene, direction, margin):
+    """For every owned texel: the share of its surface that rays reach, and whether no ray reaches it.
+
+    3 x 3 rays per texel. Texels with snow that none of them reaches are tested again with 16 x 16: an edge that
+    cuts off a texel's corner passes between nine rays."""
+    share, _ = lit_shares(table, mesh, resolution, np.arange(len(snowed)), scene, direction, margin, 3)
+    doubtful = np.flatnonzero(snowed & (share == 0.0))
+    finer, _ = lit_shares(table, mesh, resolution, doubtful, scene, direction, margin, 16)
+    return share, (share == 0.0) & (finer == 0.0)
 
 
 def compare(name, mesh, direction, resolution, pixel_size, steps, visible):

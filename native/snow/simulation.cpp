@@ -140,11 +140,6 @@ int32_t SnowSimulation::resolution(const std::string& name) const {
   return objects_.receiver(name)->description.topology.resolution;
 }
 
-std::vector<std::string> SnowSimulation::receivers() const {
-  const std::scoped_lock lock(mutex_);
-  return objects_.receivers();
-}
-
 std::vector<float> SnowSimulation::stored_height(const std::string& name) {
   const auto edge = static_cast<size_t>(objects_.receiver(name)->description.topology.resolution);
   std::vector<float> heights = outputs_.map_memory().take(edge * edge);
@@ -158,8 +153,8 @@ std::vector<float> SnowSimulation::height(const std::string& name) {
   return stored_height(name);
 }
 
-MapOutput SnowSimulation::output(const std::string& name, const MapRequest& maps) {
-  return snapshot(name, maps).output();
+MapOutput SnowSimulation::output(const std::string& name) {
+  return snapshot(name).output();
 }
 
 OutputSnapshot SnowSimulation::snapshot(const std::string& name, const MapRequest& maps) {

@@ -74,11 +74,10 @@ class SnowSimulation {
   /// Stored thickness in metres, resolution x resolution, row 0 = v 0.
   std::vector<float> height(const std::string& name);
   /// The map as users see it: smoothed by blur_radius, extended by 4 texels beyond the charts, and
-  /// level across seams; with other maps on request. @throws std::invalid_argument before the
-  /// object's first step.
-  MapOutput output(const std::string& name, const MapRequest& maps = {});
-  /// The input of `output` at this moment, for evaluation later. @throws std::invalid_argument
-  /// before the object's first step.
+  /// level across seams. @throws std::invalid_argument before the object's first step.
+  MapOutput output(const std::string& name);
+  /// The input of `output` at this moment, for evaluation later, with other maps on request.
+  /// @throws std::invalid_argument before the object's first step.
   OutputSnapshot snapshot(const std::string& name, const MapRequest& maps = {});
   /// Nearly the same as a texture that the real-time renderer draws from, without reading the map
   /// back (see LiveFilter). The next call overwrites it. Null if the heights are not on a GPU: use
@@ -92,7 +91,6 @@ class SnowSimulation {
   /// std::invalid_argument before the first step.
   std::vector<float> texel_area(const std::string& name);
   int32_t resolution(const std::string& name) const;
-  std::vector<std::string> receivers() const;
   SnowStatistics statistics();
   /// Memory of the next step; waits for the engine.
   MemoryEstimate memory_estimate();

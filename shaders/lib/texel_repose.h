@@ -62,16 +62,16 @@ SNOWBOUGH_SHARED_FUNCTION bool is_wall(float up) { return up < kWallUp; }
 /// holds the same volume. `up`: upward part of the normal on the snow's side.
 SNOWBOUGH_SHARED_FUNCTION float column_height(float up) { return 1.0f / max(up, kWallUp); }
 
-/// Maximum height difference, in metres, of the snow's surface between two neighbours. `way`: horizontal distance
+/// Maximum height difference, in metres, of the snow's surface between two neighbours. `distance`: horizontal distance
 /// between the bare points; `slope`: tangent of the angle; `fall`: height difference of the bare points; `steep`:
 /// tangent of the bare surface's slope. If the bare surface is steeper than snow can be, a link that leads down
 /// obliquely is limited to its share of the slope straight down; otherwise snow would stay where the layout has no link
 /// straight down. `leads_down`: minimum cosine between the link and straight down for this.
-SNOWBOUGH_SHARED_FUNCTION float link_limit(float way, float slope, float fall, float steep, float leads_down) {
-  float part = min(abs(fall) / max(way * steep, 1e-12f), 1.0f);
+SNOWBOUGH_SHARED_FUNCTION float link_limit(float distance, float slope, float fall, float steep, float leads_down) {
+  float part = min(abs(fall) / max(distance * steep, 1e-12f), 1.0f);
   float even = kEven * slope;
-  float led = part >= leads_down ? part : 1.0f;
-  return even * way * (steep > even ? led : 1.0f);
+  float allowed_part = part >= leads_down ? part : 1.0f;
+  return even * distance * (steep > even ? allowed_part : 1.0f);
 }
 /// Tangent of a surface's slope. `up`: upward part of its normal.
 SNOWBOUGH_SHARED_FUNCTION float bare_slope(float up) {

@@ -26,7 +26,10 @@ SMALLEST = {
     "realtime/figures.py": (PYTHON, ["--only", "tree_levels", "--out", "OUT"], r""),
     "realtime/preview.py": (WINDOW, ["--", "--resolution", "64", "--frames", "3"], r"\| draw handler \| \d"),
     "snow/thesis_mapping.py": (PYTHON, ["--steps", "1", "--only", "plane"], r"\| .*\d"),
+    "snow/receivers.py": (PYTHON, ["--count", "2", "--resolution", "64"], r"[0-9a-f]{64}"),
     "snow/display.py": (BLENDER, ["--", "--frames", "2"], r"\| .*\d"),
+    "tree/read_benchmark.py": (PYTHON, ["--megabytes", "1", "--repeats", "1"], r"generated\.obj .*\d"),
+    "tree/size_table.py": (PYTHON, ["--branches", "200", "--corners", "200"], r"\| 200 \| .*\d"),
     "bake_vs_dynamic_paint.py": (BLENDER, ["--", "--frames", "2", "--sizes", "256"], r"256 +\d"),
     "bakes/against_commit.py": (PYTHON, [str(ROOT), "--rounds", "1", "--shots", "monkey-1024"], r"\| .*\d"),
 }  # fmt: skip

@@ -84,7 +84,9 @@ def test_a_variant_compiles_and_its_stages_fit_together(variant, tmp_path):
 def reads_of_write_only(source):
     """Where a shader reads its writeonly buffers, as NVIDIA's compiler sees it: also in `a[i] = b[i] = 0`, which reads
     b. Names and texts before them."""
-    declared = r"\bwriteonly\s+buffer\s+\w+\s*\{\s*\w+\s+(\w+)\s*\[[^}]*\}|KERNEL_BLOCK_WRITEONLY\(\w+, \w+, (\w+)\)"
+    declared = (
+        r"\bwriteonly\s+buffer\s+\w+\s*\{\s*\w+\s+(\w+)\s*\[[^}]*\}|KERNEL_BLOCK_WRITEONLY\(\w+, \w+, (\w+)\)"
+    )
     text = re.sub(r"//.*|^\s*#.*", "", source, flags=re.MULTILINE)
     names = ["".join(groups) for groups in re.findall(declared, text)]
     body = re.sub(declared, "", text)

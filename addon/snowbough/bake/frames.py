@@ -63,7 +63,7 @@ class FrameBaker:
         request, clock = self._request, time.perf_counter
         begun = clock()
         if not self._between_frames:
-            raise RuntimeError("the frame before this one has failed: start the bake again")
+            raise RuntimeError("The previous frame failed: start the bake again")
         self._between_frames = False
         for added, changed, direction, steps in work:
             self._registry.register_changes(added)

@@ -84,8 +84,8 @@ def plan_snowfall(frame_start, frame_end, start_depth, end_depth, rates):
         raise ValueError(f"The first frame is {frame_start}: image sequences start at frame 0 or later")
     if not (0 <= start_depth <= end_depth):
         raise ValueError(
-            f"Snow does not melt here: the end depth ({end_depth:g} m) must be at least the start depth "
-            f"({start_depth:g} m), and both at least 0"
+            f"The end depth ({end_depth:g} m) must be at least the start depth ({start_depth:g} m), "
+            "and both at least 0, because snow does not melt"
         )
     if len(rates) != count:
         raise ValueError(f"{count} frames need {count} rates, got {len(rates)}")

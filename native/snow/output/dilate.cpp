@@ -33,7 +33,7 @@ MapContinuation::MapContinuation(const TexelTable& table, const SeamTable& seams
 
 void MapContinuation::run(std::vector<float>& map, const std::vector<uint8_t>& filled) const {
   for (int32_t tile = 0; tile + 1 < static_cast<int32_t>(begin_.size()); ++tile) {
-    if (begin_[tile] == begin_[tile + 1] || !reads_.sees(tile, filled)) continue;
+    if (begin_[tile] == begin_[tile + 1] || !reads_.reads_filled(tile, filled)) continue;
     for (int32_t row = begin_[tile]; row < begin_[tile + 1]; ++row) {
       map[texel_[row]] = rows_.sum(static_cast<size_t>(row), map);
     }

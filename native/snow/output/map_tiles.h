@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <numeric>
 #include <utility>
 #include <vector>
+
+#include "base/group_by_key.h"
 
 namespace snowbough::snow {
 
@@ -64,7 +65,7 @@ class TileReads {
   }
 
   /// Whether one of the tiles that `tile` reads is `filled`.
-  bool sees(int32_t tile, const std::vector<uint8_t>& filled) const {
+  bool reads_filled(int32_t tile, const std::vector<uint8_t>& filled) const {
     return std::any_of(tiles_.begin() + begin_[tile], tiles_.begin() + begin_[tile + 1],
                        [&](int32_t other) { return filled[other] != 0; });
   }
@@ -81,12 +82,11 @@ class TileReads {
 template <typename Item, typename TileOf>
 std::vector<Item> sorted_by_tile(const std::vector<Item>& items, int32_t tile_count,
                                  const TileOf& tile_of, std::vector<int32_t>& begin) {
-  begin.assign(static_cast<size_t>(tile_count) + 1, 0);
-  for (const Item& item : items) ++begin[tile_of(item) + 1];
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<int32_t> next(begin.begin(), begin.end() - 1);
-  std::vector<Item> sorted(items.size());
-  for (const Item& item : items) sorted[next[tile_of(item)]++] = item;
+  const auto for_items = [&](const auto& visit) {
+    for (const Item& item : items) visit(tile_of(item), item);
+  };
+  std::vector<Item> sorted;
+  base::group_by_key(static_cast<size_t>(tile_count), for_items, begin, sorted);
   return sorted;
 }
 

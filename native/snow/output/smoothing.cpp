@@ -129,13 +129,10 @@ void Smoother::for_each_row_band(
   });
 }
 
-void Smoother::for_each_run(size_t number,
-                            const std::function<void(int32_t row, Run run)>& work) const {
+void Smoother::for_each_run(size_t number, const std::function<void(Run run)>& work) const {
   const Level& level = levels_[number];
   for_each_row_band(grid_.levels[number], [&](size_t, int32_t first, int32_t last) {
-    for (int32_t y = first; y < last; ++y) {
-      for (int32_t r = level.run_row[y]; r < level.run_row[y + 1]; ++r) work(y, level.runs[r]);
-    }
+    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) work(level.runs[r]);
   });
 }
 
@@ -172,14 +169,14 @@ template <typename IsFilled, typename Runs>
 static void find_level_runs(int32_t size, const IsFilled& is_filled, Runs& runs,
                             std::vector<int32_t>& run_row) {
   for (int32_t y = 0; y < size; ++y) {
-    bool goes_on = false;
+    bool in_run = false;
     for (int32_t x = 0; x < size; x += kBlock) {
       const int32_t count = std::min(kBlock, size - x);
       const int32_t cell = y * size + x;
       const bool filled = is_filled(cell, count);
-      if (filled && goes_on) runs.back().end = cell + count;
-      if (filled && !goes_on) runs.push_back({cell, cell + count});
-      goes_on = filled;
+      if (filled && in_run) runs.back().end = cell + count;
+      if (filled && !in_run) runs.push_back({cell, cell + count});
+      in_run = filled;
     }
     run_row[static_cast<size_t>(y) + 1] = static_cast<int32_t>(runs.size());
   }
@@ -207,7 +204,7 @@ std::vector<uint8_t> Smoother::tiles_of_runs() const {
 
 void Smoother::load(const std::vector<float>& map) {
   Level& level = levels_[0];
-  for_each_run(0, [&](int32_t, Run run) {
+  for_each_run(0, [&](Run run) {
     load_run(map.data(), grid_.inverse_area.data(), level.at(level.height),
              level.at(level.inverse_weight), run.begin, run.end);
   });
@@ -250,14 +247,11 @@ void Smoother::restrict_to(size_t number) {
       level.runs, level.run_row);
   clear_beyond_runs(number, old_runs);
 
-  for_each_row_band(grid, [&](size_t, int32_t first, int32_t last) {
-    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
-      const Run run = level.runs[r];
-      const int32_t child = run.begin / grid.size * 2 * fine_grid.size + run.begin % grid.size * 2;
-      restrict_run(height + child, height + child + fine_grid.size,
-                   block_rows(fine_grid, inverse, child), level.at(level.height) + run.begin,
-                   level.at(level.inverse_weight) + run.begin, run.end - run.begin);
-    }
+  for_each_run(number, [&](Run run) {
+    const int32_t child = run.begin / grid.size * 2 * fine_grid.size + run.begin % grid.size * 2;
+    restrict_run(height + child, height + child + fine_grid.size,
+                 block_rows(fine_grid, inverse, child), level.at(level.height) + run.begin,
+                 level.at(level.inverse_weight) + run.begin, run.end - run.begin);
   });
   for (size_t s = 0; s < fine_grid.strays.size(); ++s) {
     const auto [cell, parent] = fine_grid.strays[s];
@@ -287,17 +281,14 @@ void Smoother::prolong_from(size_t number) {
   const float* const now = level.at(level.height);
   const float* const before = level.at(level.before);
   const uint8_t* const proximity = level.feet.proximity.data() + level.margin;
-  for_each_row_band(grid, [&](size_t, int32_t first, int32_t last) {
-    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
-      const Run run = level.runs[r];
-      const int32_t child = run.begin / grid.size * 2 * fine_grid.size + run.begin % grid.size * 2;
-      prolong_run(height + child, height + child + fine_grid.size,
-                  block_rows(fine_grid, fine.at(fine.inverse_weight), child), before + run.begin,
-                  now + run.begin,
-                  {grid.to_right() + run.begin, grid.upwards() + run.begin, proximity + run.begin,
-                   least_variance_, done_below_[number]},
-                  run.end - run.begin);
-    }
+  for_each_run(number, [&](Run run) {
+    const int32_t child = run.begin / grid.size * 2 * fine_grid.size + run.begin % grid.size * 2;
+    prolong_run(height + child, height + child + fine_grid.size,
+                block_rows(fine_grid, fine.at(fine.inverse_weight), child), before + run.begin,
+                now + run.begin,
+                {grid.to_right() + run.begin, grid.upwards() + run.begin, proximity + run.begin,
+                 least_variance_, done_below_[number]},
+                run.end - run.begin);
   });
   for (size_t s = 0; s < fine_grid.strays.size(); ++s) {
     if (fine.stray_joins[s] == 0) continue;
@@ -327,7 +318,7 @@ void Smoother::cycle(size_t number, float variance) {
 
 void Smoother::store(std::vector<float>& map) {
   Level& level = levels_[0];
-  for_each_run(0, [&](int32_t, Run run) {
+  for_each_run(0, [&](Run run) {
     store_run(level.at(level.height), grid_.inverse_area.data(), level.at(level.inverse_weight),
               map.data(), run.begin, run.end);
   });

@@ -124,7 +124,7 @@ class Smoother {
   void for_each_row_band(
       const SmoothingLevel& grid,
       const std::function<void(size_t band, int32_t first, int32_t last)>& work) const;
-  void for_each_run(size_t number, const std::function<void(int32_t row, Run run)>& work) const;
+  void for_each_run(size_t number, const std::function<void(Run run)>& work) const;
   void find_runs(const std::vector<float>& map);
   std::vector<uint8_t> tiles_of_runs() const;
   void clear_beyond_runs(size_t number, const std::vector<Run>& before);

@@ -30,7 +30,8 @@ bool Smoother::open_links(const EdgeArrays& edges) {
   std::vector<uint8_t> closed(static_cast<size_t>(grid.size), 0);
   int64_t covered = 0;
   for (const Run& run : level.runs) covered += run.end - run.begin;
-  for_each_run(0, [&](int32_t y, Run run) {
+  for_each_run(0, [&](Run run) {
+    const int32_t y = run.begin / grid.size;
     if (open_links_run(height, closeness, edges, run.begin, run.end)) {
       closed[static_cast<size_t>(y)] = 1;
     }
@@ -138,7 +139,7 @@ bool Smoother::shape_edges() {
 
 void Smoother::divide_by_profile() {
   Level& level = levels_[0];
-  for_each_run(0, [&](int32_t, Run run) {
+  for_each_run(0, [&](Run run) {
     divide_run(level.at(level.height), grid_.inverse_area.data(), level.at(level.inverse_weight),
                run.begin, run.end);
   });

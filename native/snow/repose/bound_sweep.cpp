@@ -1,6 +1,5 @@
 // Bounds on snow above the outlets of a surface, its rims and walls: lower_tile_bounds.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -79,7 +78,7 @@ inline std::pair<bool, bool> lower_over_sides(const float* __restrict a, const f
                                               const Sides& sides, float sign, const float* z,
                                               float* bound, size_t first, size_t second) {
   // Fraction of a bound's rise per texel below which a change is not passed on.
-  constexpr float kWorth = 4e-3f;
+  constexpr float kLeastChange = 4e-3f;
   const float* __restrict const length = sides.length.data();
   const float* __restrict const away = sides.away.data();
   const float* __restrict const places = sides.place.data();
@@ -88,7 +87,7 @@ inline std::pair<bool, bool> lower_over_sides(const float* __restrict a, const f
   for (int32_t i = 0; i < kReposeBlock; ++i) {
     const auto own = static_cast<size_t>(i);
     const float highest = std::max(bound[first + own], bound[second + own]);
-    const float least = std::min(a[i], b[i]) + (1.0f + kWorth) * away[i];
+    const float least = std::min(a[i], b[i]) + (1.0f + kLeastChange) * away[i];
     may_lower |= ((std::abs(b[i] - a[i]) < length[i]) & (least < highest)) ? 1 : 0;
   }
   if (may_lower == 0) return {false, false};
@@ -112,7 +111,7 @@ inline std::pair<bool, bool> lower_over_sides(const float* __restrict a, const f
     int32_t changes = 0;
     for (int32_t i = 0; i < kReposeBlock; ++i) {
       const float now = std::max(over[i], bare[i]);
-      const bool lowers = now < own[i] - kWorth * away[i];
+      const bool lowers = now < own[i] - kLeastChange * away[i];
       changes |= lowers ? 1 : 0;
       own[i] = lowers ? now : own[i];
     }
@@ -145,10 +144,6 @@ inline bool is_bounded(const float* bound) {
   return any != 0;
 }
 
-constexpr uint64_t bit(int32_t row) {
-  return uint64_t{1} << static_cast<uint32_t>(row);
-}
-
 /// Lowers the bounds of a block's window row by row, as long as any row has new bounds to pass on.
 /// Rows of the window are loaded on demand.
 class BoundSweep {
@@ -170,9 +165,9 @@ class BoundSweep {
   uint64_t rows_to_pass() {
     uint64_t rows = outlets_.rows_to_pass.exchange(0, std::memory_order_relaxed) | changed_;
     for (int32_t row = 0; row < TileWindow::kRows; ++row) {
-      if ((rows & bit(row)) == 0) continue;
+      if ((rows & row_bit(row)) == 0) continue;
       load_bound(row);
-      if (!is_bounded(&bound_[TileWindow::at(-1, row)])) rows &= ~bit(row);
+      if (!is_bounded(&bound_[TileWindow::at(-1, row)])) rows &= ~row_bit(row);
     }
     return rows;
   }
@@ -182,12 +177,12 @@ class BoundSweep {
     while ((rows | quads_) != 0) {
       fresh_ = 0;
       for (int32_t row = 0; row < TileWindow::kRows; ++row) {
-        if (((rows | fresh_) & bit(row)) != 0) pass_on(row);
+        if (((rows | fresh_) & row_bit(row)) != 0) pass_on(row);
       }
       rows = fresh_;
       fresh_ = 0;
       for (int32_t row = TileWindow::kRows - 1; row >= 0; --row) {
-        if (((rows | fresh_) & bit(row)) != 0) pass_on(row);
+        if (((rows | fresh_) & row_bit(row)) != 0) pass_on(row);
       }
       rows = fresh_;
       for (int32_t row = 0; rows == 0 && row < kReposeBlock; ++row) pass_over_quads(row);
@@ -199,7 +194,7 @@ class BoundSweep {
   TileBounds write() {
     TileBounds result;
     for (int32_t row = 0; row < TileWindow::kRows; ++row) {
-      if ((changed_ & bit(row)) == 0) continue;
+      if ((changed_ & row_bit(row)) == 0) continue;
       load(row);
       around_.for_row(row, [&](ReposeTile* tile, size_t cell, int32_t column, size_t count) {
         const size_t at = TileWindow::at(column, row);
@@ -224,14 +219,14 @@ class BoundSweep {
   }
 
   void load_bound(int32_t row) {
-    if ((bounds_ & bit(row)) != 0) return;
-    bounds_ |= bit(row);
+    if ((bounds_ & row_bit(row)) != 0) return;
+    bounds_ |= row_bit(row);
     around_.copy_row(row, &ReposeTile::outlets, &TileOutlets::bound, bound_, shared::kUnbounded);
   }
   void load(int32_t row) {
     load_bound(row);
-    if ((loaded_ & bit(row)) != 0) return;
-    loaded_ |= bit(row);
+    if ((loaded_ & row_bit(row)) != 0) return;
+    loaded_ |= row_bit(row);
     around_.copy_row(row, &ReposeTile::snow, &TileSnow::top, top_, 0.0f);
     around_.copy_row(row, &ReposeTile::ground, &TileGround::z, z_, 0.0f);
   }
@@ -243,7 +238,7 @@ class BoundSweep {
     float& own = bound_[TileWindow::at(column, row)];
     if (!(bound < own)) return;
     own = bound;
-    changed_ |= bit(row);
+    changed_ |= row_bit(row);
   }
   bool pass(int32_t row) {
     load(row);
@@ -256,23 +251,23 @@ class BoundSweep {
     while (pass(row)) {
       if (row == kReposeBlock) return true;
       const size_t at = TileWindow::at(0, row);
-      bool goes_on = lower_row(&passed_[at], limit(0, row), &z_[at + 1], &bound_[at + 1]);
-      goes_on |= lower_row(&passed_[at + 1], limit(0, row), &z_[at], &bound_[at]);
-      if (!goes_on) return true;
-      changed_ |= bit(row);
+      bool changed = lower_row(&passed_[at], limit(0, row), &z_[at + 1], &bound_[at + 1]);
+      changed |= lower_row(&passed_[at + 1], limit(0, row), &z_[at], &bound_[at]);
+      if (!changed) return true;
+      changed_ |= row_bit(row);
     }
     return false;
   }
   void measure(int32_t row) {
-    if ((measured_ & bit(row)) != 0) return;
-    measured_ |= bit(row);
+    if ((measured_ & row_bit(row)) != 0) return;
+    measured_ |= row_bit(row);
     measure_row(limit(0, row), limit(1, row), limit(2, row), up_[static_cast<size_t>(row)],
                 along_[static_cast<size_t>(row)]);
   }
   /// Passes bounds over the sides of a row of quads, if its corners have new ones.
   void pass_over_quads(int32_t row) {
-    if (row < 0 || row >= kReposeBlock || (quads_ & bit(row)) == 0) return;
-    quads_ &= ~bit(row);
+    if (row < 0 || row >= kReposeBlock || (quads_ & row_bit(row)) == 0) return;
+    quads_ &= ~row_bit(row);
     const bool passes = pass(row);
     if (!pass(row + 1) && !passes) return;
     if (!may_lower_bounds(limit(2, row), passed_.data(), bound_.data(), z_.data(),
@@ -295,16 +290,16 @@ class BoundSweep {
     const auto base = over(low, low + 1, along, -1.0f, high, high + 1);
     const bool lowers_low = right.first | left.first | top.first | top.second;
     const bool lowers_high = right.second | left.second | base.first | base.second;
-    const uint64_t lowered = (lowers_low ? bit(row) : 0) | (lowers_high ? bit(row + 1) : 0);
+    const uint64_t lowered = (lowers_low ? row_bit(row) : 0) | (lowers_high ? row_bit(row + 1) : 0);
     fresh_ |= lowered;
     changed_ |= lowered;
   }
   /// Passes on everything from a row to itself and to the adjacent rows.
   void pass_on(int32_t row) {
     const bool passes = within(row);
-    fresh_ &= ~bit(row);
+    fresh_ &= ~row_bit(row);
     if (!passes) return;
-    quads_ |= (bit(row) | bit(row) >> 1) & kAllRows;
+    quads_ |= (row_bit(row) | row_bit(row) >> 1) & kAllRows;
     const float* const passed = &passed_[TileWindow::at(0, row)];
     bool up = false;
     bool down = false;
@@ -322,7 +317,7 @@ class BoundSweep {
         down |= lower_row(passed + kForwardColumn[k], limit(k, row - 1), &z_[at], &bound_[at]);
       }
     }
-    const uint64_t lowered = (up ? bit(row + 1) : 0) | (down ? bit(row - 1) : 0);
+    const uint64_t lowered = (up ? row_bit(row + 1) : 0) | (down ? row_bit(row - 1) : 0);
     fresh_ |= lowered;
     changed_ |= lowered;
   }

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <limits>
 
-#include "snow/repose/links.h"
 #include "snow/repose/window.h"
 
 namespace snowbough::snow {

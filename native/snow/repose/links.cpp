@@ -5,9 +5,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
+#include "base/group_by_key.h"
 #include "snow/repose/welded.h"
 #include "snow/texels/charts.h"
 
@@ -260,7 +260,7 @@ class LinkFinder {
   }
 
   void sort_ends() {
-    std::vector<ReposeLinks::End>& ends = links_.ends;
+    std::vector<ReposeLinks::End> ends;
     const auto across = static_cast<int32_t>(links_.across.size());
     for (int32_t k = 0; k < across; ++k) {
       const ReposeLinks::Across& link = links_.across[static_cast<size_t>(k)];
@@ -272,9 +272,8 @@ class LinkFinder {
       ends.push_back({links_.rims[k].texel, links_.cell_of(place(links_.rims[k].texel)),
                       across + static_cast<int32_t>(k), -1, 0});
     }
-    const auto block = [](const ReposeLinks::End& end) { return end.cell / kTileCells; };
-    std::sort(ends.begin(), ends.end(), [&](const auto& a, const auto& b) {
-      return std::tuple(block(a), a.texel, a.link) < std::tuple(block(b), b.texel, b.link);
+    std::sort(ends.begin(), ends.end(), [](const auto& a, const auto& b) {
+      return std::pair(a.texel, a.link) < std::pair(b.texel, b.link);
     });
     for (size_t begin = 0, end = 0; begin < ends.size(); begin = end) {
       while (end < ends.size() && ends[end].texel == ends[begin].texel) ++end;
@@ -282,9 +281,10 @@ class LinkFinder {
       for (size_t e = begin; e < end; ++e) ends[e].links = count;
     }
     const auto side = static_cast<size_t>(links_.blocks_a_side);
-    links_.end_begin.assign(side * side + 1, 0);
-    for (const auto& end : ends) ++links_.end_begin[static_cast<size_t>(block(end)) + 1];
-    std::partial_sum(links_.end_begin.begin(), links_.end_begin.end(), links_.end_begin.begin());
+    const auto for_ends = [&](const auto& visit) {
+      for (const ReposeLinks::End& end : ends) visit(end.cell / kTileCells, end);
+    };
+    base::group_by_key(side * side, for_ends, links_.end_begin, links_.ends);
   }
 
   void find_near_blocks() {
@@ -305,23 +305,20 @@ class LinkFinder {
       pairs.emplace_back(a, b);
       pairs.emplace_back(b, a);
     }
-    std::vector<uint8_t> has_texels(links_.end_begin.size() - 1, 0);
-    for (size_t b = 0; b < has_texels.size(); ++b) {
-      links_.for_runs(static_cast<int32_t>(b), kAllRows, table_.texel,
-                      [&](int32_t, int32_t, size_t) { has_texels[b] = 1; });
-    }
+    std::vector<uint8_t> has_texels(links_.block_count(), 0);
+    for_each_place(table_, [&](int32_t, int32_t column, int32_t row) {
+      has_texels[static_cast<size_t>(links_.cell_at(column, row) / kTileCells)] = 1;
+    });
     std::erase_if(pairs, [&](const auto& pair) {
       return has_texels[static_cast<size_t>(pair.first)] == 0 ||
              has_texels[static_cast<size_t>(pair.second)] == 0;
     });
     std::sort(pairs.begin(), pairs.end());
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-    links_.near_begin.assign(links_.end_begin.size(), 0);
-    for (const auto& [block, other] : pairs) {
-      ++links_.near_begin[static_cast<size_t>(block) + 1];
-      links_.near.push_back(other);
-    }
-    std::partial_sum(links_.near_begin.begin(), links_.near_begin.end(), links_.near_begin.begin());
+    const auto for_pairs = [&](const auto& visit) {
+      for (const auto& [block, other] : pairs) visit(block, other);
+    };
+    base::group_by_key(links_.block_count(), for_pairs, links_.near_begin, links_.near);
   }
 
   const MapTopology& topology_;

@@ -137,8 +137,8 @@ struct ReposeLinks {
   /// Calls visit(first texel, count, cell within the block) for the runs of a block's texels in
   /// rows whose bit is set in `rows`.
   template <typename Visit>
-  void for_runs(int32_t block, uint32_t rows, const std::vector<int32_t>& places,
-                const Visit& visit) const {
+  void for_runs(int32_t block, const std::vector<int32_t>& places, const Visit& visit,
+                uint32_t rows = kAllRows) const {
     for (int32_t row = 0; row < kReposeBlock; ++row) {
       if (((rows >> row) & 1) == 0) continue;
       for_row_runs(block, row, 0, places, [&](int32_t first, int32_t count, int32_t column) {
@@ -146,18 +146,14 @@ struct ReposeLinks {
       });
     }
   }
-  /// Calls visit(texel, cell within the block) for a block's texels.
+  /// Calls visit(texel, cell within the block) for the texels of these runs.
   template <typename Visit>
-  void for_texels(int32_t block, const std::vector<int32_t>& places, const Visit& visit) const {
-    for_texels(block, kAllRows, places, visit);
-  }
-  /// The same for rows whose bit is set in `rows`.
-  template <typename Visit>
-  void for_texels(int32_t block, uint32_t rows, const std::vector<int32_t>& places,
-                  const Visit& visit) const {
-    for_runs(block, rows, places, [&](int32_t first, int32_t count, size_t cell) {
+  void for_texels(int32_t block, const std::vector<int32_t>& places, const Visit& visit,
+                  uint32_t rows = kAllRows) const {
+    const auto visit_run = [&](int32_t first, int32_t count, size_t cell) {
       for (int32_t i = 0; i < count; ++i) visit(first + i, cell + static_cast<size_t>(i));
-    });
+    };
+    for_runs(block, places, visit_run, rows);
   }
 };
 

@@ -1,6 +1,5 @@
 #include "snow/repose/pass.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/parallel_for.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
@@ -83,7 +82,7 @@ double Repose::run(std::vector<float>& height, float dt, bool on_all_cores) {
     has_changed_ = has_changed_ || own.has_changed;
   }
   for (const int32_t block : chosen_) {
-    kept_[static_cast<size_t>(block)] = std::move(tiles_[static_cast<size_t>(block)]);
+    unused_tiles_[static_cast<size_t>(block)] = std::move(tiles_[static_cast<size_t>(block)]);
   }
   return fallen * static_cast<double>(surface_.unit());
 }
@@ -112,8 +111,8 @@ void Repose::empty_over_outlets() {
   Marks active(links_->block_count(), 0);
   for (const int32_t block : chosen_) active[static_cast<size_t>(block)] = 1;
   const int32_t side = links_->blocks_a_side;
-  for (bool goes_on = true; goes_on;) {
-    goes_on = false;
+  for (bool continues = true; continues;) {
+    continues = false;
     for (int32_t colour = 0; colour < 4; ++colour) {
       const Blocks blocks = blocks_of_colour(
           colour, [&](int32_t block) { return active[static_cast<size_t>(block)] != 0; });
@@ -124,11 +123,11 @@ void Repose::empty_over_outlets() {
       });
       for (size_t i = 0; i < blocks.size(); ++i) {
         mark_around(blocks[i], done[i].seen_by, active);
-        goes_on = goes_on || done[i].has_changed;
+        continues = continues || done[i].has_changed;
       }
       for (const int32_t block : blocks) active[static_cast<size_t>(block)] = 0;
     }
-    goes_on = lower_across(active) || goes_on;
+    continues = lower_across(active) || continues;
   }
   Marks cuts(chosen_.size(), 0);
   for_each(chosen_.size(),
@@ -169,21 +168,21 @@ void Repose::run_rounds(float work_factor) {
   const int most = static_cast<int>(static_cast<float>(kMostRounds) * work_factor);
   int round = 0;
   int round_across = 0;
-  for (bool goes_on = true; goes_on && round < most && work > 0.0; round += kRounds) {
-    goes_on = false;
+  for (bool continues = true; continues && round < most && work > 0.0; round += kRounds) {
+    continues = false;
     for (int32_t colour = 0; colour < 4; ++colour) {
       const Blocks blocks = blocks_of_colour(colour, [&](int32_t block) {
         return tiles_[static_cast<size_t>(block)]->links.is_active();
       });
       if (!blocks.empty()) {
         work -= run_colour(blocks, round);
-        goes_on = true;
+        continues = true;
       }
       if (!across_.empty() && seams_are_pending_) {
         seams_are_pending_ = flow_across(shared::flow_momentum(round_across++));
       }
     }
-    goes_on = goes_on || (!across_.empty() && seams_are_pending_);
+    continues = continues || (!across_.empty() && seams_are_pending_);
   }
 }
 
@@ -194,7 +193,7 @@ Repose::Written Repose::write_block(int32_t block, float walls_keep,
   Written written;
   if (!tile.snow.has_moved() && !tile.outlets.any_wall) return written;
   const std::vector<int32_t>& places = object_->table->texel;
-  links_->for_texels(block, rows_to_write(tile), places, [&](int32_t texel, size_t cell) {
+  const auto write = [&](int32_t texel, size_t cell) {
     const bool wall = (tile.snow.kind[cell] & kWall) != 0;
     const double moved = tile.snow.moved[cell];
     if (wall ? tile.snow.held[cell] == 0.0f : moved == 0.0) return;
@@ -214,7 +213,8 @@ Repose::Written Repose::write_block(int32_t block, float walls_keep,
     const auto now = static_cast<float>(std::max(depth, 0.0));
     own = (tile.snow.kind[cell] & kBack) != 0 && now > 0.0f ? -now : now;
     written.lost -= moved;
-  });
+  };
+  links_->for_texels(block, places, write, rows_to_write(tile));
   return written;
 }
 

@@ -94,13 +94,13 @@ class Repose {
 
   // setup.cpp
   void find_links();
-  void take_pose();
+  void update_pose();
   BlockRect rect_of(int32_t block) const;
   float highest_in(int32_t block, const std::vector<float>& height) const;
   bool rests(int32_t block, const std::vector<float>& height);
   const BlockSlack& slack_of(int32_t block);
   void forget_tiles();
-  void take_tiles(Marks& changes);
+  void reuse_tiles(Marks& changes);
   bool cover_tile(int32_t block, const std::vector<float>& height);
   void set_up(const std::vector<float>& height);
   void set_up_ends(int32_t block);
@@ -149,7 +149,7 @@ class Repose {
   Blocks chosen_;
   /// Tiles of the chosen blocks during a run; all existing tiles between runs.
   ReposeTiles tiles_;
-  ReposeTiles kept_;
+  ReposeTiles unused_tiles_;
   /// By block, in the run before.
   Marks was_chosen_;
   /// By block.

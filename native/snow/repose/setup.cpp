@@ -25,7 +25,7 @@ void Repose::find_links() {
   links_ = link_tables_->find(object_->description.topology, object_->table,
                               rest.empty() ? object_->positions : rest);
   tiles_.resize(links_->block_count());
-  kept_.resize(links_->block_count());
+  unused_tiles_.resize(links_->block_count());
   rims_.resize(links_->block_count());
   across_.resize(links_->across.size());
   is_noted_.assign(links_->block_count(), 0);
@@ -33,7 +33,7 @@ void Repose::find_links() {
 }
 
 /// Evaluates the surface, if it has changed for repose.
-void Repose::take_pose() {
+void Repose::update_pose() {
   has_pose_ = true;
   if (!pose_.set(object_->description.rest, object_->positions,
                  object_->description.topology.vertex_count)) {
@@ -42,7 +42,7 @@ void Repose::take_pose() {
   if (links_ == nullptr) find_links();
   surface_.set_pose(*object_, pose_.positions(), limits_.cohesion > 0.0f);
   slack_.assign(links_->block_count(), std::nullopt);
-  for (const std::unique_ptr<ReposeTile>& tile : kept_) {
+  for (const std::unique_ptr<ReposeTile>& tile : unused_tiles_) {
     if (tile != nullptr) tile->ground.has_pose = false;
   }
 }
@@ -87,7 +87,7 @@ const BlockSlack& Repose::slack_of(int32_t block) {
 
 /// Releases the tiles, and treats all blocks as new in the next step.
 void Repose::forget_tiles() {
-  for (std::unique_ptr<ReposeTile>& tile : kept_) tile.reset();
+  for (std::unique_ptr<ReposeTile>& tile : unused_tiles_) tile.reset();
   was_chosen_.assign(was_chosen_.size(), 0);
 }
 
@@ -108,7 +108,7 @@ size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimit
   if (!has_pose_) {
     const bool is_bare = std::all_of(height.begin(), height.end(), [](float h) { return h == 0; });
     if (is_bare) return 0;
-    take_pose();
+    update_pose();
   }
   highest_.resize(slack_.size());
   base::for_each_item(slack_.size(), 64,
@@ -190,17 +190,18 @@ void Repose::set_up_ends(int32_t block) {
   }
 }
 
-/// Takes the tiles of the chosen blocks; marks those that were added or removed.
-void Repose::take_tiles(Marks& changes) {
+/// Provides the tiles of the chosen blocks, reusing those of the last run; marks the blocks that
+/// were added or removed.
+void Repose::reuse_tiles(Marks& changes) {
   Marks is_chosen(links_->block_count(), 0);
   for (const int32_t block : chosen_) is_chosen[static_cast<size_t>(block)] = 1;
   for (size_t b = 0; b < is_chosen.size(); ++b) changes[b] = is_chosen[b] ^ was_chosen_[b];
   for (size_t b = 0; b < is_chosen.size(); ++b) {
-    if (is_chosen[b] == 0) kept_[b].reset();
+    if (is_chosen[b] == 0) unused_tiles_[b].reset();
   }
   was_chosen_ = std::move(is_chosen);
   for (const int32_t block : chosen_) {
-    std::unique_ptr<ReposeTile>& kept = kept_[static_cast<size_t>(block)];
+    std::unique_ptr<ReposeTile>& kept = unused_tiles_[static_cast<size_t>(block)];
     // cover_tile initialises it.
     if (kept == nullptr) kept = std::make_unique_for_overwrite<ReposeTile>();
     tiles_[static_cast<size_t>(block)] = std::move(kept);
@@ -234,7 +235,7 @@ bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
 
 void Repose::set_up(const std::vector<float>& height) {
   Marks changes(links_->block_count(), 0);
-  take_tiles(changes);
+  reuse_tiles(changes);
   for_blocks(chosen_, [&](int32_t b) {
     if (cover_tile(b, height)) changes[static_cast<size_t>(b)] = 1;
   });

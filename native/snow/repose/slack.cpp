@@ -124,7 +124,7 @@ class SlackFinder {
   /// The side of the block's first texel.
   void find_side() {
     bool is_first = true;
-    links_.for_runs(block_, kAllRows, places_, [&](int32_t texel, int32_t, size_t) {
+    links_.for_runs(block_, places_, [&](int32_t texel, int32_t, size_t) {
       if (is_first) slack_.side = Bare(surface_.texel(texel)).side;
       is_first = false;
     });

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 
 #include "base/parallel_for.h"
 #include "base/simd.h"
@@ -246,9 +245,9 @@ void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, TileGrou
   const Row all{ground.x.data(),         ground.y.data(),        ground.z.data(),
                 ground.normal_z.data(),  ground.up.data(),       ground.area.data(),
                 ground.curvature.data(), ground.two_sided.data()};
-  links.for_runs(
-      block, kAllRows, object_->table->texel,
-      [&](int32_t first, int32_t count, size_t cell) { texels(first, count, all.at(cell)); });
+  links.for_runs(block, object_->table->texel, [&](int32_t first, int32_t count, size_t cell) {
+    texels(first, count, all.at(cell));
+  });
   ground.any_two_sided = std::any_of(ground.two_sided.begin(), ground.two_sided.end(),
                                      [](uint8_t two_sided) { return two_sided != 0; });
   std::copy_n(links.forward_of(block), kTileCells, ground.forward.begin());

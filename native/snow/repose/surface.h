@@ -56,7 +56,7 @@ class ReposeSurface {
   /// Fills in a block's cells, after TileGround::begin_pose.
   void fill_block(const ReposeLinks& links, int32_t block, TileGround& ground) const;
 
-  /// A vector that is linear on a triangle: at its first corner, and the ways to the others.
+  /// A vector that is linear on a triangle: at its first corner, and the differences to the others.
   struct Linear {
     glm::vec3 first, to_second, to_third;
     glm::vec3 at(glm::vec2 weights) const {

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
@@ -89,10 +88,6 @@ inline bool is_row_over(int32_t step, const float* __restrict top, const float* 
   return over != 0;
 }
 
-constexpr uint64_t bit(int32_t row) {
-  return uint64_t{1} << static_cast<uint32_t>(row);
-}
-
 /// Calls visit(row) for the bits of `rows`, ascending.
 template <typename Visit>
 void for_bits(uint64_t rows, const Visit& visit) {
@@ -120,7 +115,7 @@ class TileRun {
         links_.active_rows.load(std::memory_order_relaxed) | links_.partial_rows;
     look_ = links_.flowing | over_rows(active_rows & ~links_.flowing);
     for_bits(look_, [&](int32_t row) {
-      is_wanted_[static_cast<size_t>(row)].fill((links_.flowing & bit(row)) != 0);
+      is_wanted_[static_cast<size_t>(row)].fill((links_.flowing & row_bit(row)) != 0);
     });
     TileRounds result;
     result.flows = look_ != 0;
@@ -142,14 +137,14 @@ class TileRun {
 
  private:
   void load_top(int32_t row) {
-    if ((tops_ & bit(row)) != 0) return;
-    tops_ |= bit(row);
+    if ((tops_ & row_bit(row)) != 0) return;
+    tops_ |= row_bit(row);
     around_.copy_row(row, &ReposeTile::snow, &TileSnow::top, top_, 0.0f);
     around_.copy_row(row, &ReposeTile::snow, &TileSnow::gives, gives_, 0.0f);
   }
   void load(int32_t row) {
-    if ((loaded_ & bit(row)) != 0) return;
-    loaded_ |= bit(row);
+    if ((loaded_ & row_bit(row)) != 0) return;
+    loaded_ |= row_bit(row);
     load_top(row);
     around_.for_row(row, [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
       for (size_t i = 0, at = TileWindow::at(column, row); i < count; ++i, ++at) {
@@ -177,15 +172,15 @@ class TileRun {
         if (is_row_over(TileWindow::step(k), top_.data() + TileWindow::at(0, row),
                         gives_.data() + TileWindow::at(0, row),
                         links_.limit[static_cast<size_t>(k)].data() + cells)) {
-          over |= bit(row);
+          over |= row_bit(row);
           return;
         }
       }
     });
     for (const RimLink& rim : rims_) {
-      if ((bit(row_of(rim)) & rows) == 0) continue;
+      if ((row_bit(row_of(rim)) & rows) == 0) continue;
       const size_t at = place_of(rim);
-      if (top_[at] - rim.top > rim.limit && gives_[at] >= 1.0f) over |= bit(row_of(rim));
+      if (top_[at] - rim.top > rim.limit && gives_[at] >= 1.0f) over |= row_bit(row_of(rim));
     }
     return over;
   }
@@ -211,7 +206,7 @@ class TileRun {
             (is_wanted[link] || is_row_over(TileWindow::step(k), &top_[at], &gives_[at], limit)) &&
             want_row(TileWindow::step(k), &top_[at], &gives_[at], limit, &stiffness_[at],
                      flow(k, row), momentum, &wanted_[at]);
-        if (is_wanted[link]) wants |= bit(row);
+        if (is_wanted[link]) wants |= row_bit(row);
       }
     });
     return wants;
@@ -220,13 +215,13 @@ class TileRun {
   uint64_t want_over_rims(float momentum) {
     uint64_t wants = 0;
     for (RimLink& rim : rims_) {
-      if ((look_ & bit(row_of(rim))) == 0) continue;
+      if ((look_ & row_bit(row_of(rim))) == 0) continue;
       const size_t at = place_of(rim);
       const float wanted =
           shared::wanted_flow(rim.flow, top_[at] - rim.top, rim.limit, rim.rate, momentum);
       rim.flow = gives_[at] < 1.0f ? 0.0f : std::max(wanted, 0.0f);
       wanted_[at] += rim.flow;
-      if (rim.flow > 0.0f) wants |= bit(row_of(rim));
+      if (rim.flow > 0.0f) wants |= row_bit(row_of(rim));
     }
     return wants;
   }
@@ -239,16 +234,16 @@ class TileRun {
       for (int32_t k = 0; k < kForwardLinks; ++k) {
         if (!is_wanted_[static_cast<size_t>(row)][static_cast<size_t>(k)]) continue;
         if (give_row(TileWindow::step(k), flow(k, row), part_.data() + at, gain_.data() + at)) {
-          gave |= bit(row) | bit(row + 1);
+          gave |= row_bit(row) | row_bit(row + 1);
         }
       }
     });
     for (RimLink& rim : rims_) {
-      if ((rim_wants & bit(row_of(rim))) == 0) continue;
+      if ((rim_wants & row_bit(row_of(rim))) == 0) continue;
       const size_t at = place_of(rim);
       rim.flow = shared::given_flow(rim.flow, part_[at], 1.0f);
       gain_[at] -= rim.flow;
-      if (rim.flow > 0.0f) gave |= bit(row_of(rim));
+      if (rim.flow > 0.0f) gave |= row_bit(row_of(rim));
     }
     return gave;
   }

@@ -47,4 +47,9 @@ struct TileWindow {
   }
 };
 
+/// The bit of a window's row in a set of rows.
+constexpr uint64_t row_bit(int32_t row) {
+  return uint64_t{1} << static_cast<uint32_t>(row);
+}
+
 }  // namespace snowbough::snow

@@ -126,13 +126,6 @@ std::vector<LayerTerms> layer_terms(const std::vector<int32_t>& triangles,
   return corners;
 }
 
-float layer_height(float held, LayerTerms terms) {
-  LayerBlock<1> layer;
-  layer.set(0, held, terms);
-  raise_layers(layer.view(), 1);
-  return layer.height[0];
-}
-
 void show_layers(const TexelTable& table, const std::vector<LayerTerms>& terms,
                  std::vector<float>& map, int32_t threads) {
   if (terms.empty()) return;

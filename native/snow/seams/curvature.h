@@ -42,11 +42,6 @@ inline std::vector<LayerTerms> layer_terms(const std::vector<int32_t>& triangles
   return layer_terms(triangles, shading, shading_normals(triangles, shading, positions), positions);
 }
 
-/// The height in metres at which a layer holds `held` (m3/m2). Negative on the back of the surface,
-/// whose curvature is reversed. In hollows the height is limited to where the layer would fold over
-/// itself, and to 1.25 times `held`: narrow folds would otherwise form ridges.
-float layer_height(float held, LayerTerms terms);
-
 /// Converts texels' volumes to heights, in place. `terms`: see layer_terms; if empty, the map stays
 /// unchanged. `threads` share the work.
 void show_layers(const TexelTable& table, const std::vector<LayerTerms>& terms,

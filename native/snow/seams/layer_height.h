@@ -34,7 +34,10 @@ struct LayerBlock {
   LayerView view() { return {height.data(), x.data(), y.data(), z.data()}; }
 };
 
-/// layer_height of `count` layers, vectorised.
+/// Computes the heights in metres at which `count` layers hold their volumes. A height is negative
+/// on the back of the surface, whose curvature is reversed. In hollows it is limited to where the
+/// layer would fold over itself, and to 1.25 times the volume: narrow folds would otherwise form
+/// ridges.
 void raise_layers(const LayerView& layers, int32_t count);
 
 }  // namespace snowbough::snow

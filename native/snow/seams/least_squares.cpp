@@ -4,7 +4,6 @@
 #include <Eigen/SparseCore>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <utility>
 
 namespace snowbough::snow {
@@ -141,7 +140,6 @@ SeamFactor::SeamFactor(std::shared_ptr<const SeamPattern> pattern)
     : state_(std::make_unique<State>(std::move(pattern))) {}
 SeamFactor::~SeamFactor() = default;
 SeamFactor::SeamFactor(SeamFactor&& other) noexcept = default;
-SeamFactor& SeamFactor::operator=(SeamFactor&& other) noexcept = default;
 
 std::vector<int32_t> SeamFactor::elimination_order(const std::vector<SeamRow>& rows,
                                                    int32_t unknowns) {

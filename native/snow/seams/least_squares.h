@@ -23,7 +23,6 @@ class SeamFactor {
   explicit SeamFactor(std::shared_ptr<const SeamPattern> pattern);
   ~SeamFactor();
   SeamFactor(SeamFactor&& other) noexcept;
-  SeamFactor& operator=(SeamFactor&& other) noexcept;
 
   /// A fill-reducing elimination order: per place, the unknown. An approximate minimum degree
   /// ordering: P. R. Amestoy, T. A. Davis, I. S. Duff, An Approximate Minimum Degree Ordering

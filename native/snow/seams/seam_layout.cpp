@@ -5,6 +5,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "base/group_by_key.h"
 #include "snow/seams/seam_gradients.h"
 
 namespace snowbough::snow {
@@ -46,7 +47,6 @@ SeamLayout::SeamLayout(const SeamLevelling& levelling)
     if (own == own_end || *own != texel_[i]) continue;
     foreign_.emplace_back(static_cast<int32_t>(i), number[own - levelling.texel.begin()]);
   }
-  sample_begin_.assign(static_cast<size_t>(unknowns_) + 2, 0);
   const auto for_each_sample = [&](const auto& visit) {
     for (size_t p = 0; p < points_.size(); ++p) {
       for (const int32_t texel : points_[p].source) {
@@ -54,11 +54,7 @@ SeamLayout::SeamLayout(const SeamLevelling& levelling)
       }
     }
   };
-  // Shifted by one place, so that the second pass leaves the offsets in their final places.
-  for_each_sample([&](int32_t texel, int32_t) { ++sample_begin_[texel + 2]; });
-  std::partial_sum(sample_begin_.begin(), sample_begin_.end(), sample_begin_.begin());
-  samples_.resize(static_cast<size_t>(sample_begin_.back()));
-  for_each_sample([&](int32_t texel, int32_t p) { samples_[sample_begin_[texel + 1]++] = p; });
+  base::group_by_key(static_cast<size_t>(unknowns_), for_each_sample, sample_begin_, samples_);
   pattern_ = std::make_shared<const SeamPattern>(points_, unknowns_);
 }
 

@@ -1,6 +1,6 @@
 #include "snow/seams/seam_pattern.h"
 
-#include <numeric>
+#include "base/group_by_key.h"
 
 namespace snowbough::snow {
 namespace {
@@ -21,13 +21,7 @@ PatternTerms terms_of(const std::vector<SeamRow>& rows, int32_t unknowns) {
     }
   };
   PatternTerms terms;
-  // Shifted by one place, so that the second pass leaves the offsets in their final places.
-  terms.begin.assign(static_cast<size_t>(unknowns) + 2, 0);
-  for_each_term([&](int32_t unknown, int32_t) { ++terms.begin[unknown + 2]; });
-  std::partial_sum(terms.begin.begin(), terms.begin.end(), terms.begin.begin());
-  terms.term.resize(static_cast<size_t>(terms.begin.back()));
-  for_each_term(
-      [&](int32_t unknown, int32_t term) { terms.term[terms.begin[unknown + 1]++] = term; });
+  base::group_by_key(static_cast<size_t>(unknowns), for_each_term, terms.begin, terms.term);
   return terms;
 }
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "snow/seams/least_squares.h"
+#include "snow/seams/seam_row.h"
 #include "snow/texels/charts.h"
 #include "snow/texels/texel_table.h"
 

@@ -90,8 +90,8 @@ class SeamTableBuilder {
   /// Bilinear interpolation at a point of the surface. Texels that the chart does not own are
   /// looked up beyond the seam, once; those still missing are left out. Adds terms to `terms`,
   /// scaled to sum to `weight`, or none.
-  void interpolate(const SurfacePoint& point, double weight, bool beyond_seams,
-                   Terms& terms) const {
+  void interpolate(const SurfacePoint& point, Terms& terms, double weight = 1.0,
+                   bool beyond_seams = true) const {
     const glm::dvec2 at = near_map(point.at);
     const glm::dvec2 corner = glm::floor(at - 0.5);
     const glm::dvec2 part = at - 0.5 - corner;
@@ -110,7 +110,7 @@ class SeamTableBuilder {
         SurfacePoint other = point;
         glm::dvec2 direction(0.0);
         if (walk_.go(other, glm::dvec2(column + 0.5, row + 0.5), direction)) {
-          interpolate(other, share, false, terms);
+          interpolate(other, terms, share, false);
         }
       }
     }
@@ -181,7 +181,7 @@ class SeamTableBuilder {
       terms.clear();
       alive = alive && walk_.go(point, target, direction);
       if (alive) {
-        interpolate(point, 1.0, true, terms);
+        interpolate(point, terms);
         target = point.at + direction;
       }
       lines.ghost_place.push_back(place + k * place_step);
@@ -264,7 +264,7 @@ class SeamTableBuilder {
       terms.clear();
       SurfacePoint point{table_.chart[nearest], sample_point(nearest)};
       glm::dvec2 direction(0.0);
-      if (walk_.go(point, centre(texel), direction)) interpolate(point, 1.0, true, terms);
+      if (walk_.go(point, centre(texel), direction)) interpolate(point, terms);
       if (terms.empty()) terms.emplace_back(nearest, 1.0);
       seams_.dilated.push_back(texel);
       seams_.dilated_nearest.push_back(nearest);

@@ -5,6 +5,8 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "base/group_by_key.h"
+
 namespace snowbough::snow {
 namespace {
 
@@ -107,7 +109,7 @@ void SeamWalk::add_side(const Side& side) {
 void SeamWalk::sort_into_cells(int32_t resolution) {
   cells_ = std::clamp(resolution / kCellTexels, 1, kMostCells);
   cells_per_texel_ = static_cast<double>(cells_) / resolution;
-  const auto for_each_cell = [&](const Side& side, auto&& visit) {
+  const auto for_each_cell = [&](const Side& side, const auto& visit) {
     const glm::dvec2 end = side.begin + side.along;
     const double low = std::min(side.begin.y, end.y);
     const double high = std::max(side.begin.y, end.y);
@@ -127,16 +129,13 @@ void SeamWalk::sort_into_cells(int32_t resolution) {
       }
     }
   };
-  cell_begin_.assign(static_cast<size_t>(cells_) * cells_ + 1, 0);
-  for (const Side& side : sides_) for_each_cell(side, [&](int32_t c) { ++cell_begin_[c + 1]; });
-  for (size_t c = 1; c < cell_begin_.size(); ++c) cell_begin_[c] += cell_begin_[c - 1];
-  entries_.resize(static_cast<size_t>(cell_begin_.back()));
-  std::vector<int32_t> next(cell_begin_.begin(), cell_begin_.end() - 1);
-  for (size_t s = 0; s < sides_.size(); ++s) {
-    for_each_cell(sides_[s], [&](int32_t c) {
-      entries_[next[c]++] = {sides_[s].chart, static_cast<int32_t>(s)};
-    });
-  }
+  const auto for_entries = [&](const auto& visit) {
+    for (size_t s = 0; s < sides_.size(); ++s) {
+      const Entry entry{sides_[s].chart, static_cast<int32_t>(s)};
+      for_each_cell(sides_[s], [&](int32_t c) { visit(c, entry); });
+    }
+  };
+  base::group_by_key(static_cast<size_t>(cells_) * cells_, for_entries, cell_begin_, entries_);
 }
 
 const SeamWalk::Side* SeamWalk::first_crossing(int32_t chart, const glm::dvec2& from,

@@ -44,12 +44,12 @@ class GroupGather {
   GroupGather(const Gain& gain, const FragmentRuns& all, const Tile& tile, int32_t map_offset)
       : gain_(gain), all_(all), tile_(tile), map_offset_(map_offset) {}
 
-  void run(size_t group, size_t texel_count, bool goes_on, uint* gain) {
+  void run(size_t group, size_t texel_count, bool adds_to_gain, uint* gain) {
     const Run* begin = all_.runs.data() + all_.group_begin[group];
     const Run* end = all_.runs.data() + all_.group_begin[group + 1];
     find_sides(begin, end, texel_count);
     for (size_t i = 0; i < texel_count; ++i) {
-      sums_.gain[i] = goes_on ? gain[i] & ~(kBackSide | kMixedSides) : 0u;
+      sums_.gain[i] = adds_to_gain ? gain[i] & ~(kBackSide | kMixedSides) : 0u;
     }
     for (const Run* run = begin; run < end; ++run) {
       const vec4 surface = texelFetch(gain_.triangle_surface, static_cast<int>(run->triangle));
@@ -344,9 +344,9 @@ class GroupGather {
 };
 
 SNOWBOUGH_KERNEL void gather(const Gain& gain, const FragmentRuns& all, const Tile& tile,
-                             int32_t map_offset, size_t group, size_t texel_count, bool goes_on,
-                             uint* gained) {
-  GroupGather(gain, all, tile, map_offset).run(group, texel_count, goes_on, gained);
+                             int32_t map_offset, size_t group, size_t texel_count,
+                             bool adds_to_gain, uint* gained) {
+  GroupGather(gain, all, tile, map_offset).run(group, texel_count, adds_to_gain, gained);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "snow/step/cpu/run_visibility.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "snow/step/cpu/kernel.h"
@@ -96,38 +95,34 @@ struct Pixels {
   ptrdiff_t pitch;
 };
 
-/// Whether no pixel is in front of the threshold.
-SNOWBOUGH_KERNEL bool all_behind(const Pixels& pixels, const Threshold& threshold) {
+/// Whether passes(depth, threshold's depth) holds for all pixels.
+template <typename Passes>
+inline bool all_pass(const Pixels& pixels, const Threshold& threshold, const Passes& passes) {
   const int32_t width = pixels.rect.size().x;
   const int32_t end = (width + kLanes - 1) / kLanes * kLanes;
   for (int32_t y = pixels.rect.low.y; y < pixels.rect.high.y; ++y) {
     const shared::SeenPixel* row = pixels.first + (y - pixels.rect.low.y) * pixels.pitch;
     const float first = threshold.at({pixels.rect.low.x, y});
-    int32_t in_front = 0;
+    int32_t fails = 0;
     for (int32_t k = 0; k < end; ++k) {
       const float depth = first + static_cast<float>(k) * threshold.gradient.x;
-      in_front |= (k < width) & !(row[k].depth >= depth);
+      fails |= (k < width) & !passes(row[k].depth, depth);
     }
-    if (in_front != 0) return false;
+    if (fails != 0) return false;
   }
   return true;
 }
 
+/// Whether no pixel is in front of the threshold.
+SNOWBOUGH_KERNEL bool all_behind(const Pixels& pixels, const Threshold& threshold) {
+  return all_pass(pixels, threshold, [](float pixel, float depth) { return pixel >= depth; });
+}
+
 /// Whether all pixels are in front of the threshold.
 SNOWBOUGH_KERNEL bool all_before(const Pixels& pixels, const Threshold& threshold) {
-  const int32_t width = pixels.rect.size().x;
-  const int32_t end = (width + kLanes - 1) / kLanes * kLanes;
-  for (int32_t y = pixels.rect.low.y; y < pixels.rect.high.y; ++y) {
-    const shared::SeenPixel* row = pixels.first + (y - pixels.rect.low.y) * pixels.pitch;
-    const float first = threshold.at({pixels.rect.low.x, y});
-    int32_t behind = 0;
-    for (int32_t k = 0; k < end; ++k) {
-      const float depth = first + static_cast<float>(k) * threshold.gradient.x;
-      behind |= (k < width) & !(row[k].depth < (depth < threshold.most ? depth : threshold.most));
-    }
-    if (behind != 0) return false;
-  }
-  return true;
+  return all_pass(pixels, threshold, [most = threshold.most](float pixel, float depth) {
+    return pixel < (depth < most ? depth : most);
+  });
 }
 
 int32_t floor_of(double value) {

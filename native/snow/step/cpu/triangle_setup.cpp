@@ -1,7 +1,6 @@
 #include "shaders/lib/triangle_setup.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <stdexcept>
 #include <string>
 

@@ -11,7 +11,8 @@
 namespace snowbough::snow {
 namespace {
 
-/// One value an owned texel, put on the map and continued, where its tiles are said to be `filled`.
+/// The map with one value per owned texel, continued beyond the charts. `filled`: whether all tiles
+/// count as filled.
 std::vector<float> continued(const Map& map, const std::vector<float>& values, bool filled = true) {
   const auto resolution = static_cast<size_t>(map.table.resolution);
   std::vector<float> shown(resolution * resolution, 0.0f);

@@ -14,7 +14,7 @@ TEST(MapMemory, HandsOutWhatWasGivenBack) {
   EXPECT_NE(memory.take(50).data(), place);
   const std::vector<float> again = memory.take(100);
   EXPECT_EQ(again.data(), place);
-  // It is somebody's now.
+  // The memory is in use again, so the next map gets other memory.
   EXPECT_NE(memory.take(100).data(), place);
 }
 

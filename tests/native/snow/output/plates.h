@@ -12,7 +12,7 @@
 #include "snow/seams/seam_table.h"
 #include "snow/texels/texel_table.h"
 
-// Maps with heights for the tests of what the outside sees of them.
+// Maps with heights, for the tests of output.
 namespace snowbough::snow {
 
 struct Map {

@@ -10,7 +10,7 @@ namespace snowbough::snow {
 namespace {
 
 constexpr int32_t kSize = 128;
-/// Of a texel, metres.
+/// Size of a texel in metres.
 constexpr float kTexel = 0.01f;
 
 /// Snow of at most `depth` that rises by `slope` from column 32 on.
@@ -22,7 +22,7 @@ std::vector<float> bank(float slope, float depth) {
   return heights;
 }
 
-/// Of the middle row, from column `first` to column `last`.
+/// Steepest slope of the middle row from column `first` to column `last`.
 float steepest(const std::vector<float>& heights, int32_t first, int32_t last) {
   float most = 0.0f;
   for (int32_t x = first; x < last; ++x) {
@@ -105,7 +105,7 @@ TEST(SmoothingBanks, snowThatEndsAtARimKeepsItsRoundShoulder) {
   Smoother(flat, {0.005f}, 2).run(as_bank);
   auto at_rim = heights;
   Smoother(bent, {0.005f}, 2).run(at_rim);
-  // Where the kink was, 12 texels in.
+  // Around the former kink, 12 texels from the rim.
   EXPECT_LT(middle(at_rim, 51), middle(as_bank, 51) - 0.01f);
 }
 

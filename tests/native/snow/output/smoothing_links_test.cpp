@@ -62,7 +62,7 @@ TEST(SmoothingLinks, aSeamIsNoBorder) {
     for (float off = -0.6f; off < 0.6f; off += 0.05f) {
       const float angle = centre + off < 0.0f ? centre + off + 6.2831853f : centre + off;
       const float at = (angle / 6.2831853f * 0.8f + 0.1f) * 320.0f - 0.5f;
-      // Between the two columns, where both are the tube's.
+      // Interpolated between two columns that both belong to the tube.
       const auto left = std::clamp(static_cast<int32_t>(std::floor(at)), 32, 286);
       const float part = std::clamp(at - static_cast<float>(left), 0.0f, 1.0f);
       around.push_back((1 - part) * smoothed[160 * 320 + left] +

@@ -13,8 +13,8 @@
 namespace snowbough::snow {
 namespace {
 
-/// Standard deviation in metres along x and y of what a little more snow in the middle of a blanket
-/// of the given depth is spread to.
+/// Standard deviation in metres, along x and y, to which smoothing spreads a little additional snow
+/// in the middle of a blanket of the given depth.
 glm::dvec2 spread_of(const Map& map, float radius, float depth) {
   const int32_t size = map.table.resolution;
   std::vector<float> heights = blanket(map, depth);

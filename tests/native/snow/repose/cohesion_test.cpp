@@ -1,4 +1,4 @@
-// What snow that holds together does to the limits of links.
+// The limits of links in cohesive snow.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ TEST(ReposeCohesion, MakesSlopesSteeperOnTwigs) {
   EXPECT_NEAR(shared::held_slope(2.0f, 0.005f, 2.0f), 2.04f, 1e-4f);
   EXPECT_NEAR(shared::held_slope(2.0f, 0.005f, 4000.0f), 2.2f, 2e-3f);
   EXPECT_FLOAT_EQ(shared::held_slope(2.0f, 0.0f, 200.0f), 2.0f);
-  // Not in hollows, and not beyond 82 degrees, unless the angle of repose is.
+  // Cohesion does not count in hollows, nor beyond 82 degrees unless the angle of repose is larger.
   EXPECT_FLOAT_EQ(shared::held_slope(2.0f, 0.005f, -200.0f), 2.0f);
   EXPECT_FLOAT_EQ(shared::held_slope(6.0f, 0.005f, 200.0f), shared::kSteepestHeld);
   EXPECT_FLOAT_EQ(shared::held_slope(9.0f, 0.005f, 200.0f), 9.0f);

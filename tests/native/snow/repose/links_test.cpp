@@ -51,7 +51,7 @@ Strip two_charts(bool split, float gap = 0.0f) {
   return strip;
 }
 
-/// How many forward links of kind `k` there are.
+/// The number of forward links of kind `k`.
 int64_t count(const ReposeLinks& links, int32_t k) {
   return std::count_if(links.forward.begin(), links.forward.end(),
                        [&](uint8_t bits) { return ((bits >> k) & 1) != 0; });
@@ -98,7 +98,7 @@ TEST(ReposeLinks, TakeASplitEdgeForASeamButNotAGap) {
 
 TEST(ReposeLinks, FindTheRimsRoundTheSurface) {
   const Strip strip = two_charts(false);
-  // Six sides of 16 texels: the seam is none.
+  // Six sides of 16 texels: the seam is not a rim.
   EXPECT_EQ(strip.links.rims.size(), 6u * 16u);
   for (const ReposeLinks::Rim& rim : strip.links.rims) {
     const int32_t* corners = &strip.topology.triangles[3 * static_cast<size_t>(rim.point.triangle)];

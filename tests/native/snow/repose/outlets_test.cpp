@@ -19,7 +19,7 @@ TEST(ReposeOutlets, CutALidOverARimToASlopeAtOnce) {
     EXPECT_NEAR(tiles[0]->snow.top[i], 0.1f + std::min(slope, 0.2f), 1.1e-5f) << i;
   }
   EXPECT_EQ(all_moved(*tiles[0]), std::floor(all_moved(*tiles[0])));
-  // Nothing is left for the rounds.
+  // The rounds have nothing left to move.
   std::vector<RimLink> rims = rim_of(tiles);
   EXPECT_FALSE(run_tile_rounds(tiles, 0, 1, rims, 0, 1).has_changed);
 }
@@ -70,28 +70,13 @@ TEST(ReposeOutlets, TakeAWallForOne) {
   cover(tiles, std::vector<float>(8, 0.2f));
   lower_tile_bounds(tiles, 0, 1, {});
   tiles[0]->cut();
-  // Its own point is far below, and no snow over it bears that beside it.
+  // The wall's own point is far below, and no snow on it supports the snow beside it.
   EXPECT_NEAR(tiles[0]->snow.held[6] + tiles[0]->snow.moved[6], 0.0, 1.0);
   EXPECT_NEAR(tiles[0]->snow.top[5], 0.1f + shared::kCuts * 0.01f, 1e-5f);
 }
 
-/// Two rows of 32 texels in tiles beside each other, covered by 0.6 m, whose step has begun.
-ReposeTiles two_beside() {
-  ReposeTiles tiles(4);
-  for (size_t t : {0, 1}) tiles[t] = std::move(row_of(32)[0]);
-  for (size_t i = 0; i < 32; ++i) tiles[1]->ground.x[i] += 0.32f;
-  tiles[0]->ground.forward[31] = 1;
-  for (size_t t : {0, 1}) {
-    for (size_t i = 0; i < 32; ++i) tiles[t]->cover(i, 0.6f, kUnit);
-    tiles[t]->begin_step();
-  }
-  for (const int32_t block : {0, 1})
-    set_up_tile_links(tiles, block, 2, {1.0f / shared::kEven, 0.0f});
-  return tiles;
-}
-
 TEST(ReposeOutlets, BoundTheSnowOfTilesBeside) {
-  ReposeTiles tiles = two_beside();
+  ReposeTiles tiles = two_tiles(std::vector<float>(64, 0.6f));
   const TileBounds done = lower_tile_bounds(tiles, 0, 2, rim_of(tiles));
   EXPECT_TRUE(done.has_changed);
   EXPECT_EQ(done.seen_by & TileWindow::seen_by(kReposeBlock, 1), 1u << 5);
@@ -101,7 +86,7 @@ TEST(ReposeOutlets, BoundTheSnowOfTilesBeside) {
 }
 
 TEST(ReposeOutlets, PassOnAgainWhatHasChangedOnly) {
-  ReposeTiles tiles = two_beside();
+  ReposeTiles tiles = two_tiles(std::vector<float>(64, 0.6f));
   for (size_t t : {0, 1}) EXPECT_EQ(tiles[t]->outlets.rows_to_pass, kAllWindowRows);
   tiles[1]->outlets.rows_to_pass = 0;
   lower_tile_bounds(tiles, 0, 2, rim_of(tiles));

@@ -76,7 +76,7 @@ TEST(ReposePose, IsThatOfTheVerticesWhereAnObjectBendsOrIsMirrored) {
   for (glm::vec3& point : mirrored) point.x = -point.x;
   EXPECT_TRUE(pose.set(kRest, mirrored, 4));
   EXPECT_EQ(pose.positions(), mirrored);
-  // Nor is anything known without a rest pose.
+  // Without a rest pose, every pose counts as changed.
   EXPECT_TRUE(pose.set({}, kRest, 4));
   EXPECT_TRUE(pose.set({}, kRest, 4));
 }

@@ -14,7 +14,7 @@ namespace {
 TEST(ReposeFlow, StartsOverTheLimitAndComesToRestBelowIt) {
   EXPECT_EQ(shared::wanted_flow(0.0f, 1.00f, 1.0f, 1000.0f, 0.9f), 0.0f);
   EXPECT_NEAR(shared::wanted_flow(0.0f, 1.10f, 1.0f, 1000.0f, 0.9f), 140.0f, 0.1f);
-  // What flows goes on, and keeps nine tenths of its flow.
+  // Flowing snow keeps nine tenths of its flow.
   EXPECT_NEAR(shared::wanted_flow(100.0f, 0.96f, 1.0f, 1000.0f, 0.9f), 90.0f, 0.1f);
   EXPECT_EQ(shared::wanted_flow(100.0f, 0.91f, 1.0f, 1000.0f, 0.9f), 0.0f);
 }
@@ -47,7 +47,7 @@ TEST(ReposeFlow, AllowsALinkDownTooSteepASurfaceItsPartOfASlope) {
   const float part = std::sqrt(0.5f);
   EXPECT_FLOAT_EQ(shared::link_limit(0.01f, slope, 0.03f * part, 3.0f, 0.5f), 0.02f * part);
   EXPECT_FLOAT_EQ(shared::link_limit(0.01f, slope, -0.03f * part, 3.0f, 0.5f), 0.02f * part);
-  // Not on one that snow rests on, nor across it.
+  // Neither on a surface on which snow rests, nor across the slope.
   EXPECT_FLOAT_EQ(shared::link_limit(0.01f, slope, 0.019f * part, 1.9f, 0.5f), 0.02f);
   EXPECT_FLOAT_EQ(shared::link_limit(0.01f, slope, 0.001f, 3.0f, 0.5f), 0.02f);
 }
@@ -156,19 +156,6 @@ TEST(ReposeRounds, EmptyWhatIsSteeperThanTheLimitWhenBare) {
   run_to_rest(tiles, none);
   EXPECT_NEAR(tiles[0]->snow.held[0] + tiles[0]->snow.moved[0], 0.0, 1.0);
   EXPECT_EQ(all_moved(*tiles[0]), 0.0);
-}
-
-/// Two tiles side by side, a row of texels through both.
-ReposeTiles two_tiles(const std::vector<float>& heights) {
-  ReposeTiles tiles(4);
-  for (size_t t : {0, 1}) tiles[t] = std::move(row_of(32)[0]);
-  for (size_t i = 0; i < 32; ++i) tiles[1]->ground.x[i] += 0.32f;
-  tiles[0]->ground.forward[31] = 1;
-  for (size_t i = 0; i < heights.size(); ++i) tiles[i / 32]->cover(i % 32, heights[i], kUnit);
-  for (size_t t : {0, 1}) tiles[t]->begin_step();
-  for (const int32_t block : {0, 1})
-    set_up_tile_links(tiles, block, 2, {1.0f / shared::kEven, 0.0f});
-  return tiles;
 }
 
 TEST(ReposeRounds, LetATileSleepUntilSnowComesFromBeside) {

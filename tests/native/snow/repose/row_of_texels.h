@@ -1,6 +1,6 @@
 #pragma once
 
-// Tiles with a few texels, for tests of what repose does on them.
+// Tiles with a few texels, for tests of repose.
 #include <memory>
 #include <numeric>
 #include <vector>
@@ -33,6 +33,20 @@ inline void cover(ReposeTiles& tiles, const std::vector<float>& heights) {
   for (size_t i = 0; i < heights.size(); ++i) tiles[0]->cover(i, heights[i], kUnit);
   tiles[0]->begin_step();
   set_up_tile_links(tiles, 0, 1, {1.0f / shared::kEven, 0.0f});
+}
+
+/// Two tiles side by side with a level row of 64 texels, covered by `heights`, whose step has
+/// begun.
+inline ReposeTiles two_tiles(const std::vector<float>& heights) {
+  ReposeTiles tiles(4);
+  for (size_t t : {0, 1}) tiles[t] = std::move(row_of(32)[0]);
+  for (size_t i = 0; i < 32; ++i) tiles[1]->ground.x[i] += 0.32f;
+  tiles[0]->ground.forward[31] = 1;
+  for (size_t i = 0; i < heights.size(); ++i) tiles[i / 32]->cover(i % 32, heights[i], kUnit);
+  for (size_t t : {0, 1}) tiles[t]->begin_step();
+  for (const int32_t block : {0, 1})
+    set_up_tile_links(tiles, block, 2, {1.0f / shared::kEven, 0.0f});
+  return tiles;
 }
 
 inline double all_moved(const ReposeTile& tile) {

@@ -139,7 +139,7 @@ struct Shown {
   double uncorrected;
 };
 
-/// What a map holds and shows whose heights are `depth(position)`.
+/// The volumes that a map with heights `depth(position)` holds and shows.
 Shown shown(const LaidOutMesh& mesh, const std::function<float(glm::vec3)>& depth) {
   const TexelTable table = build_texel_table(mesh.topology);
   const SeamTable seams = build_seam_table(mesh.topology, table, mesh.positions);
@@ -160,6 +160,13 @@ Shown shown(const LaidOutMesh& mesh, const std::function<float(glm::vec3)>& dept
   const MapOutput output = CpuFilter(table, seams, {0.0f}).run(map, surface);
   result.shown = displaced_volume(mesh, output.height, 6);
   return result;
+}
+
+float layer_height(float held, LayerTerms terms) {
+  LayerBlock<1> layer;
+  layer.set(0, held, terms);
+  raise_layers(layer.view(), 1);
+  return layer.height[0];
 }
 
 TEST(LayerHeight, isWhatIsHeldOnFlatGround) {

@@ -77,7 +77,7 @@ TEST(SeamFactor, keepsAPartOfTheProblem) {
     SeamFactor whole = begun(problem.rows, problem.unknowns, 0.1f);
     ASSERT_TRUE(part.factorise(kAnyWork));
     ASSERT_TRUE(whole.factorise(kAnyWork));
-    // In two steps: what the first has left alone must do for the second.
+    // In two steps: the second starts from the result of the first.
     ASSERT_TRUE(whole.keep({1, 2, 5, 6, 7, 10}));
     ASSERT_TRUE(whole.keep(kept));
     std::vector<float> expected(static_cast<size_t>(problem.unknowns), 0.0f);
@@ -174,7 +174,7 @@ TEST(SeamFactor, eliminatesAHubLast) {
   std::vector<SeamRow> rows;
   for (int32_t i = 1; i < 8; ++i) rows.push_back(row({{0, 1.0f}, {i, -1.0f}}, 8));
   std::vector<int32_t> order = SeamFactor::elimination_order(rows, 8);
-  // Once one spoke is left it may come after the hub.
+  // The last spoke may come after the hub.
   EXPECT_GE(std::find(order.begin(), order.end(), 0) - order.begin(), 6);
   std::sort(order.begin(), order.end());
   EXPECT_THAT(order, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));

@@ -13,7 +13,7 @@ namespace snowbough::snow {
 
 inline constexpr int64_t kAnyWork = int64_t{1} << 40;
 
-/// A row of the terms {source, weight}, which ascend; `none` fills it up.
+/// A row with the terms {source, weight}, in ascending order, filled up with `none`.
 inline SeamRow row(const std::vector<std::pair<int32_t, float>>& terms, int32_t none) {
   SeamRow made;
   made.source.fill(none);
@@ -29,7 +29,7 @@ struct Problem {
   int32_t unknowns;
   std::vector<float> wanted;
 
-  /// What solve() is given.
+  /// The input of solve().
   std::vector<float> values() const {
     std::vector<float> sums(static_cast<size_t>(unknowns), 0.0f);
     for (size_t r = 0; r < rows.size(); ++r) {
@@ -41,7 +41,7 @@ struct Problem {
   }
 };
 
-/// Rows of two to four terms over a dozen unknowns and one source that is none.
+/// Rows of two to four terms over a dozen unknowns and one source that is not an unknown.
 inline Problem random_problem(uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> number(-1.0f, 1.0f);

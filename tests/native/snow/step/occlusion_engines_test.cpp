@@ -98,8 +98,8 @@ TEST(CpuOcclusion, IsWhatThePassesInOpenGLFind) {
         const TrianglesSetUp made = set_up_bench(bench);
         const auto corners = bench.scene.triangle_corners.read_all<glm::vec4>();
         const auto surface = bench.scene.triangle_surface.read_all<glm::vec4>();
-        // A graphics card need not round divisions correctly: 1.6e-4 (w) and 1.5e-5 (surface's y) on an
-        // NVIDIA H100.
+        // A graphics card need not round divisions correctly: 1.6e-4 (w) and 1.5e-5 (surface's y)
+        // on an NVIDIA H100.
         for (size_t i = 0; i < corners.size(); ++i) {
           ASSERT_NEAR(made.corners[i].x, corners[i].x, 1e-3f) << i;
           ASSERT_NEAR(made.corners[i].y, corners[i].y, 1e-3f) << i;

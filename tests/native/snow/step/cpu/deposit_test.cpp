@@ -1,5 +1,5 @@
-// The deposit on the processor goes through runs of fragments, and decides for many at once. Here
-// it is held against the same by the letter: fragment by fragment, sample by sample.
+// The deposit on the processor goes through runs of fragments and decides for many at once. These
+// tests compare it with a plain version that evaluates each fragment and each sample alone.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace kernel {
 namespace {
 
 #define WITH_SHADING
-struct Letter {
+struct PlainGain {
 #include "shaders/lib/texel_gain.h"
 };
 
@@ -71,7 +71,7 @@ SceneObject bumps(int32_t cells, float height, uint32_t seed, int32_t resolution
   return object;
 }
 
-/// What a step looks like before the deposit of its first tile.
+/// The state of a step before the deposit of its first tile.
 struct Prepared {
   cpu::Scene scene;
   std::vector<Tile> tiles;
@@ -97,22 +97,22 @@ void look(cpu::Scene& scene, const Tile& tile) {
   cpu::OcclusionPass().run({scene.corners, ranges, {}}, pixels, std::span(scene.seen).first(count));
 }
 
-kernel::Letter letter_of(const cpu::Scene& scene, const Tile& tile) {
-  kernel::Letter letter{};
-  letter.projection = scene.frame;
-  letter.triangle_corners = scene.corners.data();
-  letter.triangle_surface = scene.surface.data();
+kernel::PlainGain plain_of(const cpu::Scene& scene, const Tile& tile) {
+  kernel::PlainGain plain{};
+  plain.projection = scene.frame;
+  plain.triangle_corners = scene.corners.data();
+  plain.triangle_surface = scene.surface.data();
   if (scene.layout.smooth_points.count() > 0) {
-    letter.triangle_points = scene.layout.smooth_points.of_triangle.data();
-    letter.smooth_points = scene.smooth_points.data();
+    plain.triangle_points = scene.layout.smooth_points.of_triangle.data();
+    plain.smooth_points = scene.smooth_points.data();
   }
-  letter.triangle_sheets = kernel::words(scene.layout.triangle_sheets);
-  letter.map_triangles = kernel::rows<glm::vec4>(scene.layout.map_triangles);
-  letter.occlusion = kernel::rows<glm::uvec2>(scene.seen);
-  letter.tile_origin = tile.with_margin().low;
-  letter.tile_size = tile.with_margin().size();
-  letter.resolution = static_cast<float>(scene.receivers[0].resolution);
-  return letter;
+  plain.triangle_sheets = kernel::words(scene.layout.triangle_sheets);
+  plain.map_triangles = kernel::rows<glm::vec4>(scene.layout.map_triangles);
+  plain.occlusion = kernel::rows<glm::uvec2>(scene.seen);
+  plain.tile_origin = tile.with_margin().low;
+  plain.tile_size = tile.with_margin().size();
+  plain.resolution = static_cast<float>(scene.receivers[0].resolution);
+  return plain;
 }
 
 /// A texel's fragments of the table.
@@ -126,50 +126,50 @@ TexelFragments fragments_of(const TexelTable& table, int32_t i) {
           static_cast<size_t>(table.fragment_begin[static_cast<size_t>(i) + 1])};
 }
 
-/// What a texel gains in a tile, by the letter; its step so far in `step`.
-void add_by_the_letter(kernel::Letter& letter, const SceneObject& object, TexelFragments own,
-                       bool goes_on, shared::TexelStep& step) {
+/// Adds what a texel gains in a tile to `step`, fragment by fragment.
+void add_by_fragments(kernel::PlainGain& plain, const SceneObject& object, TexelFragments own,
+                      bool adds_to_gain, shared::TexelStep& step) {
   const TexelTable& table = *object.table;
-  kernel::Letter::SurfaceSums sums{};
+  kernel::PlainGain::SurfaceSums sums{};
   bool front = false;
   bool back = false;
   for (size_t f = own.begin; f < own.end; ++f) {
     const auto triangle = static_cast<uint32_t>(table.fragment_triangle[f]);
-    const glm::vec4 surface = letter.triangle_surface[triangle];
+    const glm::vec4 surface = plain.triangle_surface[triangle];
     const glm::vec2 w = table.fragment_barycentric[f];
     float up = surface.z;
-    if (letter.is_smooth(triangle)) {
-      const auto points = letter.smooth_triangle(triangle);
-      up = letter.between(points.corner.z, points.edge_b.z, points.edge_c.z, w.x, w.y);
+    if (plain.is_smooth(triangle)) {
+      const auto points = plain.smooth_triangle(triangle);
+      up = plain.between(points.corner.z, points.edge_b.z, points.edge_c.z, w.x, w.y);
     }
-    sums = letter.with_fragment(sums, table.fragment_share[f] * surface.y, up, surface.w != 0.0f);
+    sums = plain.with_fragment(sums, table.fragment_share[f] * surface.y, up, surface.w != 0.0f);
     front = front || (surface.x > 0.0f && surface.w >= 0.0f);
     back = back || (surface.x > 0.0f && surface.w < 0.0f);
   }
-  const auto texel = letter.surface_of_sums(sums);
+  const auto texel = plain.surface_of_sums(sums);
   const bool mixed = front && back;
-  uint32_t gain = goes_on ? step.gain & ~(shared::kBackSide | shared::kMixedSides) : 0u;
+  uint32_t gain = adds_to_gain ? step.gain & ~(shared::kBackSide | shared::kMixedSides) : 0u;
   for (size_t f = own.begin; f < own.end; ++f) {
     const auto triangle = static_cast<uint32_t>(table.fragment_triangle[f]);
-    const glm::vec4 surface = letter.triangle_surface[triangle];
+    const glm::vec4 surface = plain.triangle_surface[triangle];
     const glm::vec2 w = table.fragment_barycentric[f];
     const float there = object.fragment_opacity.empty() ? 1.0f : object.fragment_opacity[f];
     const float area = table.fragment_share[f] * surface.y * there;
     if (!(surface.x > 0.0f && area > 0.0f)) continue;
     float falls = surface.x;
-    if (letter.is_smooth(triangle)) {
-      const auto points = letter.smooth_triangle(triangle);
-      falls = letter.smooth_facing(
-          letter.between(points.corner.x, points.edge_b.x, points.edge_c.x, w.x, w.y),
-          letter.between(points.corner.y, points.edge_b.y, points.edge_c.y, w.x, w.y), surface);
+    if (plain.is_smooth(triangle)) {
+      const auto points = plain.smooth_triangle(triangle);
+      falls = plain.smooth_facing(
+          plain.between(points.corner.x, points.edge_b.x, points.edge_c.x, w.x, w.y),
+          plain.between(points.corner.y, points.edge_b.y, points.edge_c.y, w.x, w.y), surface);
     }
     const auto triangle_on_map =
-        letter.gain_triangle(static_cast<int>(triangle), static_cast<int>(triangle));
-    const float most = falls * (area / texel.area) * letter.gain_units(mixed);
-    gain += letter.fragment_gain(triangle, table.fragment_share[f], w, triangle_on_map, most)
-            << letter.gain_shift(mixed, surface.w < 0.0f);
+        plain.gain_triangle(static_cast<int>(triangle), static_cast<int>(triangle));
+    const float most = falls * (area / texel.area) * plain.gain_units(mixed);
+    gain += plain.fragment_gain(triangle, table.fragment_share[f], w, triangle_on_map, most)
+            << plain.gain_shift(mixed, surface.w < 0.0f);
   }
-  step = {gain | letter.gain_sides(mixed, back), texel.area, texel.up, texel.back_up};
+  step = {gain | plain.gain_sides(mixed, back), texel.area, texel.up, texel.back_up};
 }
 
 shared::TexelStep step_of(const cpu::Receiver& receiver, size_t i) {
@@ -177,7 +177,7 @@ shared::TexelStep step_of(const cpu::Receiver& receiver, size_t i) {
   return {steps.gain[i], steps.area[i], steps.up[i], steps.back_up[i]};
 }
 
-/// Holds all tiles of a step against the letter; returns how many texels gained anything.
+/// Compares all tiles of a step with the plain version; returns how many texels gained anything.
 size_t compare(const SceneObject& object, const FallSettings& fall, int32_t tile_size) {
   Prepared step = prepare(object, fall, tile_size);
   const cpu::Receiver& receiver = step.scene.receivers[0];
@@ -187,10 +187,10 @@ size_t compare(const SceneObject& object, const FallSettings& fall, int32_t tile
     const bool is_first = &tile == &step.tiles.front();
     look(step.scene, tile);
     cpu::gather_deposit(step.scene, tile, is_first);
-    kernel::Letter letter = letter_of(step.scene, tile);
+    kernel::PlainGain plain = plain_of(step.scene, tile);
     for (size_t i = 0; i < order.size(); ++i) {
-      add_by_the_letter(letter, object, fragments_of(*object.table, order[i]), !is_first,
-                        expected[i]);
+      add_by_fragments(plain, object, fragments_of(*object.table, order[i]), !is_first,
+                       expected[i]);
     }
   }
   size_t gained = 0;

@@ -34,7 +34,7 @@ SceneObject quads(int32_t cells, int32_t resolution) {
   return object;
 }
 
-/// Which texel of the map a fragment of a group is of.
+/// The texel of the map to which a fragment of a group belongs.
 int32_t texel_of(const SceneObject& object, const std::vector<int32_t>& order,
                  const FragmentRuns& all, size_t group, uint32_t fragment) {
   return object.table->texel[order[group * shared::kTexelGroup + all.texel[fragment]]];
@@ -48,7 +48,7 @@ TEST(FragmentRuns, AreATrianglesFragmentsInSquaresOfSixteenTexelsGroupByGroup) {
   EXPECT_THAT(all.group_begin, ElementsAre(0, 6, 10, 14, 20));
   std::vector<uint32_t> triangles;
   for (const FragmentRuns::Run& run : all.runs) triangles.push_back(run.triangle);
-  triangles.pop_back();  // the end's
+  triangles.pop_back();  // the end marker's
   EXPECT_THAT(triangles, ElementsAre(0, 0, 0, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 1, 1, 1));
   EXPECT_EQ(all.runs.back().begin, all.texel.size());
 }
@@ -133,7 +133,7 @@ TEST(FragmentRuns, CarryTheirFragmentsOpacityWhereThereIsAny) {
   SceneObject object = quads(2, 64);
   const std::vector<int32_t> order = texel_order(*object.table);
   EXPECT_THAT(make_fragment_runs(object, order, 0).opacity, IsEmpty());
-  // Half of the second triangle is there.
+  // Half of the second triangle is opaque.
   for (const int32_t triangle : object.table->fragment_triangle) {
     object.fragment_opacity.push_back(triangle == 1 ? 0.5f : 1.0f);
   }

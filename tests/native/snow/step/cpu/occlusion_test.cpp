@@ -1,4 +1,5 @@
-// What the sky sees, found on the processor: which pixels a triangle covers and what hides what.
+// Occlusion on the processor: the pixels that a triangle covers, and the triangles that hide
+// others.
 #include "snow/step/cpu/occlusion/occlusion.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +19,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// Rows from the top, a letter a triangle in drawing order, small where its back is seen.
+/// Rows from the top: one letter per triangle in drawing order, lower case where its back is seen.
 std::string picture(const Seen& seen, int32_t width) {
   std::string text;
   const auto rows = static_cast<int32_t>(seen.size()) / width;
@@ -222,8 +223,8 @@ TEST(CpuOcclusion, NeighboursShareNoPixelAndLeaveNoneOut) {
   }
 }
 
-/// The same by the letter: every triangle, every pixel, three sides in 64 bits.
-Seen by_the_letter(const Corners& corners, const PixelRect& pixels) {
+/// The same by brute force: tests every triangle at every pixel, with its three sides in 64 bits.
+Seen by_brute_force(const Corners& corners, const PixelRect& pixels) {
   const glm::ivec2 size = pixels.size();
   Seen seen(static_cast<size_t>(size.x) * static_cast<size_t>(size.y), {0, shared::kOpenSky});
   for (size_t t = 0; 3 * t < corners.size(); ++t) {
@@ -268,7 +269,7 @@ TEST(CpuOcclusion, IsWhatEveryTriangleAtEveryPixelGives) {
     for (const float largest : {4.0f, 40.0f, 400.0f, 30000.0f}) {
       const Corners corners = random_triangles(300, 150.0f, largest, seed);
       const PixelRect pixels{{-13, 5}, {137, 140}};
-      EXPECT_TRUE(same_bits(seen_of(corners, pixels), by_the_letter(corners, pixels)))
+      EXPECT_TRUE(same_bits(seen_of(corners, pixels), by_brute_force(corners, pixels)))
           << "seed " << seed << ", up to " << largest << " pixels";
     }
   }
@@ -285,7 +286,7 @@ TEST(CpuOcclusion, IsTheSameFarFromTheGridsOriginAndOnHalfPixels) {
                            static_cast<float>(random() % 4)));
     }
     const PixelRect pixels{{origin, origin}, {origin + 100, origin + 100}};
-    EXPECT_TRUE(same_bits(seen_of(corners, pixels), by_the_letter(corners, pixels))) << origin;
+    EXPECT_TRUE(same_bits(seen_of(corners, pixels), by_brute_force(corners, pixels))) << origin;
   }
 }
 

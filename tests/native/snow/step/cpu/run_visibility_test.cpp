@@ -38,7 +38,7 @@ TEST(RunSight, AnOpenRunSeesAllOfTheSky) {
   Shown shown(5.0f);
   const cpu::RunPlane run = level(110.6f, 210.6f, 120.0f, 220.0f);
   EXPECT_EQ(visibility_of(run, shown.tile, shown.seen.data()), RunVisibility::kOpen);
-  // Those around its samples are (110, 210) to (120, 220).
+  // The pixels around its samples are (110, 210) to (120, 220).
   shown.at(109, 215).depth = 1.0f;
   shown.at(121, 215).depth = 1.0f;
   shown.at(115, 221).depth = 1.0f;
@@ -59,7 +59,7 @@ TEST(RunSight, AHiddenRunSeesNothing) {
   Shown shown(4.9f);
   const cpu::RunPlane run = level(110.5f, 210.5f, 120.0f, 220.0f);
   EXPECT_EQ(visibility_of(run, shown.tile, shown.seen.data()), RunVisibility::kHidden);
-  // Near enough to be the surface's own.
+  // So near that it may be the surface itself.
   shown.at(112, 213).depth = 4.995f;
   EXPECT_EQ(visibility_of(run, shown.tile, shown.seen.data()), RunVisibility::kMixed);
 }
@@ -75,7 +75,7 @@ TEST(RunSight, FollowsASlope) {
   run.edge_b.z = 0.25f * 9.5f;
   run.gradient.x = 0.25f;
   EXPECT_EQ(visibility_of(run, shown.tile, shown.seen.data()), RunVisibility::kOpen);
-  // A plane that does not hold its own samples is nothing to go by.
+  // A plane that does not contain its own samples decides nothing.
   run.gradient.x = 0.0f;
   EXPECT_EQ(visibility_of(run, shown.tile, shown.seen.data()), RunVisibility::kMixed);
 }

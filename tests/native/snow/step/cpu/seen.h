@@ -1,6 +1,6 @@
 #pragma once
 
-// What the tests of the occlusion on the processor begin with.
+// Helpers for the tests of occlusion on the processor.
 #include <cstring>
 #include <glm/vec4.hpp>
 #include <vector>
@@ -23,7 +23,7 @@ inline Seen seen_of(const Corners& corners, const PixelRect& pixels,
                     const cpu::OcclusionPass::Options& options = {}) {
   if (ranges.empty()) ranges = {{0, static_cast<int32_t>(corners.size() / 3)}};
   const glm::ivec2 size = pixels.size();
-  // Of any content before.
+  // The initial content must not matter.
   Seen seen(static_cast<size_t>(size.x) * static_cast<size_t>(size.y), {7u, 7.0f});
   cpu::OcclusionPass(options).run({corners, ranges, alpha}, pixels, seen);
   return seen;
