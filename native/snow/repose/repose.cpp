@@ -82,7 +82,7 @@ double Repose::run(std::vector<float>& height, float dt, bool on_all_cores) {
     has_changed_ = has_changed_ || own.has_changed;
   }
   for (const int32_t block : chosen_) {
-    unused_tiles_[static_cast<size_t>(block)] = std::move(tiles_[static_cast<size_t>(block)]);
+    stored_tiles_[static_cast<size_t>(block)] = std::move(tiles_[static_cast<size_t>(block)]);
   }
   return fallen * static_cast<double>(surface_.unit());
 }

@@ -149,7 +149,7 @@ class Repose {
   Blocks chosen_;
   /// Tiles of the chosen blocks during a run; all existing tiles between runs.
   ReposeTiles tiles_;
-  ReposeTiles unused_tiles_;
+  ReposeTiles stored_tiles_;
   /// By block, in the run before.
   Marks was_chosen_;
   /// By block.

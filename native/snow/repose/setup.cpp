@@ -25,7 +25,7 @@ void Repose::find_links() {
   links_ = link_tables_->find(object_->description.topology, object_->table,
                               rest.empty() ? object_->positions : rest);
   tiles_.resize(links_->block_count());
-  unused_tiles_.resize(links_->block_count());
+  stored_tiles_.resize(links_->block_count());
   rims_.resize(links_->block_count());
   across_.resize(links_->across.size());
   is_noted_.assign(links_->block_count(), 0);
@@ -42,7 +42,7 @@ void Repose::update_pose() {
   if (links_ == nullptr) find_links();
   surface_.set_pose(*object_, pose_.positions(), limits_.cohesion > 0.0f);
   slack_.assign(links_->block_count(), std::nullopt);
-  for (const std::unique_ptr<ReposeTile>& tile : unused_tiles_) {
+  for (const std::unique_ptr<ReposeTile>& tile : stored_tiles_) {
     if (tile != nullptr) tile->ground.has_pose = false;
   }
 }
@@ -87,7 +87,7 @@ const BlockSlack& Repose::slack_of(int32_t block) {
 
 /// Releases the tiles, and treats all blocks as new in the next step.
 void Repose::forget_tiles() {
-  for (std::unique_ptr<ReposeTile>& tile : unused_tiles_) tile.reset();
+  for (std::unique_ptr<ReposeTile>& tile : stored_tiles_) tile.reset();
   was_chosen_.assign(was_chosen_.size(), 0);
 }
 
@@ -197,11 +197,11 @@ void Repose::reuse_tiles(Marks& changes) {
   for (const int32_t block : chosen_) is_chosen[static_cast<size_t>(block)] = 1;
   for (size_t b = 0; b < is_chosen.size(); ++b) changes[b] = is_chosen[b] ^ was_chosen_[b];
   for (size_t b = 0; b < is_chosen.size(); ++b) {
-    if (is_chosen[b] == 0) unused_tiles_[b].reset();
+    if (is_chosen[b] == 0) stored_tiles_[b].reset();
   }
   was_chosen_ = std::move(is_chosen);
   for (const int32_t block : chosen_) {
-    std::unique_ptr<ReposeTile>& kept = unused_tiles_[static_cast<size_t>(block)];
+    std::unique_ptr<ReposeTile>& kept = stored_tiles_[static_cast<size_t>(block)];
     // cover_tile initialises it.
     if (kept == nullptr) kept = std::make_unique_for_overwrite<ReposeTile>();
     tiles_[static_cast<size_t>(block)] = std::move(kept);

@@ -6,6 +6,8 @@
 #include <glm/gtc/constants.hpp>
 #include <string>
 
+#include "gpu/gl_context.h"
+#include "gpu/gpu_thread.h"
 #include "native/snow/bench.h"
 #include "snow/scene/fragment_opacity.h"
 #include "snow/step/cpu/engine.h"
@@ -142,6 +144,7 @@ Baked bake(Engine& engine, const Weather& weather) {
 }
 
 TEST(Engines, AgreeOnHeightsVolumesAndWhereSnowLies) {
+  const bool in_software = gpu::GpuThread::shared()->run(gpu::renders_in_software);
   const auto gl = gl::make_engine(gpu::GpuThread::shared(), DepositMapping::kCompute);
   const auto cpu = cpu::make_engine();
   for (const Weather& weather : {Weather{0.02, 1.0, 0.0, 2048}, Weather{0.007, 1.0, 0.5, 64},
@@ -169,7 +172,8 @@ TEST(Engines, AgreeOnHeightsVolumesAndWhereSnowLies) {
     }
     EXPECT_GE(static_cast<double>(both), 0.9999 * static_cast<double>(either));
     // At shadows' edges a pixel may go either way: 3.7e-4 of the texels on an NVIDIA H100.
-    EXPECT_LE(static_cast<double>(apart), 6e-4 * static_cast<double>(either));
+    const double share = in_software ? 1e-4 : 6e-4;
+    EXPECT_LE(static_cast<double>(apart), share * static_cast<double>(either));
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "gpu/gl_context.h"
 #include "gpu/gpu_thread.h"
 #include "native/snow/bench.h"
 #include "native/snow/step/cpu/seen.h"
@@ -98,18 +99,20 @@ TEST(CpuOcclusion, IsWhatThePassesInOpenGLFind) {
         const TrianglesSetUp made = set_up_bench(bench);
         const auto corners = bench.scene.triangle_corners.read_all<glm::vec4>();
         const auto surface = bench.scene.triangle_surface.read_all<glm::vec4>();
-        // A graphics card need not round divisions correctly: 1.6e-4 (w) and 1.5e-5 (surface's y)
-        // on an NVIDIA H100.
+        // A graphics card need not round divisions correctly: 1.6 times the limits of a software
+        // renderer on an NVIDIA H100.
+        const float rounding = gpu::renders_in_software() ? 1.0f : 3.0f;
         for (size_t i = 0; i < corners.size(); ++i) {
           ASSERT_NEAR(made.corners[i].x, corners[i].x, 1e-3f) << i;
           ASSERT_NEAR(made.corners[i].y, corners[i].y, 1e-3f) << i;
           ASSERT_NEAR(made.corners[i].z, corners[i].z, 1e-6f) << i;
-          ASSERT_NEAR(made.corners[i].w, corners[i].w, 3e-4f * (0.1f + std::abs(corners[i].w)))
+          ASSERT_NEAR(made.corners[i].w, corners[i].w,
+                      rounding * 1e-4f * (0.1f + std::abs(corners[i].w)))
               << i;
         }
         for (size_t i = 0; i < surface.size(); ++i) {
           ASSERT_NEAR(made.surface[i].x, surface[i].x, 1e-5f) << i;
-          ASSERT_NEAR(made.surface[i].y, surface[i].y, 3e-5f * surface[i].y) << i;
+          ASSERT_NEAR(made.surface[i].y, surface[i].y, rounding * 1e-5f * surface[i].y) << i;
           ASSERT_NEAR(made.surface[i].z, surface[i].z, 1e-5f) << i;
         }
         const PixelRect pixels = bench.tiles.front().pixels;
