@@ -27,11 +27,18 @@ void check_finite(const ObjectState& saved) {
 
 }  // namespace
 
+MemoryEstimate EngineScene::memory(int32_t tile_size, bool moves_snow) {
+  const std::vector<const SceneObject*> objects = objects_.all();
+  MemoryEstimate estimate = engine().memory(objects, tile_size);
+  if (moves_snow) estimate.repose = ReposePass::memory(objects);
+  return estimate;
+}
+
 void EngineScene::build(const FrameStep& step) {
   const std::vector<const SceneObject*> objects = objects_.all();
-  require_memory(engine().memory(objects, step.tile_size, step.repose.is_on()),
-                 engine().free_memory());
+  require_memory(memory(step.tile_size, step.moves_snow()), engine().free_memory());
   engine().build_scene(objects);
+  repose_.lay_out(objects);
   for (const auto& [name, object] : objects_.by_name()) object->moved = true;
   is_current_ = true;
   write_state(pending_);
@@ -42,7 +49,7 @@ void EngineScene::run_on(Engine& engine, const FrameStep& step) {
     if (!is_current_) build(step);
     std::vector<SceneObject*> objects;
     for (const auto& [name, object] : objects_.by_name()) objects.push_back(object.get());
-    snow::run_step(engine, objects, step, hashes_passes_ ? &hashes_ : nullptr);
+    snow::run_step(engine, repose_, objects, step, hashes_passes_ ? &hashes_ : nullptr);
   });
   pending_ = {};
   choice_.commit();

@@ -216,8 +216,7 @@ SnowStatistics SnowSimulation::statistics() {
 
 MemoryEstimate SnowSimulation::memory_estimate() {
   const std::scoped_lock lock(mutex_);
-  return scene().engine().memory(objects_.all(), settings_.tile_size,
-                                 ReposeSettings{.angle = settings_.repose}.is_on());
+  return scene().memory(settings_.tile_size, ReposeSettings{.angle = settings_.repose}.is_on());
 }
 
 EngineInfo SnowSimulation::engine_info() {

@@ -9,10 +9,11 @@ bool overlap(const PixelRect& a, const PixelRect& b) {
   return a.low.x < b.high.x && b.low.x < a.high.x && a.low.y < b.high.y && b.low.y < a.high.y;
 }
 
-void hand_over_moved(Engine& engine, const std::vector<SceneObject*>& objects) {
+void hand_over_moved(Engine& engine, ReposePass& repose, const std::vector<SceneObject*>& objects) {
   for (size_t i = 0; i < objects.size(); ++i) {
     if (objects[i]->moved) {
       engine.set_positions(i, objects[i]->positions);
+      repose.forget_pose(i);
       objects[i]->moved = false;
     }
   }
@@ -48,9 +49,9 @@ std::vector<TriangleRange> ranges_in(const std::vector<SceneObject*>& objects,
 
 }  // namespace
 
-void run_step(Engine& engine, const std::vector<SceneObject*>& objects, const FrameStep& step,
-              std::vector<PassHash>* hashes) {
-  hand_over_moved(engine, objects);
+void run_step(Engine& engine, ReposePass& repose, const std::vector<SceneObject*>& objects,
+              const FrameStep& step, std::vector<PassHash>* hashes) {
+  hand_over_moved(engine, repose, objects);
   // Extents and grid come from all objects, so that leaving out a receiver changes nothing.
   Bounds bounds;
   for (const SceneObject* object : objects) {
@@ -88,7 +89,11 @@ void run_step(Engine& engine, const std::vector<SceneObject*>& objects, const Fr
                          static_cast<float>(step.dt));
   hash.deposit();
   hash.heights("stability");
-  engine.apply_repose(step.repose, static_cast<float>(step.dt));
+  if (step.moves_snow()) {
+    engine.move_snow([&](std::vector<MovingMap>& maps) {
+      repose.run(step.repose, static_cast<float>(step.dt), maps);
+    });
+  }
   hash.heights("repose");
   engine.close_statistics(static_cast<float>(step.fall.pixel_size * step.fall.pixel_size));
   hash.statistics();

@@ -2,16 +2,29 @@
 
 #include <vector>
 
+#include "snow/movement/repose_pass.h"
 #include "snow/scene/scene_object.h"
 #include "snow/step/engine/engine.h"
 #include "snow/step/pass_hashes.h"
 
 namespace snowbough::snow {
 
-/// Runs a step on the engine's current scene, which must be built for `objects`; passes the
-/// positions of moved objects first. `hashes`, if any, receives the passes' hashes. On the engine's
+/// One step of snow: the fall, the settings that move snow, and the tile size.
+struct FrameStep {
+  FallSettings fall;
+  StabilitySettings stability;
+  ReposeSettings repose;
+  /// Seconds.
+  double dt = 0.0;
+  /// Largest edge of a tile in pixels; changes no result.
+  int32_t tile_size = 2048;
+  bool moves_snow() const { return repose.is_on() && dt > 0.0; }
+};
+
+/// Runs a step on the engine's current scene, which must be built for `objects`, as must `repose`;
+/// passes the positions of moved objects first. `hashes`, if any, receives the passes' hashes. On the engine's
 /// thread.
-void run_step(Engine& engine, const std::vector<SceneObject*>& objects, const FrameStep& step,
-              std::vector<PassHash>* hashes = nullptr);
+void run_step(Engine& engine, ReposePass& repose, const std::vector<SceneObject*>& objects,
+              const FrameStep& step, std::vector<PassHash>* hashes = nullptr);
 
 }  // namespace snowbough::snow

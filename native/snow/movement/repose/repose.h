@@ -1,0 +1,166 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "base/parallel_for.h"
+#include "snow/movement/repose/links.h"
+#include "snow/movement/repose/pose.h"
+#include "snow/movement/repose/slack.h"
+#include "snow/movement/repose/surface.h"
+#include "snow/movement/repose/tile.h"
+#include "snow/scene/scene_object.h"
+
+namespace snowbough::snow {
+
+/// Steepest slope of the snow's own surface.
+struct ReposeSettings {
+  /// Angle of repose in radians from level; from kOff on snow stays where it fell, to the bit.
+  double angle = 1.5707963267948966;
+  /// Height in metres at which a vertical snow face stays up; 0: no cohesion.
+  double cohesion = 0.0;
+  static constexpr double kOff = 1.5706;
+  bool is_on() const { return angle < kOff; }
+};
+
+/// Repose on one receiver's map: snow whose surface is steeper than the angle of repose moves to
+/// lower neighbours (shaders/lib/texel_repose.h has the method), over seams and over rims into the
+/// air, until it rests or the step's work limit is reached; the rest moves in the next step. The
+/// heights are its only state.
+///
+/// The map is divided into blocks. Blocks in which nothing can be steep are skipped, which the
+/// range of heights shows while the surface does not move. The others run some rounds at a time
+/// within the cache, every second one of a row and a column at once; then snow flows across seams.
+/// The number of threads does not change the result.
+class Repose {
+ public:
+  /// `object` must have positions; both must outlive it.
+  Repose(const SceneObject& object, ReposeLinkTables& tables)
+      : object_(&object), link_tables_(&tables) {}
+
+  /// Call it when the object's positions have changed.
+  void forget_pose() { has_pose_ = false; }
+
+  /// Selects the blocks in which snow may move, by their heights; returns their number.
+  size_t choose_blocks(const std::vector<float>& height, const ReposeLimits& limits);
+
+  /// Moves snow on `height` in those blocks. `dt`: seconds; a long step may run more rounds.
+  /// `on_all_cores`: share the work among threads. Returns the volume that fell over rims and off
+  /// walls, in m3.
+  double run(std::vector<float>& height, float dt, bool on_all_cores);
+
+  /// Whether the last run changed heights.
+  bool has_changed() const { return has_changed_; }
+
+ private:
+  struct BlockRect {
+    size_t place = 0;
+    glm::ivec2 size{0};
+  };
+  /// A link across a seam.
+  struct Flow {
+    float limit = 0.0f;
+    float rate = 0.0f;
+    float flow = 0.0f;
+    /// Whether it is in listed_.
+    bool is_listed = false;
+  };
+  /// Result of writing a block: units that left the surface (fell over rims, onto walls or off
+  /// them), and whether heights changed.
+  struct Written {
+    double lost = 0.0;
+    bool has_changed = false;
+  };
+  using Blocks = std::vector<int32_t>;
+  /// One flag per block of the map.
+  using Marks = std::vector<uint8_t>;
+
+  /// Calls work(i) for i from 0 to count - 1.
+  template <typename Work>
+  void for_each(size_t count, const Work& work) const {
+    // Waking another thread takes about as long as a few rounds of a block.
+    constexpr size_t kFew = 3;
+    base::for_each_item(count, 1, work,
+                        on_all_cores_ && count > kFew ? base::default_threads() : 1);
+  }
+  template <typename Work>
+  void for_blocks(const Blocks& blocks, const Work& work) const {
+    for_each(blocks.size(), [&](size_t i) { work(blocks[i]); });
+  }
+  Blocks near(const Blocks& blocks) const;
+  void mark_near(int32_t block, Marks& marks) const;
+  void mark_around(int32_t block, uint32_t around, Marks& marks) const;
+
+  // setup.cpp
+  void find_links();
+  void update_pose();
+  BlockRect rect_of(int32_t block) const;
+  float highest_in(int32_t block, const std::vector<float>& height) const;
+  bool rests(int32_t block, const std::vector<float>& height);
+  const BlockSlack& slack_of(int32_t block);
+  void forget_tiles();
+  void reuse_tiles(Marks& changes);
+  bool cover_tile(int32_t block, const std::vector<float>& height);
+  void set_up(const std::vector<float>& height);
+  void set_up_ends(int32_t block);
+  struct Cell;
+  RimLink rim_link(const Cell& a, const glm::vec3& at) const;
+  Cell across_end(int32_t link, size_t end) const;
+  float link_limit(const Cell& a, const glm::vec3& at, float curvature, float steep,
+                   float leads_down) const;
+  float link_limit(const Cell& a, const Cell& b, float leads_down) const;
+
+  // across.cpp
+  template <typename Visit>
+  void for_across(int32_t block, const Visit& visit);
+  bool lower_across(Marks& active);
+  void note_active(int32_t block);
+  void list_active_links();
+  bool flow_along(int32_t number, float momentum);
+  bool flow_across(float momentum);
+
+  // repose.cpp
+  template <typename Chosen>
+  Blocks blocks_of_colour(int32_t colour, const Chosen& chosen) const;
+  void link_tile(int32_t block);
+  void empty_over_outlets();
+  void run_rounds(float work_factor);
+  double run_colour(const Blocks& blocks, int first_round);
+  Written write_block(int32_t block, float walls_keep, std::vector<float>& height) const;
+
+  const SceneObject* object_;
+  ReposeLinkTables* link_tables_;
+  /// Shared with copies of the object; null before the first pose.
+  std::shared_ptr<const ReposeLinks> links_;
+  ReposePose pose_;
+  ReposeSurface surface_;
+  bool has_pose_ = false;
+  bool on_all_cores_ = false;
+  bool has_changed_ = false;
+  /// Whether snow may flow across seams.
+  bool seams_are_pending_ = false;
+  ReposeLimits limits_;
+  /// By block, in the current pose, as far as it was needed.
+  std::vector<std::optional<BlockSlack>> slack_;
+  /// By block: the highest snow on it at the start of the step, in metres.
+  std::vector<float> highest_;
+  /// Blocks in which snow may not rest, with their neighbours.
+  Blocks chosen_;
+  /// Tiles of the chosen blocks during a run; all existing tiles between runs.
+  ReposeTiles tiles_;
+  ReposeTiles stored_tiles_;
+  /// By block, in the run before.
+  Marks was_chosen_;
+  /// By block.
+  std::vector<std::vector<RimLink>> rims_;
+  /// By link across a seam.
+  std::vector<Flow> across_;
+  /// Links across seams to evaluate; between rounds, those along which snow flows.
+  std::vector<int32_t> listed_;
+  /// Blocks whose surfaces at seams may have changed since the last round across seams.
+  Blocks noted_;
+  Marks is_noted_;
+};
+
+}  // namespace snowbough::snow
