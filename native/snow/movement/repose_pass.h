@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "snow/movement/moving_map.h"
+#include "snow/movement/outlet_targets.h"
 #include "snow/movement/repose/repose.h"
 
 namespace snowbough::snow {
@@ -24,8 +25,7 @@ class ReposePass {
   void run(const ReposeSettings& settings, float dt, std::vector<MovingMap>& maps);
 
  private:
-  void run_map(MovingMap& map, float dt, bool on_all_cores);
-
+  OutletTargets targets_;
   std::unique_ptr<ReposeLinkTables> link_tables_;
   /// By object; null for objects that do not receive.
   std::vector<std::unique_ptr<Repose>> receivers_;

@@ -297,7 +297,8 @@ void SnowSurface::find_thickness(const base::TriangleTree& tree, float depth) {
   is_sheet_.assign(lying_points(), 0);
   base::for_each_item(lying_points(), 256, [&](size_t p) {
     const glm::dvec3 inwards(-normal_[p]);
-    const double below = tree.distance_along(0, glm::dvec3(mesh_.position[p]), inwards, 1e-5);
+    const double below =
+        tree.first_along(0, glm::dvec3(mesh_.position[p]), inwards, 1e-5).distance;
     const float sheet = kSheetThickness * std::sqrt(part_area[part[p]]);
     is_sheet_[p] = std::isfinite(below) ? 0 : 1;
     const float thickness = std::isfinite(below) ? static_cast<float>(below) : sheet;

@@ -66,10 +66,8 @@ Repose::Blocks Repose::near(const Blocks& blocks) const {
   return result;
 }
 
-double Repose::run(std::vector<float>& height, float dt, bool on_all_cores) {
+double Repose::run(std::vector<float>& height, float dt) {
   if (chosen_.empty()) return 0.0;
-  on_all_cores_ = on_all_cores;
-  set_up(height);
   empty_over_outlets();
   run_rounds(std::clamp(dt / kUsualStep, 1.0f, kMostWorkFactor));
   const float walls_keep = std::exp2(-dt / shared::kWallHalfLife);

@@ -10,6 +10,7 @@
 #include "snow/movement/repose/slack.h"
 #include "snow/movement/repose/surface.h"
 #include "snow/movement/repose/tile.h"
+#include "snow/movement/scene_rays.h"
 #include "snow/scene/scene_object.h"
 
 namespace snowbough::snow {
@@ -36,19 +37,42 @@ struct ReposeSettings {
 class Repose {
  public:
   /// `object` must have positions; both must outlive it.
-  Repose(const SceneObject& object, ReposeLinkTables& tables)
-      : object_(&object), link_tables_(&tables) {}
+  /// `rays` find the room above sheltered texels; null: it is not limited.
+  Repose(const SceneObject& object, ReposeLinkTables& tables, const SceneRays* rays = nullptr)
+      : object_(&object), link_tables_(&tables), rays_(rays) {}
 
   /// Call it when the object's positions have changed.
   void forget_pose() { has_pose_ = false; }
+  /// Call it when an object near this one has moved.
+  void forget_rooms();
 
   /// Selects the blocks in which snow may move, by their heights; returns their number.
   size_t choose_blocks(const std::vector<float>& height, const ReposeLimits& limits);
 
+  /// Prepares those blocks. `on_all_cores`: share the work of this call and of `run` among threads.
+  void set_up(const std::vector<float>& height, bool on_all_cores);
+
+  /// The end of the surface at an outlet, in the world.
+  struct Outlet {
+    glm::dvec3 point{0.0};
+    /// Horizontal unit vector away from the surface, or 0.
+    glm::dvec2 outwards{0.0};
+    /// Half a texel, in metres.
+    double reach = 0.0;
+  };
+  /// Between set_up and run: the chosen blocks; a block's outlets, whose `top` may be raised; and
+  /// properties of one of them. Heights are in metres.
+  const std::vector<int32_t>& chosen() const { return chosen_; }
+  std::vector<RimLink>& outlets_of(int32_t block) { return rims_[static_cast<size_t>(block)]; }
+  size_t outlet_count() const { return across_.size() + links_->rims.size(); }
+  Outlet outlet(const RimLink& rim) const;
+  bool holds_snow(int32_t block, const RimLink& rim) const;
+  /// Height of the snow's surface above the outlet.
+  float top_over(int32_t block, const RimLink& rim) const;
+
   /// Moves snow on `height` in those blocks. `dt`: seconds; a long step may run more rounds.
-  /// `on_all_cores`: share the work among threads. Returns the volume that fell over rims and off
-  /// walls, in m3.
-  double run(std::vector<float>& height, float dt, bool on_all_cores);
+  /// Returns the volume that fell over rims and off walls, in m3.
+  double run(std::vector<float>& height, float dt);
 
   /// Whether the last run changed heights.
   bool has_changed() const { return has_changed_; }
@@ -102,10 +126,12 @@ class Repose {
   void forget_tiles();
   void reuse_tiles(Marks& changes);
   bool cover_tile(int32_t block, const std::vector<float>& height);
-  void set_up(const std::vector<float>& height);
   void set_up_ends(int32_t block);
+  bool fill_rooms(int32_t block);
+  glm::dvec3 world_point(const ReposeLinks::Point& at) const;
+  glm::dvec3 world_point(int32_t texel) const;
   struct Cell;
-  RimLink rim_link(const Cell& a, const glm::vec3& at) const;
+  RimLink rim_link(const Cell& a, const ReposeLinks::End& end, const glm::vec3& at) const;
   Cell across_end(int32_t link, size_t end) const;
   float link_limit(const Cell& a, const glm::vec3& at, float curvature, float steep,
                    float leads_down) const;
@@ -131,6 +157,7 @@ class Repose {
 
   const SceneObject* object_;
   ReposeLinkTables* link_tables_;
+  const SceneRays* rays_;
   /// Shared with copies of the object; null before the first pose.
   std::shared_ptr<const ReposeLinks> links_;
   ReposePose pose_;

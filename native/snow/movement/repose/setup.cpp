@@ -1,19 +1,49 @@
 // Repose: choosing blocks and setting up their links.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
 
+#include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
 #include "snow/movement/repose/height_range.h"
 #include "snow/movement/repose/repose.h"
+#include "snow/movement/repose/tiles_around.h"
 
 namespace snowbough::snow {
+namespace {
+
+/// Rays from a texel pass surfaces within this fraction of its half width.
+constexpr float kOwnSurface = 0.02f;
+
+/// The cells of a row that may be sheltered, one bit per column: those that hold less than half as
+/// much snow as a neighbour.
+SNOWBOUGH_WIDE uint32_t sheltered_in(const TileSnow& snow, uint32_t row) {
+  const float* const held = snow.held.data() + row * kReposeBlock;
+  const float* const below = row > 0 ? held - kReposeBlock : held;
+  const float* const above = row + 1 < kReposeBlock ? held + kReposeBlock : held;
+  std::array<float, kReposeBlock + 2> padded{};
+  std::copy_n(held, kReposeBlock, padded.begin() + 1);
+  uint32_t thin = 0;
+  for (uint32_t i = 0; i < kReposeBlock; ++i) {
+    const float most =
+        std::max(std::max(below[i], above[i]), std::max(padded[i], padded[i + 2]));
+    thin |= (held[i] == 0.0f || held[i] < 0.5f * most ? 1u : 0u) << i;
+  }
+  return thin;
+}
+
+}  // namespace
 
 /// A cell of a tile.
 struct Repose::Cell {
   const ReposeTile* tile = nullptr;
   size_t at = 0;
 
-  bool is_there() const { return tile != nullptr && tile->ground.area[at] > 0.0f; }
+  bool is_there() const {
+    return tile != nullptr && tile->ground.area[at] > 0.0f && !tile->snow.is_full(at);
+  }
   bool is_wall() const { return (tile->snow.kind[at] & kWall) != 0; }
   glm::vec3 point() const { return {tile->ground.x[at], tile->ground.y[at], tile->ground.z[at]}; }
   float curvature() const { return tile->ground.curvature[at]; }
@@ -148,10 +178,12 @@ Repose::Cell Repose::across_end(int32_t link, size_t end) const {
 }
 
 /// A link over a rim into the air, or over a seam onto a wall; `at`: the end of the surface.
-RimLink Repose::rim_link(const Cell& a, const glm::vec3& at) const {
+RimLink Repose::rim_link(const Cell& a, const ReposeLinks::End& end, const glm::vec3& at) const {
   RimLink link;
   link.cell = static_cast<int32_t>(a.at);
-  link.top = at.z;
+  link.number = end.link;
+  link.texel = end.texel;
+  link.bare = link.top = at.z;
   link.limit = kNoLink;
   if (!a.is_there() || a.is_wall()) return link;
   link.limit = link_limit(a, at, a.curvature(), a.steep(), shared::kAllLeadDown);
@@ -170,7 +202,7 @@ void Repose::set_up_ends(int32_t block) {
     const Cell own{tile, static_cast<size_t>(end.cell % kTileCells)};
     if (link >= across_.size()) {
       const ReposeLinks::Rim& rim = links_->rims[link - across_.size()];
-      rims.push_back(rim_link(own, surface_.point(rim.point)));
+      rims.push_back(rim_link(own, end, surface_.point(rim.point)));
       continue;
     }
     const Cell a = across_end(end.link, 0);
@@ -181,7 +213,7 @@ void Repose::set_up_ends(int32_t block) {
     if (!own.is_there() || !other.is_there() || own.is_wall()) continue;
     if (other.is_wall()) {
       if (!(other.point().z < own.point().z)) continue;
-      rims.push_back(rim_link(own, surface_.point(links_->across[link].seam)));
+      rims.push_back(rim_link(own, end, surface_.point(links_->across[link].seam)));
       continue;
     }
     if (end.sign > 0) continue;
@@ -205,6 +237,108 @@ void Repose::reuse_tiles(Marks& changes) {
     // cover_tile initialises it.
     if (kept == nullptr) kept = std::make_unique_for_overwrite<ReposeTile>();
     tiles_[static_cast<size_t>(block)] = std::move(kept);
+  }
+}
+
+glm::dvec3 Repose::world_point(const ReposeLinks::Point& at) const {
+  const int32_t* const corners =
+      &object_->description.topology.triangles[3 * static_cast<size_t>(at.triangle)];
+  const auto corner = [&](int k) {
+    return glm::dvec3(object_->positions[static_cast<size_t>(corners[k])]);
+  };
+  const glm::dvec3 a = corner(0);
+  return a + static_cast<double>(at.weights.x) * (corner(1) - a) +
+         static_cast<double>(at.weights.y) * (corner(2) - a);
+}
+
+glm::dvec3 Repose::world_point(int32_t texel) const {
+  const auto i = static_cast<size_t>(texel);
+  return world_point({object_->table->triangle[i], object_->table->barycentric[i]});
+}
+
+Repose::Outlet Repose::outlet(const RimLink& rim) const {
+  const auto link = static_cast<size_t>(rim.number);
+  const ReposeLinks::Point& at = link >= across_.size()
+                                     ? links_->rims[link - across_.size()].point
+                                     : links_->across[link].seam;
+  Outlet outlet;
+  outlet.point = world_point(at);
+  const glm::dvec3 inwards = world_point(rim.texel) - outlet.point;
+  // The point lies on the side of its triangle that is opposite to the corner without weight.
+  const std::array<float, 3> weights{1.0f - at.weights.x - at.weights.y, at.weights.x,
+                                     at.weights.y};
+  const auto least = std::min_element(weights.begin(), weights.end()) - weights.begin();
+  const auto corner = [&](ptrdiff_t k) {
+    const auto number = 3 * static_cast<ptrdiff_t>(at.triangle) + (least + k) % 3;
+    const int32_t vertex = object_->description.topology.triangles[static_cast<size_t>(number)];
+    return glm::dvec3(object_->positions[static_cast<size_t>(vertex)]);
+  };
+  const glm::dvec3 side = corner(2) - corner(1);
+  glm::dvec2 outwards(side.y, -side.x);
+  double length = glm::length(outwards);
+  // A side that is nearly upright has no horizontal perpendicular.
+  if (!(length > 0.1 * glm::length(side))) {
+    outwards = -glm::dvec2(inwards);
+    length = glm::length(outwards);
+  }
+  if (length > 0.0) outlet.outwards = outwards / length;
+  if (glm::dot(outlet.outwards, glm::dvec2(inwards)) > 0.0) outlet.outwards *= -1.0;
+  const ReposeSurface::Texel texel = surface_.texel(rim.texel);
+  outlet.reach = 0.5 * std::sqrt(static_cast<double>(texel.area));
+  return outlet;
+}
+
+bool Repose::holds_snow(int32_t block, const RimLink& rim) const {
+  return tiles_[static_cast<size_t>(block)]->snow.gives[static_cast<size_t>(rim.cell)] > 0.0f;
+}
+
+float Repose::top_over(int32_t block, const RimLink& rim) const {
+  return tiles_[static_cast<size_t>(block)]->snow.top[static_cast<size_t>(rim.cell)] - rim.bare;
+}
+
+/// Finds the room above sheltered texels beside snow, and marks those whose room is full; returns
+/// whether that has changed for any.
+bool Repose::fill_rooms(int32_t block) {
+  ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
+  std::array<uint32_t, kReposeBlock> wanted =
+      rows_near_snow(TilesAround(tiles_, links_->blocks_a_side, block));
+  uint32_t rows = 0;
+  for (uint32_t row = 0; row < kReposeBlock; ++row) {
+    wanted[row] &= sheltered_in(tile.snow, row);
+    rows |= (wanted[row] != 0 ? 1u : 0u) << row;
+  }
+  if (rows == 0 && !tile.ground.has_rooms) return false;
+  const auto find_room = [&](int32_t texel, size_t cell) {
+    float& room = tile.ground.room[cell];
+    const auto column = static_cast<uint32_t>(cell % kReposeBlock);
+    if (room >= 0.0f || ((wanted[cell / kReposeBlock] >> column) & 1) == 0) return;
+    const float reach = 0.5f * std::sqrt(tile.ground.area[cell]);
+    const SurfaceHit above =
+        rays_->first_along(world_point(texel), {0.0, 0.0, 1.0}, kOwnSurface * reach);
+    room = above.is_inside(false) ? 0.0f : static_cast<float>(above.distance);
+    // Nothing flows into a slit.
+    if (room < reach) room = 0.0f;
+    tile.ground.has_rooms = tile.ground.has_rooms || room < std::numeric_limits<float>::infinity();
+  };
+  links_->for_texels(block, object_->table->texel, find_room, rows);
+  bool changes = false;
+  tile.snow.any_full = false;
+  for (size_t cell = 0; tile.ground.has_rooms && cell < size_t{kTileCells}; ++cell) {
+    const float room = tile.ground.room[cell];
+    const float rise = tile.snow.top[cell] - tile.ground.z[cell];
+    const bool is_full = room >= 0.0f && rise >= room && !tile.snow.is_wall(cell);
+    tile.snow.any_full = tile.snow.any_full || is_full;
+    if (is_full == tile.snow.is_full(cell)) continue;
+    tile.snow.kind[cell] ^= kFull;
+    changes = true;
+  }
+  return changes;
+}
+
+/// Call it when other objects near this one have moved.
+void Repose::forget_rooms() {
+  for (const std::unique_ptr<ReposeTile>& tile : stored_tiles_) {
+    if (tile != nullptr) tile->ground.forget_rooms();
   }
 }
 
@@ -233,11 +367,16 @@ bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
   return changes;
 }
 
-void Repose::set_up(const std::vector<float>& height) {
+void Repose::set_up(const std::vector<float>& height, bool on_all_cores) {
+  if (chosen_.empty()) return;
+  on_all_cores_ = on_all_cores;
   Marks changes(links_->block_count(), 0);
   reuse_tiles(changes);
   for_blocks(chosen_, [&](int32_t b) {
     if (cover_tile(b, height)) changes[static_cast<size_t>(b)] = 1;
+  });
+  for_blocks(chosen_, [&](int32_t b) {
+    if (rays_ != nullptr && fill_rooms(b)) changes[static_cast<size_t>(b)] = 1;
   });
   Blocks changed;
   for (size_t b = 0; b < changes.size(); ++b) {

@@ -36,12 +36,22 @@ struct TileGround {
   TileBytes link_count;
   /// Not 0: the texel takes snow on both sides.
   TileBytes two_sided;
+  /// Vertical distance in metres to the first surface above, infinite under the sky, 0 within a
+  /// body; negative: not known.
+  TilePlane room;
+  /// Whether any of them is known and finite.
+  bool has_rooms = false;
 
+  void forget_rooms() {
+    room.fill(-1.0f);
+    has_rooms = false;
+  }
   /// Resets to no surface and no links, in the current pose.
   void begin_pose() {
     x = y = z = normal_z = up = area = curvature = {};
     forward.fill(0);
     two_sided.fill(0);
+    forget_rooms();
     link_count.fill(static_cast<uint8_t>(shared::kLinks));
     has_pose = true;
     any_two_sided = false;

@@ -37,6 +37,10 @@ void load_row(const TilesAround& around, int32_t row, BareWindow& bare) {
       std::fill_n(wall, count, 0.0f);
     } else {
       find_walls(tile->snow.kind.data() + cell, count, wall);
+      // Full cells have no links.
+      for (size_t i = 0; tile->snow.any_full && i < count; ++i) {
+        if (tile->snow.is_full(cell + i)) bare.area[TileWindow::at(column, row) + i] = 0.0f;
+      }
     }
   });
 }

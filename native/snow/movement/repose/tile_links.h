@@ -38,6 +38,12 @@ struct TileLinks {
 /// A link from a cell over a rim of the surface, or onto a wall beyond a seam.
 struct RimLink {
   int32_t cell = 0;
+  /// Of the outlet: its link in ReposeLinks, as ReposeLinks::End::link; and its texel.
+  int32_t number = 0;
+  int32_t texel = 0;
+  /// Height in metres of the surface's end; and of what the snow above it rests against, which is
+  /// higher if snow lies beyond.
+  float bare = 0.0f;
   float top = 0.0f;
   float limit = 0.0f;
   float rate = 0.0f;

@@ -11,16 +11,19 @@
 namespace snowbough::snow {
 
 /// Bits of TileSnow::kind: the cell holds no snow; snow lies, or would lie, against the normal; not
-/// known yet.
+/// known yet; snow fills the room below another surface, so that nothing moves.
 inline constexpr uint8_t kWall = 1;
 inline constexpr uint8_t kBack = 2;
 inline constexpr uint8_t kUnknown = 4;
+inline constexpr uint8_t kFull = 8;
 
 /// The snow on a block's cells: its volume in whole units (ReposeSurface::unit), what has come and
 /// gone in the step, and the height of its surface.
 struct TileSnow {
   /// Whether any cell holds snow on the back.
   bool any_back = false;
+  /// Whether any cell is full.
+  bool any_full = false;
   /// Whether no cell has held snow since the tile was last covered.
   bool is_bare = false;
   /// Rows in which snow has moved since the step began, one bit each.
@@ -45,6 +48,7 @@ struct TileSnow {
   bool cover_rows(const TileGround& ground, const float* height, size_t pitch, glm::ivec2 size,
                   float unit);
 
+  bool is_full(size_t cell) const { return (kind[cell] & kFull) != 0; }
   bool is_wall(size_t cell) const { return (kind[cell] & kWall) != 0; }
   /// Whether snow has moved since the step began.
   bool has_moved() const { return moved_rows.load(std::memory_order_relaxed) != 0; }

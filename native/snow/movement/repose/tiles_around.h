@@ -56,6 +56,9 @@ struct TilesAround {
   }
 };
 
+/// The cells of a block within a few texels of snow, one bit per column, by row.
+std::array<uint32_t, kReposeBlock> rows_near_snow(const TilesAround& around);
+
 /// Marks the rows with links to a cell as active, in all tiles. `column` and `row` are relative to
 /// the middle tile, from -1 to kReposeBlock.
 void activate_cell(const TilesAround& around, int32_t column, int32_t row);

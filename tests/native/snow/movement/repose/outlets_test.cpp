@@ -43,7 +43,7 @@ TEST(ReposeOutlets, BoundSnowByItsDistanceWhereNoLinkLeadsStraightToTheRim) {
     tile.ground.forward[i] =
         static_cast<uint8_t>((is_right ? 1 : 0) | (is_above ? 2 : 0) |
                              (is_right && is_above ? 4 : 0) | (column > 0 && is_above ? 8 : 0));
-    if (row == 0) rims.push_back({cell, 0.1f, 0.005f, 1.0f});
+    if (row == 0) rims.push_back({.cell = cell, .top = 0.1f, .limit = 0.005f, .rate = 1.0f});
   }
   cover(tiles, std::vector<float>(kTileCells, 0.6f));
   lower_tile_bounds(tiles, 0, 1, rims);

@@ -119,7 +119,7 @@ TEST(ReposeRounds, LetFallOverARimWhatItDoesNotSupport) {
   ReposeTiles tiles = row_of(1);
   cover(tiles, {0.02f});
   // The rim is half a texel away.
-  std::vector<RimLink> rims{{0, 0.1f, 0.005f, shared::link_rate(tiles[0]->stiffness(0), 0.0f)}};
+  std::vector<RimLink> rims = rim_of(tiles);
   run_to_rest(tiles, rims);
   EXPECT_LE(tiles[0]->snow.top[0] - 0.1f, 0.0050001f);
   EXPECT_GT(tiles[0]->snow.top[0] - 0.1f, 0.001f);
