@@ -38,6 +38,7 @@ class EngineScene {
   /// A receiver's stored heights; `height` has its size.
   void read_height(const std::string& receiver, std::vector<float>& height);
   shared::ObjectSums read_sums(const std::string& receiver);
+  LandingState landing() const { return is_current_ ? movement_.state() : pending_.landing; }
   /// Without the step's number.
   SimulationState state();
   /// @throws std::invalid_argument naming the difference, or for heights or sums that are not
@@ -56,7 +57,7 @@ class EngineScene {
 
   EngineChoice choice_;
   const ObjectSet& objects_;
-  ReposePass repose_;
+  Movement movement_;
   bool is_current_ = false;
   bool hashes_passes_ = false;
   std::vector<PassHash> hashes_;

@@ -106,7 +106,13 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
                                  .step_number = step_number_},
                         .stability = {.max_depth = static_cast<float>(settings_.max_depth),
                                       .half_life = static_cast<float>(settings_.slide_half_life)},
-                        .repose = {.angle = settings_.repose, .cohesion = settings_.cohesion},
+                        .movement = {.repose = {.angle = settings_.repose,
+                                                .cohesion = settings_.cohesion},
+                                     .landing = {.is_on = settings_.landing,
+                                                 .throw_speed = settings_.throw_speed,
+                                                 .spread = settings_.spread,
+                                                 .heap_grain = settings_.heap_grain,
+                                                 .takes_time = settings_.fall_time}},
                         .dt = dt,
                         .tile_size = settings_.tile_size};
   objects_.set_positions(positions);
@@ -206,6 +212,12 @@ SnowStatistics SnowSimulation::statistics() {
   EngineScene& scene = this->scene();
   SnowStatistics statistics;
   statistics.step_number = step_number_;
+  const LandingState landing = scene.landing();
+  for (const FallingSnow& snow : landing.air) {
+    statistics.air_volume += static_cast<double>(snow.units) * kLandingUnit;
+  }
+  statistics.floor_volume = static_cast<double>(landing.on_floors) * kLandingUnit;
+  statistics.left_volume = static_cast<double>(landing.left) * kLandingUnit;
   for (const std::string& name : objects_.receivers()) {
     const StatisticsPair pair = balance_of(scene.read_sums(name));
     statistics.objects[name] = pair;

@@ -47,8 +47,10 @@ snow::SimulationSettings with_numbers(snow::SimulationSettings settings, const p
 
 Holder make_simulation(int64_t seed, const std::string& mapping, int32_t tile_size,
                        const std::string& device, const std::string& engine, bool wait_for_gpu,
-                       const py::kwargs& numbers) {
+                       bool landing, bool fall_time, const py::kwargs& numbers) {
   const snow::SimulationSettings settings = with_numbers({.seed = static_cast<uint32_t>(seed),
+                                                          .landing = landing,
+                                                          .fall_time = fall_time,
                                                           .mapping = mapping_from(mapping),
                                                           .tile_size = tile_size,
                                                           .engine = snow::engine_kind(engine),
@@ -166,6 +168,7 @@ py::dict output(SnowSimulation& simulation, const std::string& name, const py::k
 void put_balance(py::dict& dict, const snow::SnowBalance& balance) {
   dict["deposited_volume"] = balance.deposited_volume;
   dict["slid_volume"] = balance.slid_volume;
+  dict["landed_volume"] = balance.landed_volume;
   dict["held_volume"] = balance.held_volume;
   dict["stretched_volume"] = balance.stretched_volume;
   dict["visible_area"] = balance.visible_area;
@@ -211,6 +214,9 @@ py::dict statistics(SnowSimulation& simulation) {
     objects[py::str(name)] = balance_dict(pair);
   }
   dict["objects"] = objects;
+  dict["air_volume"] = statistics.air_volume;
+  dict["floor_volume"] = statistics.floor_volume;
+  dict["left_volume"] = statistics.left_volume;
   return dict;
 }
 
@@ -252,10 +258,15 @@ change the result; if a device is named, AUTO means GL. wait_for_gpu: True raise
 here if engine GL is requested and not available; False lets objects be added while the driver
 loads, and the first call that needs the engine raises.
 
+landing: snow that leaves a map falls onto what lies below, and meets the snow of other receivers;
+False, or with repose at pi / 2: it is gone, and a receiver's snow depends on its own only.
+fall_time: whether a fall takes time.
+
 A context manager: leaving it closes the simulation.)";
   py::class_<SnowSimulation, Holder>(module, "SnowSimulation", simulation_doc.c_str())
       .def(py::init(&make_simulation), py::kw_only(), "seed"_a = 0, "mapping"_a = "COMPUTE",
-           "tile_size"_a = 2048, "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true)
+           "tile_size"_a = 2048, "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true,
+           "landing"_a = true, "fall_time"_a = true)
       .def_property_readonly(
           "engine",
           [](SnowSimulation& simulation) {

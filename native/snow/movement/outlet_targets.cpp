@@ -23,38 +23,9 @@ constexpr double kAbove = 0.5;
 
 /// Vertical height in metres of the top of the snow at a point.
 float top_at(const MapPoint& point, const std::vector<const std::vector<float>*>& heights) {
-  if (point.place < 0) return point.z;
+  if (point.place < 0 || heights[static_cast<size_t>(point.object)] == nullptr) return point.z;
   const std::vector<float>& height = *heights[static_cast<size_t>(point.object)];
   return point.z + std::abs(height[static_cast<size_t>(point.place)]) * point.column;
-}
-
-/// The texel with a fragment of a triangle nearest to a place on the map, in columns and rows; -1:
-/// none is near.
-int32_t texel_near(const TexelTable& table, int32_t triangle, glm::vec2 at) {
-  const auto column = static_cast<int32_t>(std::floor(at.x));
-  const auto row = static_cast<int32_t>(std::floor(at.y));
-  int32_t nearest = -1;
-  float least = 1e30f;
-  for (int32_t y = std::max(0, row - 1); y <= std::min(table.resolution - 1, row + 1); ++y) {
-    for (int32_t x = std::max(0, column - 1); x <= std::min(table.resolution - 1, column + 1);
-         ++x) {
-      const int32_t place = y * table.resolution + x;
-      const auto found = std::lower_bound(table.texel.begin(), table.texel.end(), place);
-      if (found == table.texel.end() || *found != place) continue;
-      const auto i = found - table.texel.begin();
-      const auto begin = table.fragment_triangle.begin() + table.fragment_begin[i];
-      const auto end = table.fragment_triangle.begin() + table.fragment_begin[i + 1];
-      if (std::find(begin, end, triangle) == end) continue;
-      const float away_x = static_cast<float>(x) + 0.5f - at.x;
-      const float away_y = static_cast<float>(y) + 0.5f - at.y;
-      const float distance = away_x * away_x + away_y * away_y;
-      if (distance < least) {
-        least = distance;
-        nearest = place;
-      }
-    }
-  }
-  return nearest;
 }
 
 }  // namespace
@@ -73,22 +44,6 @@ bool OutletTargets::is_near(size_t object, const Bounds& moved) const {
          own.high.y + kWidestGap >= moved.low.y;
 }
 
-MapPoint OutletTargets::point_under(const SurfaceHit& hit, const glm::dvec3& at) const {
-  MapPoint point;
-  point.object = hit.object;
-  point.z = static_cast<float>(at.z);
-  point.column = shared::column_height(static_cast<float>(std::abs(hit.up)));
-  const SceneObject& object = *rays_.objects()[static_cast<size_t>(hit.object)];
-  if (!object.description.receive) return point;
-  const MapTopology& topology = object.description.topology;
-  const glm::vec2* const uv = &topology.corner_uv[3 * static_cast<size_t>(hit.triangle)];
-  const glm::vec2 on_map =
-      uv[0] + hit.weights.x * (uv[1] - uv[0]) + hit.weights.y * (uv[2] - uv[0]);
-  point.place = texel_near(*object.table, hit.triangle,
-                           on_map * static_cast<float>(topology.resolution));
-  return point;
-}
-
 /// The first surface that holds snow straight below a point, from `over` metres above it; walls and
 /// undersides of open sheets are passed. Sets `is_closed` if the ray starts within a body.
 MapPoint OutletTargets::below(const glm::dvec3& from, double over, bool& is_closed) const {
@@ -99,9 +54,9 @@ MapPoint OutletTargets::below(const glm::dvec3& from, double over, bool& is_clos
   if (is_closed) return {};
   // A ray that meets this many walls runs along one.
   for (int passed = 0; passed < 16 && hit.object >= 0; ++passed) {
-    const double up = hit.is_open ? std::abs(hit.up) : hit.up;
-    if (up >= static_cast<double>(shared::kWallUp)) {
-      return point_under(hit, start + hit.distance * down);
+    if (holds_snow(hit)) {
+      return map_point(*rays_.objects()[static_cast<size_t>(hit.object)], hit,
+                       start.z - hit.distance);
     }
     hit = rays_.first_along(start, down, hit.distance);
   }

@@ -5,23 +5,11 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "snow/movement/moving_map.h"
+#include "snow/movement/map_point.h"
 #include "snow/movement/repose/repose.h"
 #include "snow/movement/scene_rays.h"
 
 namespace snowbough::snow {
-
-/// A texel of a receiver's map, under a point in the air.
-struct MapPoint {
-  /// Index of the object, sorted by name; -1: none.
-  int32_t object = -1;
-  /// row * resolution + column; -1 on an object without a map.
-  int32_t place = -1;
-  /// World height of the bare surface in metres.
-  float z = 0.0f;
-  /// shared::column_height of the surface.
-  float column = 1.0f;
-};
 
 /// What lies beyond an outlet: a rim of the surface, or its end above a wall.
 struct OutletTarget {
@@ -58,14 +46,13 @@ class OutletTargets {
   }
 
   /// Raises the chosen outlets of a receiver to the top of the snow beyond. `heights`: by object,
-  /// null without a map; before any map of the step changes.
+  /// before any map of the step changes; null: its snow does not count.
   void raise(size_t object, Repose& repose, const std::vector<const std::vector<float>*>& heights);
 
   const SceneRays& rays() const { return rays_; }
 
  private:
   bool is_near(size_t object, const Bounds& moved) const;
-  MapPoint point_under(const SurfaceHit& hit, const glm::dvec3& at) const;
   MapPoint below(const glm::dvec3& from, double over, bool& is_closed) const;
   OutletTarget find(const Repose::Outlet& outlet) const;
   void find_gap(const Repose::Outlet& outlet, OutletTarget& target) const;

@@ -9,11 +9,11 @@ bool overlap(const PixelRect& a, const PixelRect& b) {
   return a.low.x < b.high.x && b.low.x < a.high.x && a.low.y < b.high.y && b.low.y < a.high.y;
 }
 
-void hand_over_moved(Engine& engine, ReposePass& repose, const std::vector<SceneObject*>& objects) {
+void hand_over_moved(Engine& engine, Movement& movement, const std::vector<SceneObject*>& objects) {
   for (size_t i = 0; i < objects.size(); ++i) {
     if (objects[i]->moved) {
       engine.set_positions(i, objects[i]->positions);
-      repose.forget_pose(i);
+      movement.forget_pose(i);
       objects[i]->moved = false;
     }
   }
@@ -49,9 +49,9 @@ std::vector<TriangleRange> ranges_in(const std::vector<SceneObject*>& objects,
 
 }  // namespace
 
-void run_step(Engine& engine, ReposePass& repose, const std::vector<SceneObject*>& objects,
+void run_step(Engine& engine, Movement& movement, const std::vector<SceneObject*>& objects,
               const FrameStep& step, std::vector<PassHash>* hashes) {
-  hand_over_moved(engine, repose, objects);
+  hand_over_moved(engine, movement, objects);
   // Extents and grid come from all objects, so that leaving out a receiver changes nothing.
   Bounds bounds;
   for (const SceneObject* object : objects) {
@@ -73,8 +73,14 @@ void run_step(Engine& engine, ReposePass& repose, const std::vector<SceneObject*
   hash.inputs(frame);
   engine.set_up_triangles(frame);
   hash.triangles();
-  engine.choose_texels();
   engine.open_statistics();
+  const uint32_t number = step.fall.step_number;
+  if (movement.has_arrivals(number)) {
+    engine.move_snow([&](std::vector<MovingMap>& maps) {
+      movement.before(step.movement, number, maps);
+    });
+  }
+  engine.choose_texels();
   if (tiles.empty()) {
     engine.evaluate_texels();
   }
@@ -84,14 +90,16 @@ void run_step(Engine& engine, ReposePass& repose, const std::vector<SceneObject*
     engine.count_back_faces(tile);
     engine.gather_deposit(tile, &tile == &tiles.front());
   }
+  StabilitySettings stability = step.stability;
+  stability.records_slid = step.moves_snow() && step.movement.landing.is_on;
   const double density = std::min(1.0, step.fall.noise_density);
-  engine.apply_stability(step.stability, static_cast<float>(shared::snow_depth(frame) / density),
+  engine.apply_stability(stability, static_cast<float>(shared::snow_depth(frame) / density),
                          static_cast<float>(step.dt));
   hash.deposit();
   hash.heights("stability");
   if (step.moves_snow()) {
     engine.move_snow([&](std::vector<MovingMap>& maps) {
-      repose.run(step.repose, static_cast<float>(step.dt), maps);
+      movement.after(step.movement, number, static_cast<float>(step.dt), maps);
     });
   }
   hash.heights("repose");

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "snow/movement/repose_pass.h"
+#include "snow/movement/movement.h"
 #include "snow/scene/scene_object.h"
 #include "snow/step/engine/engine.h"
 #include "snow/step/pass_hashes.h"
@@ -13,18 +13,19 @@ namespace snowbough::snow {
 struct FrameStep {
   FallSettings fall;
   StabilitySettings stability;
-  ReposeSettings repose;
+  MovementSettings movement;
   /// Seconds.
   double dt = 0.0;
   /// Largest edge of a tile in pixels; changes no result.
   int32_t tile_size = 2048;
-  bool moves_snow() const { return repose.is_on() && dt > 0.0; }
+  /// Landing needs repose, which shapes the heaps.
+  bool moves_snow() const { return movement.repose.is_on() && dt > 0.0; }
 };
 
-/// Runs a step on the engine's current scene, which must be built for `objects`, as must `repose`;
+/// Runs a step on the engine's current scene, which must be built for `objects`, as must `movement`;
 /// passes the positions of moved objects first. `hashes`, if any, receives the passes' hashes. On the engine's
 /// thread.
-void run_step(Engine& engine, ReposePass& repose, const std::vector<SceneObject*>& objects,
+void run_step(Engine& engine, Movement& movement, const std::vector<SceneObject*>& objects,
               const FrameStep& step, std::vector<PassHash>* hashes = nullptr);
 
 }  // namespace snowbough::snow

@@ -66,7 +66,7 @@ Repose::Blocks Repose::near(const Blocks& blocks) const {
   return result;
 }
 
-double Repose::run(std::vector<float>& height, float dt) {
+double Repose::run(std::vector<float>& height, float dt, bool lists_releases) {
   if (chosen_.empty()) return 0.0;
   empty_over_outlets();
   run_rounds(std::clamp(dt / kUsualStep, 1.0f, kMostWorkFactor));
@@ -79,6 +79,7 @@ double Repose::run(std::vector<float>& height, float dt) {
     fallen += own.lost;
     has_changed_ = has_changed_ || own.has_changed;
   }
+  if (lists_releases) collect_releases(written);
   for (const int32_t block : chosen_) {
     stored_tiles_[static_cast<size_t>(block)] = std::move(tiles_[static_cast<size_t>(block)]);
   }
@@ -194,14 +195,19 @@ Repose::Written Repose::write_block(int32_t block, float walls_keep,
   const auto write = [&](int32_t texel, size_t cell) {
     const bool wall = (tile.snow.kind[cell] & kWall) != 0;
     const double moved = tile.snow.moved[cell];
+    if (wall && moved > 0.0) {
+      written.releases.push_back({Release::kOffWall, texel, moved * static_cast<double>(surface_.unit())});
+    }
     if (wall ? tile.snow.held[cell] == 0.0f : moved == 0.0) return;
     written.has_changed = true;
     float& own = height[static_cast<size_t>(places[static_cast<size_t>(texel)])];
     if (wall) {
       const float left = std::abs(own) * walls_keep;
       const float kept = left < shared::kWallLeast ? 0.0f : std::copysign(left, own);
-      written.lost += static_cast<double>(std::abs(own) - std::abs(kept)) * tile.ground.area[cell] /
-                      surface_.unit();
+      const double melted =
+          static_cast<double>(std::abs(own) - std::abs(kept)) * tile.ground.area[cell];
+      written.releases.push_back({Release::kOffWall, texel, melted});
+      written.lost += melted / surface_.unit();
       own = kept;
       return;
     }

@@ -1,10 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include "base/parallel_for.h"
+#include "snow/movement/map_point.h"
 #include "snow/movement/repose/links.h"
 #include "snow/movement/repose/pose.h"
 #include "snow/movement/repose/slack.h"
@@ -71,8 +75,34 @@ class Repose {
   float top_over(int32_t block, const RimLink& rim) const;
 
   /// Moves snow on `height` in those blocks. `dt`: seconds; a long step may run more rounds.
-  /// Returns the volume that fell over rims and off walls, in m3.
-  double run(std::vector<float>& height, float dt);
+  /// `lists_releases`: for `releases`. Returns the volume that fell over rims and off walls, in m3.
+  double run(std::vector<float>& height, float dt, bool lists_releases);
+
+  /// Snow that left the map in the last run.
+  struct Release {
+    static constexpr int32_t kOffWall = -1;
+    static constexpr int32_t kInHollow = -2;
+    /// The outlet over which it fell, see RimLink::number; or one of these: it fell off a wall, or
+    /// found no way out of a hollow.
+    int32_t outlet = kOffWall;
+    /// The outlet's texel, the wall's, or the hollow's lowest.
+    int32_t texel = 0;
+    /// In m3.
+    double volume = 0.0;
+  };
+  const std::vector<Release>& releases() const { return releases_; }
+  /// The bare surface of all texels in the current pose, up to a translation and a rotation about
+  /// the vertical.
+  struct BareTexels {
+    /// By place on the map; -1: none.
+    std::vector<int32_t> texel_of;
+    /// By texel: metres, upward part of the normal, m2.
+    std::vector<float> x, y, z, up, area;
+  };
+  /// The first call in a pose evaluates it.
+  const BareTexels& bare_texels();
+  /// Where snow on a texel ends if it slides down the bare surface.
+  Release way_down(int32_t texel);
 
   /// Whether the last run changed heights.
   bool has_changed() const { return has_changed_; }
@@ -95,6 +125,8 @@ class Repose {
   struct Written {
     double lost = 0.0;
     bool has_changed = false;
+    /// From walls.
+    std::vector<Release> releases;
   };
   using Blocks = std::vector<int32_t>;
   /// One flag per block of the map.
@@ -146,6 +178,12 @@ class Repose {
   bool flow_along(int32_t number, float momentum);
   bool flow_across(float momentum);
 
+  // releases.cpp
+  int32_t next_down(int32_t texel) const;
+  void collect_releases(const std::vector<Written>& written);
+  struct CellWays;
+  int32_t next_cell(int32_t cell) const;
+
   // repose.cpp
   template <typename Chosen>
   Blocks blocks_of_colour(int32_t colour, const Chosen& chosen) const;
@@ -181,6 +219,12 @@ class Repose {
   Marks was_chosen_;
   /// By block.
   std::vector<std::vector<RimLink>> rims_;
+  std::vector<Release> releases_;
+  bool has_bare_ = false;
+  BareTexels bare_;
+  /// By texel, in the current pose: the last texel of its way, and -1 - its outlet, or the last
+  /// texel again; kNoWay if not known.
+  std::vector<int32_t> way_last_, way_end_;
   /// By link across a seam.
   std::vector<Flow> across_;
   /// Links across seams to evaluate; between rounds, those along which snow flows.

@@ -72,6 +72,7 @@ void Repose::update_pose() {
   if (links_ == nullptr) find_links();
   surface_.set_pose(*object_, pose_.positions(), limits_.cohesion > 0.0f);
   slack_.assign(links_->block_count(), std::nullopt);
+  has_bare_ = false;
   for (const std::unique_ptr<ReposeTile>& tile : stored_tiles_) {
     if (tile != nullptr) tile->ground.has_pose = false;
   }
@@ -124,6 +125,7 @@ void Repose::forget_tiles() {
 size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimits& limits) {
   has_changed_ = false;
   chosen_.clear();
+  releases_.clear();
   if (limits != limits_) {
     // Curvatures are only needed with cohesion.
     if ((limits.cohesion > 0.0f) != (limits_.cohesion > 0.0f)) {
@@ -363,7 +365,10 @@ bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
                               rect.size, surface_.unit());
   }
   tile.begin_step(bare);
-  for (RimLink& rim : rims_[static_cast<size_t>(block)]) rim.flow = 0.0f;
+  for (RimLink& rim : rims_[static_cast<size_t>(block)]) {
+    rim.flow = 0.0f;
+    rim.fallen = 0.0;
+  }
   return changes;
 }
 

@@ -67,6 +67,7 @@ bool ReposeTile::cut() {
     const float units = snow.gives[cell] < 1.0f ? most : std::floor(most);
     if (!(units > 0.0f)) continue;
     add(cell, -static_cast<double>(units));
+    outlets.cuts.emplace_back(static_cast<int32_t>(cell), units);
     cuts = true;
   }
   return cuts;

@@ -48,6 +48,8 @@ struct RimLink {
   float limit = 0.0f;
   float rate = 0.0f;
   float flow = 0.0f;
+  /// Units that have fallen over it in the step.
+  double fallen = 0.0;
 };
 
 }  // namespace snowbough::snow

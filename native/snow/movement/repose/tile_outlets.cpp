@@ -26,6 +26,7 @@ void TileOutlets::begin_pose() {
 void TileOutlets::begin_step(const TileGround& ground, const TileSnow& snow) {
   if (has_bounds) has_bounds = any_wall = bound_walls(ground, snow, bound);
   has_fresh_bounds = false;
+  cuts.clear();
   rows_to_pass = kAllWindowRows;
 }
 

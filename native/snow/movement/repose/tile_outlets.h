@@ -2,6 +2,8 @@
 
 #include <atomic>
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 #include "snow/movement/repose/tile_snow.h"
 
@@ -23,6 +25,8 @@ struct TileOutlets {
   std::atomic<uint64_t> rows_to_pass = kAllWindowRows;
   /// Maximum height in metres of the snow's surface.
   TilePlane bound;
+  /// Cells whose snow was cut to the bound in the step, and the units cut off.
+  std::vector<std::pair<int32_t, float>> cuts;
 
   /// Resets to no bounds.
   void begin_pose();

@@ -243,6 +243,7 @@ class TileRun {
       const size_t at = place_of(rim);
       rim.flow = shared::given_flow(rim.flow, part_[at], 1.0f);
       gain_[at] -= rim.flow;
+      rim.fallen += static_cast<double>(rim.flow);
       if (rim.flow > 0.0f) gave |= row_bit(row_of(rim));
     }
     return gave;

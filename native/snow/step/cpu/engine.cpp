@@ -70,12 +70,20 @@ void CpuEngine::render_occlusion(const Tile& tile, const std::vector<TriangleRan
 
 void CpuEngine::move_snow(const std::function<void(std::vector<MovingMap>&)>& move) {
   std::vector<MovingMap> maps;
-  for (Receiver& receiver : scene_.receivers) maps.push_back({receiver.object, &receiver.height});
+  for (Receiver& receiver : scene_.receivers) {
+    MovingMap& map = maps.emplace_back(receiver.object, &receiver.height);
+    for (size_t i = 0; i < receiver.slid.size(); ++i) {
+      if (receiver.slid[i] <= 0.0f) continue;
+      map.slid_from.emplace_back(static_cast<int32_t>(receiver.places[i]), receiver.slid[i]);
+    }
+    receiver.slid.clear();
+  }
   move(maps);
   for (size_t slot = 0; slot < maps.size(); ++slot) {
     Receiver& receiver = scene_.receivers[slot];
     receiver.sums.slid += maps[slot].slid;
     receiver.sums.held -= maps[slot].slid;
+    receiver.sums.landed += maps[slot].landed;
     if (maps[slot].has_changed) cpu::find_snow(receiver);
   }
 }

@@ -27,6 +27,8 @@ struct StabilitySettings {
   float max_depth = 1.0f;
   /// Seconds in which the snow beyond the capacity halves.
   float half_life = 2.0f;
+  /// Whether to record what slides off each texel, for MovingMap::slid_from.
+  bool records_slid = false;
 
   /// Half-life, clamped to at least 1 microsecond.
   float clamped_half_life() const { return half_life < 1e-6f ? 1e-6f : half_life; }
@@ -93,7 +95,8 @@ class Engine {
   /// thickness in metres of a fully visible texel that faces the fall; `dt` in seconds.
   virtual void apply_stability(const StabilitySettings& settings, float full_gain, float dt) = 0;
   /// Calls `move` with all receivers' stored heights in main memory, in the order of their objects,
-  /// and takes back the maps that it marks as changed. What left a map counts as slid.
+  /// and takes back the maps that it marks as changed. What left a map counts as slid, what came as
+  /// landed.
   virtual void move_snow(const std::function<void(std::vector<MovingMap>&)>& move) = 0;
   /// Updates sums and totals. `pixel_area` in m2.
   virtual void close_statistics(float pixel_area) = 0;

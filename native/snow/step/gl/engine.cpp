@@ -51,20 +51,44 @@ void GlEngine::move_snow(const std::function<void(std::vector<MovingMap>&)>& mov
   for (size_t object = 0; object < groups.size(); ++object) {
     if (groups[object] < 0) continue;
     read_height(object, heights[object]);
-    maps.push_back({object, &heights[object]});
+    maps.emplace_back(object, &heights[object]);
   }
+  if (std::exchange(records_slid_, false)) collect_slid(maps);
   move(maps);
   bool has_changed = false;
   for (const MovingMap& map : maps) {
     if (map.has_changed) group_of(map.object).write_height(layer_of(map.object), *map.height);
     has_changed = has_changed || map.has_changed;
-    if (map.slid == 0.0) continue;
+    if (map.slid == 0.0 && map.landed == 0.0) continue;
     shared::ObjectSums sums = read_sums(map.object);
     sums.slid += map.slid;
     sums.held -= map.slid;
+    sums.landed += map.landed;
     write_sums(map.object, sums);
   }
   if (has_changed) passes_->groups.find_snow(passes_->scene);
+}
+
+void GlEngine::collect_slid(std::vector<MovingMap>& maps) {
+  std::vector<MovingMap*> by_slot(layout().plan.slot.size(), nullptr);
+  for (MovingMap& map : maps) {
+    by_slot[static_cast<size_t>(layout().plan.slot[map.object])] = &map;
+  }
+  std::vector<float> slid;
+  std::vector<uint32_t> places;
+  for (const TexelBatch& batch : passes_->scene.batches) {
+    const MapGroup& group = passes_->scene.groups[static_cast<size_t>(batch.group)];
+    const auto texels = static_cast<uint32_t>(group.resolution * group.resolution);
+    slid.resize(static_cast<size_t>(batch.count));
+    places.resize(slid.size());
+    batch.slid.read(0, int64_t{4} * batch.count, slid.data());
+    batch.places.read(0, int64_t{4} * batch.count, places.data());
+    for (size_t i = 0; i < slid.size(); ++i) {
+      if (slid[i] <= 0.0f) continue;
+      const auto slot = static_cast<uint32_t>(group.first_slot) + places[i] / texels;
+      by_slot[slot]->slid_from.emplace_back(static_cast<int32_t>(places[i] % texels), slid[i]);
+    }
+  }
 }
 
 void GlEngine::read_height(size_t object, std::vector<float>& height) {

@@ -233,6 +233,7 @@ class GlEngine final : public Engine {
   void apply_stability(const StabilitySettings& settings, float full_gain, float dt) override {
     const auto measured = passes_->timer.measure("stability");
     if (by_geometry_) passes_->geometry->write_gains(passes_->scene);
+    records_slid_ = settings.records_slid;
     passes_->stability.run(passes_->scene, settings, full_gain, dt, by_geometry_);
   }
   void move_snow(const std::function<void(std::vector<MovingMap>&)>& move) override;
@@ -255,6 +256,7 @@ class GlEngine final : public Engine {
   const SceneLayout& layout() const override { return passes_->scene.layout; }
 
  private:
+  void collect_slid(std::vector<MovingMap>& maps);
   MapGroup& group_of(size_t object);
   int32_t layer_of(size_t object);
   int64_t sums_offset(size_t object) const;
@@ -262,6 +264,8 @@ class GlEngine final : public Engine {
   std::shared_ptr<gpu::GpuThread> thread_;
   bool by_geometry_;
   bool measures_ = false;
+  /// Whether the step's stability recorded what slid.
+  bool records_slid_ = false;
   std::unique_ptr<Passes> passes_;
 };
 

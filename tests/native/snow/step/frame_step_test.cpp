@@ -93,9 +93,9 @@ FrameStep step_of(double depth, int32_t tile_size = 2048) {
 }
 
 void step_on(Engine& engine, const std::vector<SceneObject*>& objects, const FrameStep& step) {
-  ReposePass repose;
-  repose.lay_out({objects.begin(), objects.end()});
-  run_step(engine, repose, objects, step);
+  Movement movement;
+  movement.lay_out({objects.begin(), objects.end()});
+  run_step(engine, movement, objects, step);
 }
 
 TEST(FrameStep, CallsThePassesInTheirOrder) {
@@ -103,7 +103,7 @@ TEST(FrameStep, CallsThePassesInTheirOrder) {
   WritesDown engine({&ground});
   step_on(engine, {&ground}, step_of(0.01));
   EXPECT_THAT(engine.calls,
-              ElementsAre("positions 0", "triangles", "choose", "open", "occlusion", "back faces",
+              ElementsAre("positions 0", "triangles", "open", "choose", "occlusion", "back faces",
                           "first deposit", "stability", "close"));
 }
 
@@ -111,7 +111,7 @@ TEST(FrameStep, ReadsHeightsBackOnlyIfSnowMoves) {
   SceneObject ground = square_at("ground", 0, true, true);
   WritesDown engine({&ground});
   FrameStep step = step_of(0.01);
-  step.repose.angle = 1.1;
+  step.movement.repose.angle = 1.1;
   step_on(engine, {&ground}, step);
   EXPECT_THAT(engine.calls, Contains("movement"));
   engine.calls.clear();
@@ -137,7 +137,7 @@ TEST(FrameStep, LooksAtNoSkyWhereNothingFalls) {
   SceneObject ground = square_at("ground", 0, true, true);
   WritesDown engine({&ground});
   step_on(engine, {&ground}, step_of(0.0));
-  EXPECT_THAT(engine.calls, ElementsAre("positions 0", "triangles", "choose", "open", "evaluate",
+  EXPECT_THAT(engine.calls, ElementsAre("positions 0", "triangles", "open", "choose", "evaluate",
                                         "stability", "close"));
 }
 

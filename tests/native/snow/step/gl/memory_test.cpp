@@ -52,15 +52,15 @@ void compare(DepositMapping mapping) {
   step.dt = 0.1;
   step.tile_size = 512;
   const auto engine = gl::make_engine(gpu::GpuThread::shared(), mapping);
-  ReposePass repose;
-  repose.lay_out({&cylinder, &ground, &roof});
+  Movement movement;
+  movement.lay_out({&cylinder, &ground, &roof});
   engine->run([&] {
     allocated = 0;
     const render::Watched<&epoxy_glNamedBufferStorage, CountsBuffer> buffers;
     const render::Watched<&epoxy_glTextureStorage2D, CountsTexture> textures;
     const render::Watched<&epoxy_glTextureStorage3D, CountsTexture> arrays;
     engine->build_scene({&cylinder, &ground, &roof});
-    for (int i = 0; i < 2; ++i) run_step(*engine, repose, objects, step);
+    for (int i = 0; i < 2; ++i) run_step(*engine, movement, objects, step);
   });
   MemoryEstimate estimate = engine->memory({&cylinder, &ground, &roof}, step.tile_size);
   const int64_t on_the_gpu = estimate.total() - estimate.output - estimate.seams;

@@ -1,4 +1,4 @@
-#include "snow/movement/repose_pass.h"
+#include "snow/movement/movement.h"
 
 #include <cmath>
 
@@ -13,14 +13,15 @@ constexpr size_t kManyBlocks = 16;
 
 }  // namespace
 
-int64_t ReposePass::memory(const std::vector<const SceneObject*>& objects) {
+int64_t Movement::memory(const std::vector<const SceneObject*>& objects) {
   return count_blocks(objects, kReposeBlock) *
          static_cast<int64_t>(sizeof(ReposeTile) + sizeof(std::array<TilePlane, kForwardLinks>));
 }
 
-void ReposePass::lay_out(const std::vector<const SceneObject*>& objects) {
+void Movement::lay_out(const std::vector<const SceneObject*>& objects) {
   receivers_.clear();
   targets_.lay_out(objects);
+  landing_.lay_out(targets_.rays());
   link_tables_ = std::make_unique<ReposeLinkTables>();
   for (const SceneObject* object : objects) {
     receivers_.push_back(object->description.receive ? std::make_unique<Repose>(
@@ -29,17 +30,34 @@ void ReposePass::lay_out(const std::vector<const SceneObject*>& objects) {
   }
 }
 
-void ReposePass::forget_pose(size_t object) {
+void Movement::forget_pose(size_t object) {
   if (receivers_[object] != nullptr) receivers_[object]->forget_pose();
   targets_.forget_pose(object, [&](size_t near) {
     if (receivers_[near] != nullptr) receivers_[near]->forget_rooms();
   });
 }
 
-void ReposePass::run(const ReposeSettings& settings, float dt, std::vector<MovingMap>& maps) {
-  if (!settings.is_on() || !(dt > 0.0f)) return;
-  const ReposeLimits limits{.slope = static_cast<float>(std::tan(settings.angle)),
-                            .cohesion = static_cast<float>(settings.cohesion)};
+void Movement::before(const MovementSettings& settings, uint32_t step_number,
+                      std::vector<MovingMap>& maps) {
+  for (MovingMap& map : maps) {
+    landing_.arrive(step_number, settings.landing, map, *receivers_[map.object]);
+  }
+}
+
+void Movement::after(const MovementSettings& settings, uint32_t step_number, float dt,
+                     std::vector<MovingMap>& maps) {
+  run_repose(settings, dt, maps);
+  if (!settings.landing.is_on) return;
+  for (MovingMap& map : maps) {
+    landing_.release(step_number, settings.landing, map, *receivers_[map.object]);
+  }
+  landing_.fall(step_number, static_cast<double>(dt), settings.landing);
+}
+
+void Movement::run_repose(const MovementSettings& settings, float dt,
+                          std::vector<MovingMap>& maps) {
+  const ReposeLimits limits{.slope = static_cast<float>(std::tan(settings.repose.angle)),
+                            .cohesion = static_cast<float>(settings.repose.cohesion)};
   std::vector<size_t> blocks(maps.size(), 0);
   base::for_each_item(maps.size(), 1, [&](size_t i) {
     blocks[i] = receivers_[maps[i].object]->choose_blocks(*maps[i].height, limits);
@@ -56,14 +74,19 @@ void ReposePass::run(const ReposeSettings& settings, float dt, std::vector<Movin
   for_maps([&](const MovingMap& map, bool on_all_cores) {
     receivers_[map.object]->set_up(*map.height, on_all_cores);
   });
-  // Every map is raised by the others' heights before any of them changes.
+  // Without landing a receiver's snow must not depend on that of others, so that machines can share
+  // a shot. No map changes before all are raised.
   std::vector<const std::vector<float>*> heights(receivers_.size(), nullptr);
   for (const MovingMap& map : maps) heights[map.object] = map.height;
-  for (const MovingMap& map : maps) targets_.raise(map.object, *receivers_[map.object], heights);
+  for (const MovingMap& map : maps) {
+    std::vector<const std::vector<float>*> own(receivers_.size(), nullptr);
+    own[map.object] = map.height;
+    targets_.raise(map.object, *receivers_[map.object], settings.landing.is_on ? heights : own);
+  }
   for_maps([&](MovingMap& map, bool) {
     Repose& repose = *receivers_[map.object];
-    map.slid = repose.run(*map.height, dt);
-    map.has_changed = repose.has_changed();
+    map.slid = repose.run(*map.height, dt, settings.landing.is_on);
+    map.has_changed = map.has_changed || repose.has_changed();
   });
 }
 

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "snow/movement/landing.h"
+#include "snow/movement/moving_map.h"
+#include "snow/movement/outlet_targets.h"
+#include "snow/movement/repose/repose.h"
+
+namespace snowbough::snow {
+
+struct MovementSettings {
+  ReposeSettings repose;
+  LandingSettings landing;
+};
+
+/// The passes that move lying snow, on the CPU's cores, for either engine: `before` a step's
+/// deposit adds what lands; `after` stability lets what is too steep move, and what leaves a map
+/// fall.
+class Movement {
+ public:
+  /// Maximum memory in bytes, if snow covers these objects.
+  static int64_t memory(const std::vector<const SceneObject*>& objects);
+
+  /// `objects` must live until the next call.
+  void lay_out(const std::vector<const SceneObject*>& objects);
+  void forget_pose(size_t object);
+
+  /// Whether any snow lands before this step.
+  bool has_arrivals(uint32_t step_number) const { return landing_.has_arrivals(step_number); }
+  void before(const MovementSettings& settings, uint32_t step_number, std::vector<MovingMap>& maps);
+  /// `dt`: duration of the step in seconds; a longer step may run more rounds until all snow rests.
+  void after(const MovementSettings& settings, uint32_t step_number, float dt,
+             std::vector<MovingMap>& maps);
+
+  LandingState state() const { return landing_.state(); }
+  void set_state(const LandingState& state) { landing_.set_state(state); }
+
+ private:
+  void run_repose(const MovementSettings& settings, float dt, std::vector<MovingMap>& maps);
+
+  std::unique_ptr<ReposeLinkTables> link_tables_;
+  OutletTargets targets_;
+  Landing landing_;
+  /// By object; null for objects that do not receive.
+  std::vector<std::unique_ptr<Repose>> receivers_;
+};
+
+}  // namespace snowbough::snow
