@@ -295,7 +295,7 @@ counts as stretched_volume. Resolution and receive stay. Arguments as in add_obj
            "dt"_a = 1.0 / 24.0, "hidden"_a = std::set<std::string>(),
            R"(Simulates one step of snowfall: depth in metres on open level ground, along direction,
 within dt seconds (0: nothing slides or moves). positions: {name: (N, 3) metres} of the objects
-that moved; each object must be given in its first step. hidden: names of receivers that keep their
+that moved; each object must be given in its first step. hidden: names of objects that keep their
 snow, gain none and block none in this step.)")
       .def("change_settings", &change_settings, py::kw_only(), "seed"_a = py::none(),
            R"(Applies other settings, except pixel_size and blur_radius, from the next step on, in

@@ -196,7 +196,9 @@ void ObjectSet::set_positions(const PositionMap& positions, const std::set<std::
       }
     }
   }
-  for (const std::string& name : hidden) receiver(name);
+  for (const std::string& name : hidden) {
+    if (!objects_.contains(name)) refuse("step: there is no object named '" + name + "' to hide");
+  }
   for (const auto& [name, object] : objects_) {
     if (object->positions.empty() && !positions.contains(name) &&
         object->description.topology.vertex_count > 0) {

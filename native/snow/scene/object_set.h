@@ -32,8 +32,8 @@ class ObjectSet {
 
   /// Sets positions of objects that moved, and which objects are hidden. @throws std::invalid_argument with the object's name for
   /// an unknown name, a vertex count that is too small or differs from the step before, positions
-  /// that are not finite, or an object that has none yet, or a hidden occluder; then
-  /// nothing changes.
+  /// that are not finite, or an object that has none yet; then nothing
+  /// changes.
   void set_positions(const PositionMap& positions, const std::set<std::string>& hidden = {});
 
   /// @throws std::invalid_argument for a name that is no receiver.

@@ -14,8 +14,9 @@ void hand_over_moved(Engine& engine, const std::vector<SceneObject*>& objects) {
     if (objects[i]->moved) {
       const std::vector<glm::vec3>& points = objects[i]->positions;
       // A surface without extent gains and blocks nothing.
+      const bool collapses = objects[i]->hidden && !points.empty();
       engine.set_positions(
-          i, objects[i]->hidden ? std::vector<glm::vec3>(points.size(), points.front()) : points);
+          i, collapses ? std::vector<glm::vec3>(points.size(), points.front()) : points);
       objects[i]->moved = false;
     }
   }
@@ -32,7 +33,7 @@ struct KeptSnow {
 std::vector<KeptSnow> keep_hidden(Engine& engine, const std::vector<SceneObject*>& objects) {
   std::vector<KeptSnow> kept;
   for (size_t i = 0; i < objects.size(); ++i) {
-    if (!objects[i]->hidden) continue;
+    if (!objects[i]->hidden || !objects[i]->description.receive) continue;
     KeptSnow& one = kept.emplace_back(KeptSnow{i, {}, engine.read_sums(i)});
     engine.read_height(i, one.height);
     one.sums.deposited = one.sums.slid = one.sums.visible_area = one.sums.back_face_area = 0.0;
