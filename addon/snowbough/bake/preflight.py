@@ -16,7 +16,7 @@ import numpy as np
 from ..base import compat, native, session
 from ..base.names import FARTHEST, counted, sized
 from ..cache import versions
-from ..result import displacement
+from ..result import displacement, surface_files
 from ..scene import material_alpha, mesh_record, physics_caches, receivers, uv_maps, uv_overlap, visibility
 from ..scene.pose import Topology, library_path, metres_per_unit, outliers, world_positions
 from ..scene.reader import SURFACE_TYPES
@@ -46,6 +46,7 @@ class Issue:
 def check(scene, depsgraph):
     """All issues of the scene, the worst first."""
     issues = [*_environment(scene), *of_bake(scene, depsgraph)]
+    issues += [Issue("WARNING", text) for text in surface_files.problems(scene)]
     for text in [
         *changes_since_bake.settings_changes(scene),
         *changes_since_bake.scene_changes(scene, depsgraph),
@@ -142,6 +143,7 @@ def _settings(scene):
         plan.plan_snowfall(
             settings.frame_start, settings.frame_end, settings.start_depth, settings.end_depth, rates
         )
+        displacement.require_frames(scene)
     except ValueError as error:
         yield Issue("ERROR", str(error))
 

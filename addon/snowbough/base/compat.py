@@ -123,7 +123,7 @@ def curves_of(datablock):
 
 def frame_length(scene):
     """Frames of animation per rendered frame: other than 1 with Render > Time Stretching."""
-    return scene.render.frame_map_new / scene.render.frame_map_old
+    return scene.render.frame_map_old / scene.render.frame_map_new
 
 
 # --------------------------------------------------------------------------------------------------
