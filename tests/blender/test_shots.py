@@ -190,6 +190,111 @@ def test_the_check_names_the_frames_on_which_a_receiver_is_hidden(addon, tmp_pat
     assert "'Ground' is hidden, or its scale is 0, in frames 4" in found
 
 
+# -- what frame handlers change -------------------------------------------------------------------------------
+
+
+def hole(name="Hole"):
+    """A material whose alpha comes from an image that is transparent everywhere."""
+    image = bpy.data.images.new(name, 4, 4, alpha=True)
+    image.pixels[:] = [0.0] * 64
+    material = bpy.data.materials.new(name)
+    material.use_nodes = True
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    texture = nodes.new("ShaderNodeTexImage")
+    texture.image = image
+    links.new(texture.outputs["Alpha"], nodes["Principled BSDF"].inputs["Alpha"])
+    return material
+
+
+def switch_mask(roof):
+    roof.vertex_groups.new(name="None")
+    modifier = roof.modifiers.new("Switched", "MASK")
+    modifier.vertex_group, modifier.show_render = "None", False
+    return lambda is_open: setattr(bpy.data.objects["Roof"].modifiers["Switched"], "show_render", is_open)
+
+
+def switch_displacement(roof):
+    """The modifier moves the roof away; it keeps its faces."""
+    modifier = roof.modifiers.new("Switched", "DISPLACE")
+    modifier.direction, modifier.strength, modifier.mid_level, modifier.show_render = "X", 5.0, 0.0, False
+    return lambda is_open: setattr(bpy.data.objects["Roof"].modifiers["Switched"], "show_render", is_open)
+
+
+def switch_slot(roof):
+    roof.data.materials.append(bpy.data.materials.new("Whole"))
+    hole()
+    return lambda is_open: setattr(
+        bpy.data.objects["Roof"].material_slots[0], "material", bpy.data.materials["Hole" if is_open else "Whole"]
+    )
+
+
+def switch_slot_of_an_object(roof):
+    """The same on a roof with modifiers, which is read on every frame."""
+    roof.modifiers.new("Thick", "SUBSURF").subdivision_type = "SIMPLE"
+    return switch_slot(roof)
+
+
+def switch_image(roof):
+    roof.data.materials.append(hole())
+    bpy.data.images.new("Whole", 4, 4, alpha=True).pixels[:] = [1.0] * 64
+    return lambda is_open: setattr(
+        bpy.data.materials["Hole"].node_tree.nodes["Image Texture"],
+        "image",
+        bpy.data.images["Hole" if is_open else "Whole"],
+    )
+
+
+def switch_faces_material(roof):
+    roof.data.materials.append(bpy.data.materials.new("Whole"))
+    roof.data.materials.append(hole())
+
+    def switch(is_open):
+        bpy.data.meshes["Roof"].polygons[0].material_index = int(is_open)
+        bpy.data.meshes["Roof"].update()
+
+    return switch
+
+
+SWITCHES = [
+    switch_mask, switch_displacement, switch_slot, switch_slot_of_an_object, switch_image, switch_faces_material
+]  # fmt: skip
+
+
+@pytest.mark.usefixtures("handlers")
+@pytest.mark.parametrize("switch", SWITCHES)
+def test_a_roof_that_a_handler_opens_lets_snow_fall_through(tmp_path, ground_of, switch):
+    """It is open in frames 2 and 3."""
+    set_open = switch(s.square("Roof", z=1.0))
+    s.receive(s.square("Ground"))
+    s.settings(tmp_path / "cache")
+    bpy.app.handlers.frame_change_pre.append(lambda scene, *_: set_open(scene.frame_current in (2, 3)))
+    s.bake()
+    assert ground_of() == quarters(0, 1, 2, 2)
+
+
+@pytest.mark.usefixtures("handlers")
+def test_a_roof_with_animated_mesh_data_whose_vertices_a_handler_reorders_stays_closed(tmp_path, ground_of):
+    """With the old faces and the new order, the two halves of the roof would be two crossed ribbons."""
+    points = [(x, y, 1.0) for left in (-1, 0) for x, y in ((left, -1), (left + 1, -1), (left + 1, 1), (left, 1))]
+    roof = s.mesh_object("Roof", points, [(0, 1, 2, 3), (4, 5, 6, 7)])
+    roof.data["number"] = 0.0
+    roof.data.keyframe_insert('["number"]', frame=1)
+    order = [0, 2, 4, 6, 1, 3, 5, 7]
+
+    def reorder(scene, *_):
+        mesh = bpy.data.meshes["Roof"]
+        if scene.frame_current == 3 and tuple(mesh.vertices[1].co) == points[1]:
+            mesh.clear_geometry()
+            faces = [[order.index(corner) for corner in face] for face in ((0, 1, 2, 3), (4, 5, 6, 7))]
+            mesh.from_pydata([points[index] for index in order], [], faces)
+
+    bpy.app.handlers.frame_change_pre.append(reorder)
+    s.receive(s.square("Ground"))
+    s.settings(tmp_path / "cache")
+    s.bake()
+    assert ground_of() == quarters(0, 0, 0, 0)
+
+
 # -- time -------------------------------------------------------------------------------------------------------
 
 

@@ -47,6 +47,7 @@ from .pose import (
     own_key,
     world_positions,
 )
+from .updates import SwitchedModifiers
 
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
@@ -71,6 +72,8 @@ class _Known:
     uv_map: str = ""
     layers: list = field(default_factory=list)
     """Fingerprints of a receiver's UV map, one per record."""
+    holes: list = field(default_factory=list)
+    """MeshRecord.holes_print, one per record."""
     in_parent: tuple = None
     """(positions, matrix, positions in the parent's space) of an instance."""
 
@@ -111,6 +114,7 @@ class SceneReader:
         self._scale = scale_length
         self._known = {}
         self._meshes = LocalMeshes()
+        self._switched = SwitchedModifiers()
         # Receivers that cannot carry snow, from their first pose on: label -> reason.
         self._refused = {}
         # Key -> the last ObjectPose of an enabled receiver.
@@ -125,6 +129,7 @@ class SceneReader:
         reason. Raises SceneError for a receiver that loses them later.
         """
         self._scattered = {}
+        self._switched.update(depsgraph)
         self._meshes.begin(depsgraph)
         groups = self._gather(depsgraph)
         objects, reasons = {}, {}
@@ -297,7 +302,7 @@ class SceneReader:
                     return
         receiver = group.receiver is not None
         triangles, uvs, alphas, shadings, offset = [], [], [], [], 0
-        known.layers = []
+        known.layers, known.holes = [], [record.holes_print for record in records]
         for record, flip in zip(records, flips):
             corner_triangles = record.triangle_corners()
             if flip:
@@ -335,8 +340,10 @@ class SceneReader:
 
     @staticmethod
     def _has_same_faces(known, group, records, frame):
-        """Whether all meshes have the same corners as before, and edited meshes of a receiver the same UVs."""
+        """Whether all meshes have the same corners and holes as before, and edited meshes of a receiver the same UVs."""
         if not _same_arrays(known.corners, [record.corners() for record in records]):
+            return False
+        if known.holes != [record.holes_print for record in records]:
             return False
         if group.receiver is None:
             return True
