@@ -486,6 +486,64 @@ def test_a_render_in_the_background_without_a_surfaces_file_ends_with_an_error(t
     assert failed.returncode == 1 and "'Ground Snow' shows no snow" in failed.stderr
 
 
+# -- linked receivers -------------------------------------------------------------------------------------------
+
+
+def link(library, name):
+    """Links an object of a .blend into the scene."""
+    with bpy.data.libraries.load(str(library), link=True, relative=True) as (_, linked):
+        linked.objects = [name]
+    bpy.context.scene.collection.objects.link(linked.objects[0])
+    return linked.objects[0]
+
+
+def write_library(path, name):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    obj = s.square(name)
+    bpy.data.libraries.write(str(path), {obj})
+    bpy.data.objects.remove(obj)
+
+
+def test_a_linked_receiver_keeps_its_bake_when_either_file_is_moved(tmp_path, addon, native):
+    (tmp_path / "shots" / "deep").mkdir(parents=True)
+    write_library(tmp_path / "props.blend", "Rock")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    rock = link(tmp_path / "props.blend", "Rock")
+    bake_surfaces(tmp_path / "cache", rock, frames=(1, 4))
+    folders = {folder.name for folder in tmp_path.glob("cache/*/v*/Rock-*")}
+    moved = tmp_path / "shots" / "deep" / "shot.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(moved))
+    (tmp_path / "shot.blend").unlink()
+    (tmp_path / "store").mkdir()
+    (tmp_path / "props.blend").rename(tmp_path / "store" / "props.blend")
+    bpy.data.libraries[0].filepath = "//../../store/props.blend"
+    bpy.ops.wm.save_mainfile()
+    bpy.ops.wm.open_mainfile(filepath=str(moved))
+    rock = bpy.data.objects["Rock"]
+    assert rock.library.filepath == "//../../store/props.blend"
+    assert level(points_at(bpy.data.objects["Rock Snow"], 4)) == pytest.approx(0.1, rel=0.02)
+    resumed = s.bake_part(addon, resume=True)
+    assert resumed.error is None and not resumed.job.results  # everything is baked
+    s.bake()
+    assert {folder.name for folder in tmp_path.glob("cache/*/v*/Rock-*")} == folders and len(folders) == 1
+
+
+def test_libraries_of_one_name_are_told_apart_by_their_folders(tmp_path, addon):
+    for folder in ("chairs", "tables"):
+        write_library(tmp_path / folder / "props.blend", "Top")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    first, second = (link(tmp_path / folder / "props.blend", "Top") for folder in ("chairs", "tables"))
+    name = addon("scene.libraries").library_name
+    assert (name(first), name(second)) == ("chairs/props.blend", "tables/props.blend")
+    s.receive(first, second)
+    s.settings(tmp_path / "cache")
+    s.bake()
+    assert len(list(tmp_path.glob("cache/*/v001/Top-*"))) == 2
+    stored_name = addon("scene.libraries").stored_name
+    stored = ("", "//../props.blend", "C:\\lib\\props.blend", "/lib/props.blend", "chairs/props.blend")
+    assert [stored_name(path) for path in stored] == ["", *["props.blend"] * 3, "chairs/props.blend"]
+
+
 # -- view layers ------------------------------------------------------------------------------------------------
 
 

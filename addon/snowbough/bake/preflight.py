@@ -18,7 +18,8 @@ from ..base.names import FARTHEST, counted, sized
 from ..cache import versions
 from ..result import displacement, surface_files
 from ..scene import material_alpha, mesh_record, physics_caches, receivers, uv_maps, uv_overlap, visibility
-from ..scene.pose import Topology, library_path, metres_per_unit, outliers, world_positions
+from ..scene.libraries import library_name
+from ..scene.pose import Topology, metres_per_unit, outliers, world_positions
 from ..scene.reader import SURFACE_TYPES
 from ..settings.preferences import preferred_engine
 from . import baked_receiver, changes_since_bake, memory, plan
@@ -106,7 +107,7 @@ def _alpha(depsgraph):
         for material in mesh_record.materials_of(obj, obj.data):
             if material is None:
                 continue
-            known = (material.name, library_path(material))
+            known = (material.name, library_name(material))
             try:
                 if known not in alphas:
                     alphas[known] = None  # report each material once

@@ -16,6 +16,7 @@ from ..base import compat
 from ..base.names import SNOW_UV, SURFACE_MODIFIER, SURFACE_POSITION_ATTRIBUTE
 from ..cache.errors import CacheError
 from ..cache.files import SURFACE_FACES, SURFACE_POINTS
+from ..scene.libraries import library_name
 from ..scene.pose import metres_per_unit
 from ..surface.compute import read_summary
 from ..surface.mesh_file import read_mesh
@@ -47,7 +48,7 @@ def _members(receiver):
     found = []
     for (name, library), folder in baked_images.folders_of_members(receiver.folder, obj.name).items():
         for member in obj.instance_collection.all_objects if obj.instance_collection else ():
-            if (member.name, member.library.filepath if member.library else "") == (name, library):
+            if (member.name, library_name(member)) == (name, library):
                 found.append(_Member(member, Path(folder), obj))
     return found
 

@@ -6,8 +6,8 @@ The mesh of an object that nothing deforms is read once, and again if it was edi
 
 from ..base.names import OWN_MODIFIERS
 from . import material_alpha
+from .libraries import library_name
 from .mesh_record import MeshRecord, materials_of
-from .pose import library_path
 from .updates import Updates
 
 # These modifiers only move vertices: an object that has no others keeps its topology.
@@ -73,7 +73,7 @@ class LocalMeshes:
         if pointer in self._shared:
             return self._shared[pointer]
         temporary = obj.type != "MESH"
-        own = (obj.original.name, library_path(obj.original), receives)
+        own = (obj.original.name, library_name(obj.original), receives)
         rigid = self._rigid.get(own)
         alphas = [] if temporary else [self._alpha_of(material) for material in materials_of(obj, obj.data)]
         is_repainted = self._is_repainted(own, alphas)
@@ -119,7 +119,7 @@ class LocalMeshes:
     def _has_another_mesh(self, own, obj):
         """Whether an object has another mesh than at the pose before."""
         data = obj.original.data
-        mesh = (data.name, library_path(data), data.as_pointer())
+        mesh = (data.name, library_name(data), data.as_pointer())
         before = self._identities.get(own, mesh)
         self._identities[own] = mesh
         return mesh != before
@@ -134,7 +134,7 @@ class LocalMeshes:
         """The alpha of a material at this pose: the same object while it is the same."""
         if material is None:
             return None
-        known = (material.name, library_path(material))
+        known = (material.name, library_name(material))
         if known not in self._current_alphas:
             before = self._alphas.get(known)
             if known not in self._alphas or self._updates.is_repainted(material.name):

@@ -165,11 +165,6 @@ class ScenePose:
         return self.objects.get(key) or self.hidden[key]
 
 
-def library_path(id_block):
-    """The library file of a linked ID, as written in the .blend; empty for local ones."""
-    return id_block.library.filepath if id_block.library else ""
-
-
 def own_key(name, library):
     """The ObjectPose.key of an object that is no instance."""
     return receiver_key(name, (library, "", ""))

@@ -30,6 +30,7 @@ import numpy as np
 
 from ..base.names import FARTHEST, UV_TOLERANCE, receiver_key
 from .inputs import fingerprint
+from .libraries import library_name
 from .local_meshes import LocalMeshes
 from .mesh_record import join_alphas, join_shadings
 from .pose import (
@@ -41,7 +42,6 @@ from .pose import (
     Topology,
     TopologyAlpha,
     is_flat,
-    library_path,
     member_key,
     outliers,
     own_key,
@@ -204,7 +204,7 @@ class SceneReader:
         return groups
 
     def _group_of(self, instance, obj, original, groups):
-        name, library = original.name, library_path(original)
+        name, library = original.name, library_name(original)
         if not instance.is_instance:
             receiver = self._receivers.get((name, library))
             if receiver is not None:
@@ -218,7 +218,7 @@ class SceneReader:
         if parent is not None and (parent.snowbough.is_shell or not parent.snowbough.occlude):
             return None, None
         parent_name = parent.name if parent else ""
-        parent_library = library_path(parent) if parent else ""
+        parent_library = library_name(parent) if parent else ""
         order = tuple(index for index in instance.persistent_id if index != 0x7FFFFFFF)
         receiver = self._receivers.get((parent_name, parent_library))
         if receiver is not None and parent.instance_type == "COLLECTION":
