@@ -88,7 +88,7 @@ void SnowSimulation::replace_object(ObjectDescription description) {
 }
 
 void SnowSimulation::step(const PositionMap& positions, double depth, const glm::dvec3& direction,
-                          double dt) {
+                          double dt, const std::set<std::string>& hidden) {
   const std::scoped_lock lock(mutex_);
   EngineScene& scene = this->scene();
   if (!std::isfinite(depth) || depth < 0.0) {
@@ -115,7 +115,7 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
                                                  .takes_time = settings_.fall_time}},
                         .dt = dt,
                         .tile_size = settings_.tile_size};
-  objects_.set_positions(positions);
+  objects_.set_positions(positions, hidden);
   scene.run_step(frame);
   ++step_number_;
 }

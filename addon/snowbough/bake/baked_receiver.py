@@ -157,7 +157,7 @@ class BakedReceiver:
         if self.recorder is None:
             self.recorder = ReceiverRecorder(self.folder)
         with self._writing():
-            self.recorder.add(frame, pose.objects[self.key])
+            self.recorder.add(frame, pose.known_at(self.key))
 
     def make_surface(self, shot, native, progress):
         """Computes the snow surface of all baked frames. Returns False if progress(0 to 1) asked to stop."""

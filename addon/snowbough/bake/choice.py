@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The receivers that a bake writes: those of the list that can carry snow in the shot's first pose. No ``bpy``.
+"""The receivers that a bake writes: those of the list that can carry snow at the first frame that shows them. No ``bpy``.
 
-A receiver that cannot (it is hidden, has no UV map, or exists only as scattered instances) is left out with a reason,
-and the others are baked. The reason is an error if no receiver remains, if it was asked for by name, or in a strict
-bake.
+A receiver that cannot (it is hidden on all frames, has no UV map, or exists only as scattered instances) is left out
+with a reason, and the others are baked. The reason is an error if no receiver remains, if it was asked for by name, or
+in a strict bake.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from . import baked_receiver
 
@@ -24,17 +24,15 @@ class Choice:
 
 
 def choose_receivers(pose, request):
-    """The Choice for the first pose of a BakeRequest's shot. Raises ValueError if no receiver remains."""
+    """The Choice for the complete_pose of a BakeRequest's shot. Raises ValueError if no receiver remains."""
     choice = Choice([], [], dict(pose.refused))
     wanted, known = set(request.objects), set()
-    seen = {(o.receiver.name, o.receiver.library) for o in pose.objects.values() if o.receiver}
-    for spec in request.receivers:
-        if spec.enabled and (spec.name, spec.library) not in seen and spec.name not in choice.refused:
-            choice.refused[spec.name] = (
-                f"'{spec.name}' is on the list of receivers, but not rendered at frame {request.frame_start}: make it "
-                "renderable, or remove it from the list"
-            )
-    for obj in pose.objects.values():
+    for spec in _missing(pose, request):
+        choice.refused[spec.name] = pose.reasons.get(spec.name) or (
+            f"'{spec.name}' is on the list of receivers, but not rendered on any frame of the shot: make it "
+            "renderable, or remove it from the list"
+        )
+    for obj in pose.known.values():
         if obj.receiver is None or not obj.receiver.enabled:
             continue
         names = {obj.receiver.name, obj.receiver.shown(obj.label), obj.key}
@@ -50,6 +48,29 @@ def choose_receivers(pose, request):
         wanted -= names
     _check(choice, request, wanted, known)
     return choice
+
+
+def _missing(pose, request):
+    """The enabled receivers of a BakeRequest that no object of a pose belongs to."""
+    seen = {(obj.receiver.name, obj.receiver.library) for obj in pose.known.values() if obj.receiver}
+    return [
+        spec
+        for spec in request.receivers
+        if spec.enabled and (spec.name, spec.library) not in seen and spec.name not in pose.refused
+    ]
+
+
+def complete_pose(evaluate, request):
+    """The pose of the shot's first frame. Receivers that it does not show are hidden in it, as they are at the first
+    frame that shows them. evaluate: see BakeJob.run."""
+    pose = evaluate(request.frame_start, 0.0)
+    for frame in range(request.frame_start + 1, request.frame_end + 1):
+        if not _missing(pose, request):
+            break
+        later = evaluate(frame, 0.0)
+        found = {key: obj for key, obj in later.known.items() if obj.receives and key not in pose.objects}
+        pose = replace(pose, hidden={**found, **pose.hidden}, refused=later.refused)
+    return pose
 
 
 def _check(choice, request, wanted, known):

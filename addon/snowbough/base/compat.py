@@ -121,6 +121,11 @@ def curves_of(datablock):
     return [curve for bag in bags if bag is not None for curve in bag.fcurves]
 
 
+def frame_length(scene):
+    """Frames of animation per rendered frame: other than 1 with Render > Time Stretching."""
+    return scene.render.frame_map_old / scene.render.frame_map_new
+
+
 # --------------------------------------------------------------------------------------------------
 # Materials
 

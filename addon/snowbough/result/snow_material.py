@@ -11,6 +11,7 @@ import bpy
 from ..base import compat, compat_nodes
 from ..base.map_kinds import BY_NAME, MAP_KINDS
 from ..base.names import REST_ATTRIBUTE, SNOW_UV
+from ..scene.libraries import library_name, stored_name
 from ..scene.pose import metres_per_unit
 from . import baked_images, look, original_state, rest_position, snow_nodes
 
@@ -214,7 +215,7 @@ def _note_slots(obj, record):
             {
                 "link": slot.link,
                 "material": original.name_full if original else None,
-                "library": original.library.filepath if original and original.library else None,
+                "library": library_name(original) if original and original.library else None,
                 "fake_user": kept,
             }
         )
@@ -222,8 +223,9 @@ def _note_slots(obj, record):
 
 def _find_material(entry):
     for material in bpy.data.materials:
-        library = material.library.filepath if material.library else None
-        if material.name_full == entry["material"] and library == entry["library"]:
+        library = library_name(material) if material.library else None
+        stored = None if entry["library"] is None else stored_name(entry["library"])
+        if material.name_full == entry["material"] and library == stored:
             return material
     return None
 

@@ -2,8 +2,8 @@
 """The snow surface in the scene: a mesh object, child of its receiver (for an instance: of the instancer). A Mesh Cache
 modifier reads its points from the bake's files, so nothing is computed when the frame changes.
 
-The mesh data has the points of the last frame, and its texture space is one Blender unit. So the Generated coordinates
-of a material are fixed to the snow while it grows.
+The mesh data has the points without snow, so that nothing shows if the file is lost. An attribute has the points of the
+last frame: coordinates of the material that are fixed to the snow while it grows.
 """
 
 from dataclasses import dataclass
@@ -12,11 +12,15 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..base.names import SNOW_UV, SURFACE_MODIFIER
+from ..base import compat
+from ..base.names import SNOW_UV, SURFACE_MODIFIER, SURFACE_POSITION_ATTRIBUTE
+from ..cache.errors import CacheError
 from ..cache.files import SURFACE_FACES, SURFACE_POINTS
+from ..scene.libraries import library_name
 from ..scene.pose import metres_per_unit
 from ..surface.compute import read_summary
 from ..surface.mesh_file import read_mesh
+from ..surface.point_cache import read_point_cache
 from . import baked_images, original_state, surface_material
 
 
@@ -44,16 +48,16 @@ def _members(receiver):
     found = []
     for (name, library), folder in baked_images.folders_of_members(receiver.folder, obj.name).items():
         for member in obj.instance_collection.all_objects if obj.instance_collection else ():
-            if (member.name, member.library.filepath if member.library else "") == (name, library):
+            if (member.name, library_name(member)) == (name, library):
                 found.append(_Member(member, Path(folder), obj))
     return found
 
 
-def _fill_mesh(mesh, file):
-    """Fills an empty mesh with the data of a surface.mesh_file.FileMesh."""
+def _fill_mesh(mesh, file, bare):
+    """Fills an empty mesh with the data of a surface.mesh_file.FileMesh, and with the points (V, 3) without snow."""
     corners, sides = file.corners, file.sides
-    mesh.vertices.add(len(file.positions))
-    mesh.vertices.foreach_set("co", np.ascontiguousarray(file.positions, np.float32).ravel())
+    mesh.vertices.add(len(bare))
+    mesh.vertices.foreach_set("co", np.ascontiguousarray(bare, np.float32).ravel())
     mesh.loops.add(len(corners))
     mesh.loops.foreach_set("vertex_index", np.ascontiguousarray(corners, np.int32))
     mesh.polygons.add(len(sides))
@@ -64,8 +68,8 @@ def _fill_mesh(mesh, file):
     mesh.update(calc_edges=True)
     layer = mesh.uv_layers.new(name=SNOW_UV, do_init=False)
     layer.data.foreach_set("uv", np.ascontiguousarray(file.corner_uv, np.float32).ravel())
-    mesh.use_auto_texspace = False
-    mesh.texspace_location, mesh.texspace_size = (0.0,) * 3, (1.0,) * 3
+    positions = mesh.attributes.new(SURFACE_POSITION_ATTRIBUTE, "FLOAT_VECTOR", "POINT")
+    positions.data.foreach_set("vector", np.ascontiguousarray(file.positions, np.float32).ravel())
 
 
 def blend_path(path):
@@ -78,11 +82,12 @@ def blend_path(path):
     return str(path)
 
 
-def show_points(obj, path, first):
-    """Sets the point cache of a surface's modifier. Its second sample belongs to frame `first`."""
+def show_points(scene, obj, path, first):
+    """Sets the point cache of a surface's modifier. Its second sample belongs to frame `first` of the scene."""
     modifier = obj.modifiers[SURFACE_MODIFIER]
     modifier.filepath = blend_path(path)
     modifier.frame_start = first - 1
+    modifier.frame_scale = 1.0 / compat.frame_length(scene)
     obj.update_tag()
 
 
@@ -94,7 +99,10 @@ def _make_one(scene, member):
     file = read_mesh(member.folder / SURFACE_FACES)
     name = f"{member.obj.name} Snow"
     mesh = bpy.data.meshes.new(name)
-    _fill_mesh(mesh, file)
+    points = read_point_cache(member.folder / SURFACE_POINTS)
+    if points.shape[1] != len(file.positions):
+        raise CacheError(f"{member.folder / SURFACE_POINTS} does not match its faces: use Update Surface")
+    _fill_mesh(mesh, file, points[0])
     sequence = baked_images.load_sequence(str(member.folder), "height")
     mesh.materials.append(
         surface_material.make_material(scene, name, sequence, SNOW_UV, metres_per_unit(scene))
@@ -107,7 +115,7 @@ def _make_one(scene, member):
     modifier = obj.modifiers.new(SURFACE_MODIFIER, "MESH_CACHE")
     modifier.cache_format = "PC2"
     modifier.interpolation = "LINEAR"
-    show_points(obj, member.folder / SURFACE_POINTS, summary["first"])
+    show_points(scene, obj, member.folder / SURFACE_POINTS, summary["first"])
     _collection_of(scene, member.parent).objects.link(obj)
     return obj
 

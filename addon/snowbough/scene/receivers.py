@@ -9,7 +9,8 @@ from mathutils import Vector
 from ..base.names import MAX_RESOLUTION, SNOW_RESOLUTION_PROPERTY, SNOW_UV, counted
 from ..surface.style import SurfaceStyle
 from . import uv_maps
-from .pose import ReceiverSpec, library_path
+from .libraries import library_name
+from .pose import ReceiverSpec
 
 
 def find(scene, obj):
@@ -135,7 +136,7 @@ def receiver_specs(scene, as_baked=False):
     entries = {}
     for entry in scene.snowbough.receivers:
         if entry.object is not None:
-            entries.setdefault((entry.object.name, library_path(entry.object)), entry)
+            entries.setdefault((entry.object.name, library_name(entry.object)), entry)
     taken = {(entry.baked_as, library) for (_, library), entry in entries.items() if entry.baked_as}
     specs = []
     for (name, library), entry in entries.items():
@@ -169,7 +170,7 @@ def note_baked_names(scene, specs):
     names = {(spec.name, spec.library): spec.known_as for spec in specs}
     for entry in scene.snowbough.receivers:
         if entry.object is not None and not entry.baked_as:
-            entry.baked_as = names.get((entry.object.name, library_path(entry.object)), "")
+            entry.baked_as = names.get((entry.object.name, library_name(entry.object)), "")
 
 
 def bounds(scene):

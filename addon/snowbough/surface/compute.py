@@ -150,8 +150,14 @@ class Surface:
         self._native.set_style(**style.sliders())
 
     def points(self, index, height=None):
-        """(P, 3) float32 points of the frame with that index, in the space of the receiver or its instancer. height:
-        its map, if it was read already."""
+        """(P, 3) float32 points of the frame with that index, in the space of the receiver or its instancer; all in one
+        place where the receiver is hidden. height: its map, if it was read already."""
+        if self.inputs.frames[index].get("hidden"):
+            bare = self.bare_points()
+            return np.repeat(bare[:1], len(bare), axis=0)
+        return self._shown_points(index, height)
+
+    def _shown_points(self, index, height=None):
         inputs = self.inputs
         height = inputs.height(index) if height is None else height
         return self._native.points(height, inputs.depth(index), **inputs.pose(index))
@@ -170,7 +176,7 @@ class Surface:
         of_quads = begin[quads][:, None] + np.arange(4)
         of_triangles = begin[triangles][:, None] + np.arange(3)
         return FileMesh(
-            self.points(len(self.inputs.frames) - 1),
+            self._shown_points(len(self.inputs.frames) - 1),
             corners[of_quads],
             corners[of_triangles],
             uv[of_quads],

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -87,7 +88,7 @@ void give_object(SnowSimulation& simulation, const std::string& name,
 }
 
 void step(SnowSimulation& simulation, const py::dict& positions, double depth,
-          const std::array<double, 3>& direction, double dt) {
+          const std::array<double, 3>& direction, double dt, const std::set<std::string>& hidden) {
   std::vector<InputArray<float>> arrays;  // keeps converted copies alive
   snow::PositionMap map;
   for (const auto& [key, value] : positions) {
@@ -103,7 +104,7 @@ void step(SnowSimulation& simulation, const py::dict& positions, double depth,
     arrays.push_back(std::move(array));
   }
   const ReleasedGil release;
-  simulation.step(map, depth, {direction[0], direction[1], direction[2]}, dt);
+  simulation.step(map, depth, {direction[0], direction[1], direction[2]}, dt, hidden);
 }
 
 /// Applies the given settings; the others stay.
@@ -302,10 +303,11 @@ inside (cards, leaves, flags, bowls, by the rest pose), FRONT for the others.)")
 receiver keeps its map wherever the new mesh has a surface in UV space; other snow is removed and
 counts as stretched_volume. Resolution and receive stay. Arguments as in add_object.)")
       .def("step", &step, "positions"_a, "depth"_a, "direction"_a = std::array<double, 3>{0, 0, -1},
-           "dt"_a = 1.0 / 24.0,
+           "dt"_a = 1.0 / 24.0, "hidden"_a = std::set<std::string>(),
            R"(Simulates one step of snowfall: depth in metres on open level ground, along direction,
 within dt seconds (0: nothing slides or moves). positions: {name: (N, 3) metres} of the objects
-that moved; each object must be given in its first step.)")
+that moved; each object must be given in its first step. hidden: names of objects that keep their
+snow, gain none and block none in this step.)")
       .def("change_settings", &change_settings, py::kw_only(), "seed"_a = py::none(),
            R"(Applies other settings, except pixel_size and blur_radius, from the next step on, in
 the constructor's units; the snow and all settings that are not given stay. Raises ValueError for

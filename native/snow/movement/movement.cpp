@@ -37,39 +37,50 @@ void Movement::forget_pose(size_t object) {
   });
 }
 
+/// The maps of receivers that are not hidden in this step.
+std::vector<MovingMap*> Movement::shown(std::vector<MovingMap>& maps) const {
+  std::vector<MovingMap*> shown;
+  for (MovingMap& map : maps) {
+    if (!targets_.rays().objects()[map.object]->hidden) shown.push_back(&map);
+  }
+  return shown;
+}
+
 void Movement::before(const MovementSettings& settings, uint32_t step_number,
                       std::vector<MovingMap>& maps) {
-  for (MovingMap& map : maps) {
-    landing_.arrive(step_number, settings.landing, map, *receivers_[map.object]);
+  // Above hidden receivers snow stays in the air.
+  for (MovingMap* map : shown(maps)) {
+    landing_.arrive(step_number, settings.landing, *map, *receivers_[map->object]);
   }
 }
 
 void Movement::after(const MovementSettings& settings, uint32_t step_number, float dt,
                      std::vector<MovingMap>& maps) {
-  run_repose(settings, dt, maps);
+  const std::vector<MovingMap*> moving = shown(maps);
+  run_repose(settings, dt, moving);
   if (!settings.landing.is_on) return;
-  for (MovingMap& map : maps) {
-    landing_.release(step_number, settings.landing, map, *receivers_[map.object]);
+  for (MovingMap* map : moving) {
+    landing_.release(step_number, settings.landing, *map, *receivers_[map->object]);
   }
   landing_.fall(step_number, static_cast<double>(dt), settings.landing);
 }
 
 void Movement::run_repose(const MovementSettings& settings, float dt,
-                          std::vector<MovingMap>& maps) {
+                          const std::vector<MovingMap*>& maps) {
   const ReposeLimits limits{.slope = static_cast<float>(std::tan(settings.repose.angle)),
                             .cohesion = static_cast<float>(settings.repose.cohesion)};
   std::vector<size_t> blocks(maps.size(), 0);
   base::for_each_item(maps.size(), 1, [&](size_t i) {
-    blocks[i] = receivers_[maps[i].object]->choose_blocks(*maps[i].height, limits);
+    blocks[i] = receivers_[maps[i]->object]->choose_blocks(*maps[i]->height, limits);
   });
   // Large maps one by one, each on all cores; small ones side by side.
   const auto for_maps = [&](const auto& work) {
     std::vector<size_t> small;
     for (size_t i = 0; i < maps.size(); ++i) {
-      if (blocks[i] > kManyBlocks) work(maps[i], true);
+      if (blocks[i] > kManyBlocks) work(*maps[i], true);
       if (blocks[i] > 0 && blocks[i] <= kManyBlocks) small.push_back(i);
     }
-    base::for_each_item(small.size(), 1, [&](size_t i) { work(maps[small[i]], false); });
+    base::for_each_item(small.size(), 1, [&](size_t i) { work(*maps[small[i]], false); });
   };
   for_maps([&](const MovingMap& map, bool on_all_cores) {
     receivers_[map.object]->set_up(*map.height, on_all_cores);
@@ -77,11 +88,14 @@ void Movement::run_repose(const MovementSettings& settings, float dt,
   // Without landing a receiver's snow must not depend on that of others, so that machines can share
   // a shot. No map changes before all are raised.
   std::vector<const std::vector<float>*> heights(receivers_.size(), nullptr);
-  for (const MovingMap& map : maps) heights[map.object] = map.height;
-  for (const MovingMap& map : maps) {
-    std::vector<const std::vector<float>*> own(receivers_.size(), nullptr);
-    own[map.object] = map.height;
-    targets_.raise(map.object, *receivers_[map.object], settings.landing.is_on ? heights : own);
+  for (size_t i = 0; settings.landing.is_on && i < maps.size(); ++i) {
+    heights[maps[i]->object] = maps[i]->height;
+  }
+  for (const MovingMap* map : maps) {
+    const std::vector<float>* const others = heights[map->object];
+    heights[map->object] = map->height;
+    targets_.raise(map->object, *receivers_[map->object], heights);
+    heights[map->object] = others;
   }
   for_maps([&](MovingMap& map, bool) {
     Repose& repose = *receivers_[map.object];

@@ -38,7 +38,8 @@ class Movement {
   void set_state(const LandingState& state) { landing_.set_state(state); }
 
  private:
-  void run_repose(const MovementSettings& settings, float dt, std::vector<MovingMap>& maps);
+  std::vector<MovingMap*> shown(std::vector<MovingMap>& maps) const;
+  void run_repose(const MovementSettings& settings, float dt, const std::vector<MovingMap*>& maps);
 
   std::unique_ptr<ReposeLinkTables> link_tables_;
   OutletTargets targets_;

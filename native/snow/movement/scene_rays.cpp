@@ -69,7 +69,10 @@ SurfaceHit SceneRays::first_along(const glm::dvec3& from, const glm::dvec3& dire
   hit.distance = most;
   for (size_t i = 0; i < objects_.size(); ++i) {
     const ObjectDescription& description = objects_[i]->description;
-    if (!(description.receive || description.occlude) || objects_[i]->positions.empty()) continue;
+    if (!(description.receive || description.occlude) || objects_[i]->positions.empty() ||
+        objects_[i]->hidden) {
+      continue;
+    }
     if (!may_meet(objects_[i]->bounds, from, direction, hit.distance)) continue;
     const base::TriangleTree::Hit own =
         tree_of(i).first_along(0, from, direction, least, hit.distance);

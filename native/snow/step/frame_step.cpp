@@ -12,11 +12,35 @@ bool overlap(const PixelRect& a, const PixelRect& b) {
 void hand_over_moved(Engine& engine, Movement& movement, const std::vector<SceneObject*>& objects) {
   for (size_t i = 0; i < objects.size(); ++i) {
     if (objects[i]->moved) {
-      engine.set_positions(i, objects[i]->positions);
+      const std::vector<glm::vec3>& points = objects[i]->positions;
+      // A surface without extent gains and blocks nothing.
+      const bool collapses = objects[i]->hidden && !points.empty();
+      engine.set_positions(
+          i, collapses ? std::vector<glm::vec3>(points.size(), points.front()) : points);
       movement.forget_pose(i);
       objects[i]->moved = false;
     }
   }
+}
+
+/// The snow of a hidden receiver.
+struct KeptSnow {
+  size_t object = 0;
+  std::vector<float> height;
+  shared::ObjectSums sums;
+};
+
+/// Reads the snow of hidden receivers: the passes would move it, since it has no slope.
+std::vector<KeptSnow> keep_hidden(Engine& engine, const std::vector<SceneObject*>& objects) {
+  std::vector<KeptSnow> kept;
+  for (size_t i = 0; i < objects.size(); ++i) {
+    if (!objects[i]->hidden || !objects[i]->description.receive) continue;
+    KeptSnow& one = kept.emplace_back(KeptSnow{i, {}, engine.read_sums(i)});
+    engine.read_height(i, one.height);
+    one.sums.deposited = one.sums.slid = one.sums.visible_area = one.sums.back_face_area = 0.0;
+    one.sums.held_before = one.sums.held;
+  }
+  return kept;
 }
 
 /// Triangles of the objects that may show in `shown`; adjacent ranges are merged.
@@ -57,12 +81,13 @@ void run_step(Engine& engine, Movement& movement, const std::vector<SceneObject*
   for (const SceneObject* object : objects) {
     bounds.include(object->bounds);
   }
+  const std::vector<KeptSnow> kept = keep_hidden(engine, objects);
   const shared::ProjectionFrame frame = make_projection_frame(step.fall, bounds);
   std::vector<PixelRect> rects;
   std::vector<PixelRect> receivers;
   for (const SceneObject* object : objects) {
     rects.push_back(pixels_of(object->bounds, frame));
-    if (object->description.receive) {
+    if (object->description.receive && !object->hidden) {
       receivers.push_back(rects.back());
     }
   }
@@ -104,6 +129,10 @@ void run_step(Engine& engine, Movement& movement, const std::vector<SceneObject*
   }
   hash.heights("repose");
   engine.close_statistics(static_cast<float>(step.fall.pixel_size * step.fall.pixel_size));
+  for (const KeptSnow& one : kept) {
+    engine.write_height(one.object, one.height);
+    engine.write_sums(one.object, one.sums);
+  }
   hash.statistics();
 }
 
