@@ -111,16 +111,17 @@ void Landing::lay_out(const SceneRays& rays) {
 }
 
 LandingState Landing::state() const {
-  LandingState state{{}, on_floors_, left_};
+  LandingState state{clock_, {}, on_floors_, left_};
   for (const auto& [at, units] : air_) {
-    const auto& [step, object, place, is_back] = at;
-    state.air.push_back({step, names_[static_cast<size_t>(object)], place, is_back, units});
+    const auto& [time, object, place, is_back] = at;
+    state.air.push_back({time, names_[static_cast<size_t>(object)], place, is_back, units});
   }
   return state;
 }
 
 void Landing::set_state(const LandingState& state) {
   air_.clear();
+  clock_ = state.clock;
   on_floors_ = state.on_floors;
   left_ = state.left;
   for (const FallingSnow& snow : state.air) {
@@ -129,16 +130,17 @@ void Landing::set_state(const LandingState& state) {
       left_ += snow.units;
       continue;
     }
-    air_[{snow.step, static_cast<int32_t>(name - names_.begin()), snow.place, snow.is_back}] +=
+    air_[{snow.time, static_cast<int32_t>(name - names_.begin()), snow.place, snow.is_back}] +=
         snow.units;
   }
 }
 
-void Landing::arrive(uint32_t step_number, const LandingSettings& settings, MovingMap& map,
+void Landing::arrive(double dt, const LandingSettings& settings, MovingMap& map,
                      Repose& repose) {
+  const int64_t until = clock_ + microseconds(dt);
   std::vector<std::pair<int32_t, int64_t>> gains;
   const auto object = static_cast<int32_t>(map.object);
-  for (auto at = air_.begin(); at != air_.end() && std::get<0>(at->first) <= step_number;) {
+  for (auto at = air_.begin(); at != air_.end() && std::get<0>(at->first) <= until;) {
     if (std::get<1>(at->first) != object) {
       ++at;
       continue;
@@ -164,8 +166,7 @@ void Landing::arrive(uint32_t step_number, const LandingSettings& settings, Movi
   }
 }
 
-void Landing::release(uint32_t step_number, const LandingSettings& settings, MovingMap& map,
-                      Repose& repose) {
+void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& repose) {
   const SceneObject& object = *rays_->objects()[map.object];
   const auto number = static_cast<int32_t>(map.object);
   int64_t listed = 0;
@@ -183,7 +184,7 @@ void Landing::release(uint32_t step_number, const LandingSettings& settings, Mov
       exit.outwards = outlet.outwards;
     } else if (release.outlet == Repose::Release::kInHollow) {
       const int32_t place = object.table->texel[static_cast<size_t>(release.texel)];
-      air_[{step_number + 1, number, place, false}] += units;
+      air_[{clock_, number, place, false}] += units;
       return;
     } else {
       const TexelNow texel = texel_now(object, release.texel);
@@ -298,6 +299,7 @@ void Landing::trace(const Exit& cell, uint32_t step_number, const LandingSetting
 }
 
 void Landing::fall(uint32_t step_number, double dt, const LandingSettings& settings) {
+  clock_ += microseconds(dt);
   const std::vector<Exit> falling = merged();
   std::vector<std::vector<Landed>> landed(falling.size());
   base::for_each_item(falling.size(), 4, [&](size_t i) {
@@ -310,12 +312,8 @@ void Landing::fall(uint32_t step_number, double dt, const LandingSettings& setti
       } else if (snow.point.place < 0) {
         on_floors_ += snow.units;
       } else {
-        double steps = 0.0;
-        if (settings.takes_time && dt > 0.0) {
-          steps = std::min(std::ceil(std::sqrt(2.0 * snow.drop / kGravity) / dt), 1e6);
-        }
-        const uint32_t arrival = step_number + 1 + static_cast<uint32_t>(steps);
-        air_[{arrival, snow.point.object, snow.point.place, snow.point.is_back}] += snow.units;
+        const double way = settings.takes_time ? std::sqrt(2.0 * snow.drop / kGravity) : 0.0;
+        air_[{clock_ + microseconds(way), snow.point.object, snow.point.place, snow.point.is_back}] += snow.units;
       }
     }
   }

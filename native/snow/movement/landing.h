@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -38,16 +40,16 @@ class Landing {
   /// `rays` must know the objects. Snow in the air stays.
   void lay_out(const SceneRays& rays);
 
-  /// Adds the snow that lands on a map before a step; sets its `landed` and `has_changed`.
-  void arrive(uint32_t step_number, const LandingSettings& settings, MovingMap& map,
+  /// Adds the snow that lands on a map within the next `dt` seconds; sets its `landed` and `has_changed`.
+  void arrive(double dt, const LandingSettings& settings, MovingMap& map,
               Repose& repose);
-  bool has_arrivals(uint32_t step_number) const {
-    return !air_.empty() && std::get<0>(air_.begin()->first) <= step_number;
+  /// Whether any snow lands within the next `dt` seconds.
+  bool has_arrivals(double dt) const {
+    return !air_.empty() && std::get<0>(air_.begin()->first) <= clock_ + microseconds(dt);
   }
   /// Collects what left a map in this step: what repose lists as released, and what stability let
   /// slide.
-  void release(uint32_t step_number, const LandingSettings& settings, MovingMap& map,
-               Repose& repose);
+  void release(const LandingSettings& settings, MovingMap& map, Repose& repose);
   /// Ends the step: throws down what was collected. `dt`: of the step, in seconds.
   void fall(uint32_t step_number, double dt, const LandingSettings& settings);
 
@@ -73,11 +75,17 @@ class Landing {
   std::vector<Exit> merged();
   void trace(const Exit& cell, uint32_t step_number, const LandingSettings& settings,
              std::vector<Landed>& landed) const;
-  /// Step, object, place and side of snow in the air.
-  using Place = std::tuple<uint32_t, int32_t, int32_t, bool>;
+  static int64_t microseconds(double seconds) {
+    return static_cast<int64_t>(std::llround(1e6 * std::min(seconds, 1e9)));
+  }
+
+  /// Time of landing, object, place and side of snow in the air.
+  using Place = std::tuple<int64_t, int32_t, int32_t, bool>;
   const SceneRays* rays_ = nullptr;
   std::vector<std::string> names_;
   std::vector<Exit> exits_;
+  /// See LandingState.
+  int64_t clock_ = 0;
   std::map<Place, int64_t> air_;
   int64_t on_floors_ = 0;
   int64_t left_ = 0;

@@ -46,23 +46,23 @@ std::vector<MovingMap*> Movement::shown(std::vector<MovingMap>& maps) const {
   return shown;
 }
 
-void Movement::before(const MovementSettings& settings, uint32_t step_number,
+void Movement::before(const MovementSettings& settings, double dt,
                       std::vector<MovingMap>& maps) {
   // Above hidden receivers snow stays in the air.
   for (MovingMap* map : shown(maps)) {
-    landing_.arrive(step_number, settings.landing, *map, *receivers_[map->object]);
+    landing_.arrive(dt, settings.landing, *map, *receivers_[map->object]);
   }
 }
 
-void Movement::after(const MovementSettings& settings, uint32_t step_number, float dt,
+void Movement::after(const MovementSettings& settings, uint32_t step_number, double dt,
                      std::vector<MovingMap>& maps) {
   const std::vector<MovingMap*> moving = shown(maps);
-  run_repose(settings, dt, moving);
+  if (dt > 0.0) run_repose(settings, static_cast<float>(dt), moving);
   if (!settings.landing.is_on) return;
   for (MovingMap* map : moving) {
-    landing_.release(step_number, settings.landing, *map, *receivers_[map->object]);
+    landing_.release(settings.landing, *map, *receivers_[map->object]);
   }
-  landing_.fall(step_number, static_cast<double>(dt), settings.landing);
+  landing_.fall(step_number, dt, settings.landing);
 }
 
 void Movement::run_repose(const MovementSettings& settings, float dt,

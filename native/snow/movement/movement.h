@@ -27,11 +27,12 @@ class Movement {
   void lay_out(const std::vector<const SceneObject*>& objects);
   void forget_pose(size_t object);
 
-  /// Whether any snow lands before this step.
-  bool has_arrivals(uint32_t step_number) const { return landing_.has_arrivals(step_number); }
-  void before(const MovementSettings& settings, uint32_t step_number, std::vector<MovingMap>& maps);
-  /// `dt`: duration of the step in seconds; a longer step may run more rounds until all snow rests.
-  void after(const MovementSettings& settings, uint32_t step_number, float dt,
+  /// Whether any snow lands in the next step. `dt`: its duration in seconds.
+  bool has_arrivals(double dt) const { return landing_.has_arrivals(dt); }
+  void before(const MovementSettings& settings, double dt, std::vector<MovingMap>& maps);
+  /// A longer step may run more rounds until all snow rests; without duration only what stability
+  /// has released moves.
+  void after(const MovementSettings& settings, uint32_t step_number, double dt,
              std::vector<MovingMap>& maps);
 
   LandingState state() const { return landing_.state(); }

@@ -129,11 +129,12 @@ void write_object(Writer& body, const ObjectState& object) {
 }
 
 void write_landing(Writer& body, const LandingState& landing) {
+  body.number(std::bit_cast<uint64_t>(landing.clock));
   body.number(std::bit_cast<uint64_t>(landing.on_floors));
   body.number(std::bit_cast<uint64_t>(landing.left));
   body.number(static_cast<uint32_t>(landing.air.size()));
   for (const FallingSnow& snow : landing.air) {
-    body.number(snow.step);
+    body.number(std::bit_cast<uint64_t>(snow.time));
     body.text(snow.receiver);
     body.number(static_cast<uint32_t>(snow.place));
     body.number(static_cast<uint8_t>(snow.is_back ? 1 : 0));
@@ -143,11 +144,12 @@ void write_landing(Writer& body, const LandingState& landing) {
 
 LandingState read_landing(Reader& reader) {
   LandingState landing;
+  landing.clock = std::bit_cast<int64_t>(reader.number<uint64_t>());
   landing.on_floors = std::bit_cast<int64_t>(reader.number<uint64_t>());
   landing.left = std::bit_cast<int64_t>(reader.number<uint64_t>());
   for (auto count = reader.number<uint32_t>(); count > 0; --count) {
     FallingSnow snow;
-    snow.step = reader.number<uint32_t>();
+    snow.time = std::bit_cast<int64_t>(reader.number<uint64_t>());
     snow.receiver = reader.text();
     snow.place = static_cast<int32_t>(reader.number<uint32_t>());
     snow.is_back = reader.number<uint8_t>() != 0;

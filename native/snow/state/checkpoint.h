@@ -21,8 +21,8 @@ struct ObjectState {
 
 /// Snow in the air.
 struct FallingSnow {
-  /// Number of the step before which it lands.
-  uint32_t step = 0;
+  /// When it lands, by LandingState::clock.
+  int64_t time = 0;
   /// The receiver's name.
   std::string receiver;
   /// row * resolution + column.
@@ -34,6 +34,8 @@ struct FallingSnow {
 
 /// What landing keeps between steps. Volumes in units of 2^-44 m3.
 struct LandingState {
+  /// Sum of the steps' durations in microseconds.
+  int64_t clock = 0;
   /// Sorted.
   std::vector<FallingSnow> air;
   /// Volume that has fallen onto objects without a map, and out of the scene.

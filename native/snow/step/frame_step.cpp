@@ -99,10 +99,10 @@ void run_step(Engine& engine, Movement& movement, const std::vector<SceneObject*
   engine.set_up_triangles(frame);
   hash.triangles();
   engine.open_statistics();
-  const uint32_t number = step.fall.step_number;
-  if (movement.has_arrivals(number)) {
+  // What lands in a step without movement would not be shaped.
+  if (step.moves_snow() && step.dt > 0.0 && movement.has_arrivals(step.dt)) {
     engine.move_snow([&](std::vector<MovingMap>& maps) {
-      movement.before(step.movement, number, maps);
+      movement.before(step.movement, step.dt, maps);
     });
   }
   engine.choose_texels();
@@ -124,7 +124,7 @@ void run_step(Engine& engine, Movement& movement, const std::vector<SceneObject*
   hash.heights("stability");
   if (step.moves_snow()) {
     engine.move_snow([&](std::vector<MovingMap>& maps) {
-      movement.after(step.movement, number, static_cast<float>(step.dt), maps);
+      movement.after(step.movement, step.fall.step_number, step.dt, maps);
     });
   }
   hash.heights("repose");

@@ -19,7 +19,9 @@ struct FrameStep {
   /// Largest edge of a tile in pixels; changes no result.
   int32_t tile_size = 2048;
   /// Landing needs repose, which shapes the heaps.
-  bool moves_snow() const { return movement.repose.is_on() && dt > 0.0; }
+  bool moves_snow() const {
+    return movement.repose.is_on() && (dt > 0.0 || movement.landing.is_on);
+  }
 };
 
 /// Runs a step on the engine's current scene, which must be built for `objects`, as must `movement`;
