@@ -175,9 +175,10 @@ class BakedReceiver:
         if self.recorder is not None:
             self.recorder.close()
 
-    def write_checkpoint(self, native, frame, shot, state, driver, inputs):
+    def write_checkpoint(self, native, frame, shot, state, driver, inputs, beside=()):
         """Writes the checkpoint of ``frame``, the last frame whose maps were written. state: from simulation_state;
-        driver: the engine and driver that ran (snow_engine.driver_text); inputs: all poses so far (scene.inputs)."""
+        driver: the engine and driver that ran (snow_engine.driver_text); inputs: all poses so far (scene.inputs);
+        beside: keys of other receivers whose state to include."""
         sidecar = {
             "covered": self.covered.pack(),
             "driver": driver,
@@ -185,7 +186,7 @@ class BakedReceiver:
             "inputs": inputs,
             "manifest": self._described(shot),
         }
-        own = {"step_number": state["step_number"], "objects": {self.key: state["objects"][self.key]}}
+        own = {**state, "objects": {key: state["objects"][key] for key in (self.key, *beside)}}
         with self._writing():
             receiver_folder.write_sidecar(self.folder, frame, sidecar)
         with self._writing():
@@ -195,15 +196,27 @@ class BakedReceiver:
         with self._writing():
             self._remove_passed_checkpoints(shot, frame)
 
-    def read_checkpoint(self, native, frame):
-        """Restores coverage and frames from a checkpoint; returns (step number, state, driver, inputs)."""
+    def read_checkpoint(self, native, frame, sizes):
+        """Restores coverage and frames from a checkpoint; returns (state, driver, inputs). sizes: {key: resolution} of
+        other receivers that it may hold."""
         receiver_folder.remove_stray_files(self.folder)
-        sidecar = receiver_folder.read_sidecar(self.folder, frame)
+        sidecar, state = self._read_checkpoint(native, frame, sizes)
         self.frames = sidecar["frames"]
+        return state, sidecar["driver"], sidecar["inputs"]
+
+    def peek_checkpoint(self, native, frame, sizes):
+        """The same without changing anything, for a receiver that another bake may be writing."""
+        sidecar, state = self._read_checkpoint(native, frame, sizes)
+        return state, sidecar["driver"], sidecar["inputs"]
+
+    def _read_checkpoint(self, native, frame, sizes):
+        sidecar = receiver_folder.read_sidecar(self.folder, frame)
         try:
             self.covered = Coverage.unpack(self.resolution, sidecar["covered"])
-            state = native.read_checkpoint(str(self.folder / state_file(frame)), {self.key: self.resolution})
-            own = state["objects"][self.key]
+            sizes = {**sizes, self.key: self.resolution}
+            state = native.read_checkpoint(str(self.folder / state_file(frame)), sizes)
+            state["objects"][self.key]  # raises if it is missing
+            return sidecar, state
         except KeyError:
             raise CacheError(
                 f"{self.folder / state_file(frame)} belongs to another receiver: free the bake, then bake again"
@@ -213,7 +226,6 @@ class BakedReceiver:
                 f"{self.folder / state_file(frame)} is damaged ({error}): delete it to resume from the checkpoint "
                 "before it, or free the bake and bake again"
             ) from error
-        return state["step_number"], own, sidecar["driver"], sidecar["inputs"]
 
     def checkpoints(self):
         """Frames of the checkpoints that it can be resumed from: none while its files are being removed."""

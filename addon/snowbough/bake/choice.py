@@ -17,6 +17,8 @@ class Choice:
 
     receivers: list
     """BakedReceiver of those to bake now."""
+    others: list
+    """BakedReceiver of the shot's other receivers."""
     texels: list
     """Texel sizes in metres of all receivers of the shot: they determine the grid, whichever receivers are baked."""
     refused: dict
@@ -25,7 +27,7 @@ class Choice:
 
 def choose_receivers(pose, request):
     """The Choice for the complete_pose of a BakeRequest's shot. Raises ValueError if no receiver remains."""
-    choice = Choice([], [], dict(pose.refused))
+    choice = Choice([], [], [], dict(pose.refused))
     wanted, known = set(request.objects), set()
     for spec in _missing(pose, request):
         choice.refused[spec.name] = pose.reasons.get(spec.name) or (
@@ -43,8 +45,8 @@ def choose_receivers(pose, request):
             choice.refused[obj.receiver.shown(obj.label)] = str(error)
             continue
         choice.texels.append(receiver.texel)
-        if not request.objects or names & set(request.objects):
-            choice.receivers.append(receiver)
+        is_wanted = not request.objects or names & set(request.objects)
+        (choice.receivers if is_wanted else choice.others).append(receiver)
         wanted -= names
     _check(choice, request, wanted, known)
     return choice

@@ -101,8 +101,7 @@ class FrameBaker:
         reading += clock()
         self.inputs = work.inputs
         saving = clock()
-        regular = (frame - request.frame_start + 1) % request.checkpoint_interval == 0
-        if regular and frame < request.frame_end:
+        if request.is_checkpoint(frame):
             self._checkpoint(frame)
         self._between_frames = True
         saving = clock() - saving
@@ -151,6 +150,7 @@ class FrameBaker:
                 "depth": work.depth,
                 "volume": own_volume,
                 "slid": own_slid,
+                "landed": float(total["landed_volume"]),
                 "direction": list(work.poses[-1][1]),
                 "to_world": self._place(receiver.key, work.places[receiver.key]),
             }
@@ -176,9 +176,13 @@ class FrameBaker:
         """Reads the state back. The writer packs and writes it, after the maps before it."""
         state = self._native.simulation_state(self._simulation)
         inputs, driver = self.inputs, driver_text(self._simulation.engine)
+        beside = []
+        if not self._request.is_checkpoint(frame):
+            # The bakes of other receivers may have no checkpoint of this frame.
+            beside = sorted(state["objects"].keys() - {receiver.key for receiver in self._receivers})
         for receiver in self._receivers:
             self._writer.call(
                 lambda receiver=receiver: receiver.write_checkpoint(
-                    self._native, frame, self._settings, state, driver, inputs
+                    self._native, frame, self._settings, state, driver, inputs, beside
                 )
             )

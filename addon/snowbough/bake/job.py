@@ -69,6 +69,8 @@ class BakeJob:
         self.receivers = []
         self.baked = []
         """The requested receivers, including those that were finished before."""
+        self.others = []
+        """With landing, the shot's other receivers: their snow is simulated, too, but not written."""
         self.refused = {}
         """Label -> reason why no snow is baked on it; known after the first pose."""
         self.pixel_size = 0.0
@@ -191,6 +193,8 @@ class BakeJob:
         """Finds the receivers in the shot's complete_pose and determines resolutions and grid."""
         choice = choose_receivers(pose, self.request)
         self.receivers, self.refused = choice.receivers, choice.refused
+        if self.request.snow["landing"]:
+            self.others = choice.others
         self.pixel_size = simulation.pixel_size(pose, choice.texels, self.request.pixel_size)
         # Computed from all receivers, even if only some are baked, so that machines that share a shot agree.
         wanted = {
@@ -204,7 +208,7 @@ class BakeJob:
             receiver.share = wanted.get(receiver.key, 0.0) / max(sum(wanted.values()), 1.0)
         sizes = [
             memory.MapSize(own.resolution, len(pose.known[own.key].topology.triangles))
-            for own in self.receivers
+            for own in [*self.receivers, *self.others]
         ]
         shortage = memory.shortage(sizes, self.request.snow["repose"], self.request.maps["normal"])
         if shortage:
@@ -228,6 +232,8 @@ class BakeJob:
             number = versions.choose_version(self.root, keys, digest(settings))
         self.version = versions.version_folder(self.root, number)
         self.baked = list(self.receivers)
+        for other in self.others:
+            other.folder = self.version / other.key
         for receiver in self.receivers:
             receiver.folder = self.version / receiver.key
             receiver.cache = self.request.cache_id
@@ -253,7 +259,7 @@ class BakeJob:
     def _checkpoint_to_resume(self):
         """The frame of the checkpoint that this bake continues, None for a fresh start."""
         damage = resuming.find_damage(self.receivers) if self._may_resume() else {}
-        rest = resuming.checkpoint_frame(self.request, self.receivers, self.version, damage)
+        rest = resuming.checkpoint_frame(self.request, self.receivers, self._beside(), self.version, damage)
         begin = self.request.frame_start if rest is None else rest + 1
         for _, path in damage.values():
             self.repaired.append(f"{path} was missing or damaged: frames from {begin} on are baked again")
@@ -265,7 +271,11 @@ class BakeJob:
         for receiver in self.receivers:
             receiver.compare_settings(run.settings, self.request.units)
         driver = None if request.allow_other_driver else self._driver
-        state, before = resuming.read_checkpoints(self.native, self.receivers, frame, driver)
+        for other in self._beside():
+            other.compare_settings(run.settings, request.units)
+        state, before = resuming.read_checkpoints(
+            self.native, self.receivers, self._beside(), frame, driver
+        )
         run.log(f"comparing frames {request.frame_start} to {frame} with the checkpoint")
         added, moved = self._replay_frames(run, frame)
         self._registry.register_changes(added)
@@ -321,13 +331,21 @@ class BakeJob:
         self._simulation = simulation.make_simulation(
             self.native, request.snow, self.pixel_size, request.engine, wait_for_gpu=False
         )
-        # Only the receivers of this bake have maps; all other objects only block snow.
+        # All other objects only block snow.
         maps = {
             own.key: (own.resolution, request.blur_radius * own.texel, own.spec.sides)
-            for own in self.receivers
+            for own in [*self.receivers, *self._beside()]
         }
         self._registry = simulation.Registry(self._simulation, maps)
         self._registry.register_changes(added)
+
+    def _beside(self):
+        """The receivers that are simulated beside those that this bake writes: with landing all that are left, because
+        snow falls from one onto another."""
+        if not self.request.snow["landing"]:
+            return []
+        writes = {receiver.key for receiver in self.receivers}
+        return [own for own in [*self.baked, *self.others] if own.key not in writes]
 
     def _poses(self, snowfall, frame):
         """[((frame, subframe), [Step, ...]), ...]: the poses and steps that lead to the map of ``frame``."""

@@ -78,6 +78,10 @@ class BakeRequest:
     def known_as(self):
         return self.baked_as or self.scene_name
 
+    def is_checkpoint(self, frame):
+        """Whether the bake of the shot writes a checkpoint after this frame, stopped or not."""
+        return (frame - self.frame_start + 1) % self.checkpoint_interval == 0 and frame < self.frame_end
+
     def shot(self):
         """{name: value} of all that affects all maps of the shot, except the depth of each frame and the size of an
         occlusion pixel, which may be automatic."""

@@ -109,9 +109,12 @@ void step(SnowSimulation& simulation, const py::dict& positions, double depth,
 
 /// Applies the given settings; the others stay.
 void change_settings(SnowSimulation& simulation, std::optional<int64_t> seed,
+                     std::optional<bool> landing, std::optional<bool> fall_time,
                      const py::kwargs& numbers) {
   snow::SimulationSettings settings = with_numbers(simulation.settings(), numbers, true);
   settings.seed = static_cast<uint32_t>(seed.value_or(settings.seed));
+  settings.landing = landing.value_or(settings.landing);
+  settings.fall_time = fall_time.value_or(settings.fall_time);
   const ReleasedGil release;
   simulation.change_settings(settings);
 }
@@ -309,6 +312,7 @@ within dt seconds (0: nothing slides or moves). positions: {name: (N, 3) metres}
 that moved; each object must be given in its first step. hidden: names of objects that keep their
 snow, gain none and block none in this step.)")
       .def("change_settings", &change_settings, py::kw_only(), "seed"_a = py::none(),
+           "landing"_a = py::none(), "fall_time"_a = py::none(),
            R"(Applies other settings, except pixel_size and blur_radius, from the next step on, in
 the constructor's units; the snow and all settings that are not given stay. Raises ValueError for
 values out of range.)")

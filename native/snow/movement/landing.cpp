@@ -198,7 +198,7 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
     }
     exits_.push_back(exit);
   };
-  for (const Repose::Release& release : repose.releases()) add(release);
+  for (const Repose::Release& release : repose.take_releases()) add(release);
   repose.bare_texels();
   std::vector<double> over(map.slid_from.empty() ? 0 : repose.outlet_count(), 0.0);
   std::vector<int32_t> texel_over(over.size(), -1);

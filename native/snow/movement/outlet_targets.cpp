@@ -109,6 +109,7 @@ OutletTarget OutletTargets::find(const Repose::Outlet& outlet) const {
 
 void OutletTargets::raise(size_t object, Repose& repose,
                           const std::vector<const std::vector<float>*>& heights) {
+  if (repose.chosen().empty()) return;
   std::vector<OutletTarget>& targets = targets_[object];
   targets.resize(repose.outlet_count());
   const std::vector<int32_t>& blocks = repose.chosen();

@@ -48,6 +48,7 @@ def assert_nothing_is_lost(sim):
     kept = total["held_volume"] - total["stretched_volume"]
     away = now["air_volume"] + now["floor_volume"] + now["left_volume"]
     assert kept + away == pytest.approx(total["deposited_volume"], rel=1e-6)
+    assert min(now["floor_volume"], now["left_volume"], now["air_volume"]) > -1e-6 * total["deposited_volume"]
     return now
 
 
@@ -164,6 +165,47 @@ def test_a_stopped_simulation_goes_on_to_the_same_bytes(tmp_path):
     assert second.statistics() == whole.statistics()
 
 
+def test_what_moves_goes_on_to_the_same_bytes():
+    """A flag that waves and a cart that drives; half of the steps have no duration."""
+    waving = grid(1.0, 0.6, cells=12)
+    meshes = {
+        "cart": pieces([((0.0, 0.0, 0.15), (0.5, 0.4, 0.3), 0.0)]),
+        "flag": (*waving, 128),
+        "ground": sheet(3.0),
+    }
+
+    def start():
+        sim = native.SnowSimulation(pixel_size=0.01, max_depth=1.0, engine="CPU")
+        for name, (rest, triangles, uv, resolution) in meshes.items():
+            sim.add_object(name, triangles, uv, resolution=resolution, rest=rest)
+        return sim
+
+    def pose(step):
+        flag = waving[0] + np.float32([0.0, 0.0, 0.8])
+        flag[:, 2] += 0.1 * np.sin(5.0 * flag[:, 0] + 0.7 * step)
+        cart = meshes["cart"][0] + np.float32([-1.0 + 0.08 * step, 0.3, 0.0])
+        return {"flag": flag, "cart": cart}
+
+    def snow(sim, begin, end):
+        for step in range(begin, end):
+            moved = pose(step - step % 3) if step % 3 == 0 or step == begin else {}
+            if step == begin:
+                moved["ground"] = meshes["ground"][0]
+            sim.step(moved, 0.01, DOWN, FRAME if step % 2 else 0.0)
+
+    whole = start()
+    snow(whole, 0, 30)
+    assert_nothing_is_lost(whole)
+    for cut in (7, 16, 21):
+        first, second = start(), start()
+        snow(first, 0, cut)
+        native.set_simulation_state(second, native.simulation_state(first))
+        snow(second, cut, 30)
+        for name in meshes:
+            assert np.array_equal(second.height(name), whole.height(name)), (cut, name)
+        assert second.statistics() == whole.statistics()
+
+
 def test_snow_in_the_air_outside_of_a_map_is_refused():
     meshes = shelf_over_ground()
     sim = simulation(meshes)
@@ -172,6 +214,14 @@ def test_snow_in_the_air_outside_of_a_map_is_refused():
     state["landing"]["air"] = [(5, "ground", 256 * 256, False, 1)]
     with pytest.raises(ValueError, match="'ground' has a place outside of its map"):
         native.set_simulation_state(sim, state)
+
+
+def test_a_receiver_that_no_snow_reaches_stays_bare():
+    meshes = {"cellar": sheet(0.5, -1.0, 64), "ground": sheet(2.0)}
+    sim = simulation(meshes)
+    fall(sim, meshes, 0.1, 4)
+    assert sim.height("cellar").max() == 0.0
+    assert_nothing_is_lost(sim)
 
 
 def test_without_landing_it_is_gone():

@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "base/parallel_for.h"
@@ -75,10 +76,10 @@ class Repose {
   float top_over(int32_t block, const RimLink& rim) const;
 
   /// Moves snow on `height` in those blocks. `dt`: seconds; a long step may run more rounds.
-  /// `lists_releases`: for `releases`. Returns the volume that fell over rims and off walls, in m3.
+  /// `lists_releases`: for take_releases. Returns the volume that fell over rims and off walls, in m3.
   double run(std::vector<float>& height, float dt, bool lists_releases);
 
-  /// Snow that left the map in the last run.
+  /// Snow that left the map in a run.
   struct Release {
     static constexpr int32_t kOffWall = -1;
     static constexpr int32_t kInHollow = -2;
@@ -90,7 +91,8 @@ class Repose {
     /// In m3.
     double volume = 0.0;
   };
-  const std::vector<Release>& releases() const { return releases_; }
+  /// What was released since the last call.
+  std::vector<Release> take_releases() { return std::exchange(releases_, {}); }
   /// The bare surface of all texels in the current pose, up to a translation and a rotation about
   /// the vertical.
   struct BareTexels {
@@ -160,6 +162,7 @@ class Repose {
   bool cover_tile(int32_t block, const std::vector<float>& height);
   void set_up_ends(int32_t block);
   bool fill_rooms(int32_t block);
+  float room_above(int32_t texel, size_t cell, const ReposeTile& tile) const;
   glm::dvec3 world_point(const ReposeLinks::Point& at) const;
   glm::dvec3 world_point(int32_t texel) const;
   struct Cell;

@@ -5,7 +5,6 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
 #include "snow/movement/repose/height_range.h"
 #include "snow/movement/repose/repose.h"
@@ -16,23 +15,6 @@ namespace {
 
 /// Rays from a texel pass surfaces within this fraction of its half width.
 constexpr float kOwnSurface = 0.02f;
-
-/// The cells of a row that may be sheltered, one bit per column: those that hold less than half as
-/// much snow as a neighbour.
-SNOWBOUGH_WIDE uint32_t sheltered_in(const TileSnow& snow, uint32_t row) {
-  const float* const held = snow.held.data() + row * kReposeBlock;
-  const float* const below = row > 0 ? held - kReposeBlock : held;
-  const float* const above = row + 1 < kReposeBlock ? held + kReposeBlock : held;
-  std::array<float, kReposeBlock + 2> padded{};
-  std::copy_n(held, kReposeBlock, padded.begin() + 1);
-  uint32_t thin = 0;
-  for (uint32_t i = 0; i < kReposeBlock; ++i) {
-    const float most =
-        std::max(std::max(below[i], above[i]), std::max(padded[i], padded[i + 2]));
-    thin |= (held[i] == 0.0f || held[i] < 0.5f * most ? 1u : 0u) << i;
-  }
-  return thin;
-}
 
 }  // namespace
 
@@ -298,43 +280,48 @@ float Repose::top_over(int32_t block, const RimLink& rim) const {
   return tiles_[static_cast<size_t>(block)]->snow.top[static_cast<size_t>(rim.cell)] - rim.bare;
 }
 
-/// Finds the room above sheltered texels beside snow, and marks those whose room is full; returns
-/// whether that has changed for any.
+/// Finds the room above the texels onto which snow may flow, and marks those whose room is full;
+/// returns whether that has changed for any. It depends on this step's snow only.
 bool Repose::fill_rooms(int32_t block) {
   ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
-  std::array<uint32_t, kReposeBlock> wanted =
-      rows_near_snow(TilesAround(tiles_, links_->blocks_a_side, block));
+  const std::array<uint32_t, kReposeBlock> wanted = cells_below_snow(
+      TilesAround(tiles_, links_->blocks_a_side, block), shared::kEven * limits_.slope);
   uint32_t rows = 0;
-  for (uint32_t row = 0; row < kReposeBlock; ++row) {
-    wanted[row] &= sheltered_in(tile.snow, row);
-    rows |= (wanted[row] != 0 ? 1u : 0u) << row;
-  }
-  if (rows == 0 && !tile.ground.has_rooms) return false;
+  for (uint32_t row = 0; row < kReposeBlock; ++row) rows |= (wanted[row] != 0 ? 1u : 0u) << row;
+  if (rows == 0 && !tile.snow.any_full) return false;
+  std::array<uint32_t, kReposeBlock> full{};
   const auto find_room = [&](int32_t texel, size_t cell) {
     float& room = tile.ground.room[cell];
     const auto column = static_cast<uint32_t>(cell % kReposeBlock);
-    if (room >= 0.0f || ((wanted[cell / kReposeBlock] >> column) & 1) == 0) return;
-    const float reach = 0.5f * std::sqrt(tile.ground.area[cell]);
-    const SurfaceHit above =
-        rays_->first_along(world_point(texel), {0.0, 0.0, 1.0}, kOwnSurface * reach);
-    room = above.is_inside(false) ? 0.0f : static_cast<float>(above.distance);
-    // Nothing flows into a slit.
-    if (room < reach) room = 0.0f;
-    tile.ground.has_rooms = tile.ground.has_rooms || room < std::numeric_limits<float>::infinity();
+    if (((wanted[cell / kReposeBlock] >> column) & 1) == 0) return;
+    if (room < 0.0f) room = room_above(texel, cell, tile);
+    const float rise = tile.snow.top[cell] - tile.ground.z[cell];
+    if (rise >= room && !tile.snow.is_wall(cell)) {
+      full[cell / kReposeBlock] |= 1u << column;
+    }
   };
   links_->for_texels(block, object_->table->texel, find_room, rows);
   bool changes = false;
   tile.snow.any_full = false;
-  for (size_t cell = 0; tile.ground.has_rooms && cell < size_t{kTileCells}; ++cell) {
-    const float room = tile.ground.room[cell];
-    const float rise = tile.snow.top[cell] - tile.ground.z[cell];
-    const bool is_full = room >= 0.0f && rise >= room && !tile.snow.is_wall(cell);
+  for (size_t cell = 0; cell < size_t{kTileCells}; ++cell) {
+    const bool is_full = ((full[cell / kReposeBlock] >> (cell % kReposeBlock)) & 1) != 0;
     tile.snow.any_full = tile.snow.any_full || is_full;
     if (is_full == tile.snow.is_full(cell)) continue;
     tile.snow.kind[cell] ^= kFull;
     changes = true;
   }
   return changes;
+}
+
+/// The vertical distance from a texel to the first surface above, 0 within a body.
+float Repose::room_above(int32_t texel, size_t cell, const ReposeTile& tile) const {
+  const float reach = 0.5f * std::sqrt(tile.ground.area[cell]);
+  const SurfaceHit above =
+      rays_->first_along(world_point(texel), {0.0, 0.0, 1.0}, kOwnSurface * reach);
+  if (above.is_inside(false)) return 0.0f;
+  const auto room = static_cast<float>(above.distance);
+  // Nothing flows into a slit.
+  return room < reach ? 0.0f : room;
 }
 
 /// Call it when other objects near this one have moved.

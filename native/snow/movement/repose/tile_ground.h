@@ -39,13 +39,8 @@ struct TileGround {
   /// Vertical distance in metres to the first surface above, infinite under the sky, 0 within a
   /// body; negative: not known.
   TilePlane room;
-  /// Whether any of them is known and finite.
-  bool has_rooms = false;
 
-  void forget_rooms() {
-    room.fill(-1.0f);
-    has_rooms = false;
-  }
+  void forget_rooms() { room.fill(-1.0f); }
   /// Resets to no surface and no links, in the current pose.
   void begin_pose() {
     x = y = z = normal_z = up = area = curvature = {};

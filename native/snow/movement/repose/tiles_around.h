@@ -56,8 +56,9 @@ struct TilesAround {
   }
 };
 
-/// The cells of a block within a few texels of snow, one bit per column, by row.
-std::array<uint32_t, kReposeBlock> rows_near_snow(const TilesAround& around);
+/// The cells of a block beside which snow is steeper than `slope` (a tangent), so that it may flow
+/// onto them: one bit per column, by row.
+std::array<uint32_t, kReposeBlock> cells_below_snow(const TilesAround& around, float slope);
 
 /// Marks the rows with links to a cell as active, in all tiles. `column` and `row` are relative to
 /// the middle tile, from -1 to kReposeBlock.
