@@ -180,6 +180,7 @@ class BakedReceiver:
         driver: the engine and driver that ran (snow_engine.driver_text); inputs: all poses so far (scene.inputs);
         beside: keys of other receivers whose state to include."""
         sidecar = {
+            "beside": list(beside),
             "covered": self.covered.pack(),
             "driver": driver,
             "frames": self.frames,
@@ -198,7 +199,7 @@ class BakedReceiver:
 
     def read_checkpoint(self, native, frame, sizes):
         """Restores coverage and frames from a checkpoint; returns (state, driver, inputs). sizes: {key: resolution} of
-        other receivers that it may hold."""
+        the receivers that it may hold."""
         receiver_folder.remove_stray_files(self.folder)
         sidecar, state = self._read_checkpoint(native, frame, sizes)
         self.frames = sidecar["frames"]
@@ -213,7 +214,6 @@ class BakedReceiver:
         sidecar = receiver_folder.read_sidecar(self.folder, frame)
         try:
             self.covered = Coverage.unpack(self.resolution, sidecar["covered"])
-            sizes = {**sizes, self.key: self.resolution}
             state = native.read_checkpoint(str(self.folder / state_file(frame)), sizes)
             state["objects"][self.key]  # raises if it is missing
             return sidecar, state
@@ -231,6 +231,10 @@ class BakedReceiver:
         """Frames of the checkpoints that it can be resumed from: none while its files are being removed."""
         is_bake = (self.folder / MANIFEST).is_file()
         return receiver_folder.checkpoints(self.folder) if is_bake else []
+
+    def beside(self, frame):
+        """Keys of the other receivers whose state its checkpoint of ``frame`` holds."""
+        return receiver_folder.read_sidecar(self.folder, frame).get("beside", [])
 
     def forget_after(self, frame, shot):
         """Removes everything that was baked after a checkpoint, which read_checkpoint has read."""

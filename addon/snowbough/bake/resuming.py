@@ -26,12 +26,15 @@ def checkpoint_frame(request, receivers, beside, version, damage):
     damage: from find_damage. Raises NoCheckpoint, naming the existing ones, if the requested frames need another
     checkpoint, and CacheError if the damage cannot be repaired."""
     common = set.intersection(*(set(receiver.checkpoints()) for receiver in receivers))
-    theirs = [set(receiver.checkpoints()) for receiver in beside]
-    common = {
-        frame
-        for frame in common
-        if not request.is_checkpoint(frame) or all(frame in frames for frames in theirs)
-    }
+    theirs = {receiver.key: set(receiver.checkpoints()) for receiver in beside}
+
+    def is_whole(frame):
+        missing = {key for key, frames in theirs.items() if frame not in frames}
+        if missing and not request.is_checkpoint(frame):
+            missing -= {key for receiver in receivers for key in receiver.beside(frame)}
+        return not missing
+
+    common = {frame for frame in common if is_whole(frame)}
     at, path = min(damage.values(), default=(request.last + 1, None))
     if request.resume:
         usable = [frame for frame in common if request.first - 1 <= frame < at and frame <= request.last]
@@ -64,11 +67,12 @@ def read_checkpoints(native, receivers, beside, frame, driver):
 
     Raises InputsChanged if another driver made them, or if they are from different bakes."""
     numbers, states, inputs, landing = set(), {}, {}, None
-    sizes = {receiver.key: receiver.resolution for receiver in beside}
+    sizes = {receiver.key: receiver.resolution for receiver in [*receivers, *beside]}
     for receiver in [*receivers, *beside]:
-        if receiver.key in states:
+        is_beside = receiver in beside
+        if is_beside and receiver.key in states:
             continue
-        read = receiver.peek_checkpoint if receiver.key in sizes else receiver.read_checkpoint
+        read = receiver.peek_checkpoint if is_beside else receiver.read_checkpoint
         state, made_with, poses = read(native, frame, sizes)
         numbers.add(state["step_number"])
         states.update(state["objects"])
