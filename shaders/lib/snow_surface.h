@@ -47,8 +47,11 @@ struct SnowPoint {
 
 /// Constants of a point near a rim.
 struct SnowFront {
-  /// Distance to the rim; negative beyond it, on the far face.
+  /// Distance to the rim; negative beyond it, on the far face. On a bevel: distance inwards from the line at which the
+  /// faces meet, less `below`, the distance below that line. `bevel`: width of the bevel.
   float distance;
+  float below;
+  float bevel;
   /// Width of the zone in which snow is drawn to the rim; greatest distance of the snow down the far face.
   float zone;
   float far_zone;
@@ -263,7 +266,7 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
   // At bare rims the front sinks below the receiver, so that nothing protrudes.
   const vec3 sunk = normal * (-sink * eased(profile.height, 0.008f, 0.0f));
   // From the carrier to the rim.
-  const vec3 to_rim = front.outward * max(front.distance, 0.0f) - front.down * max(-front.distance, 0.0f);
+  const vec3 to_rim = front.outward * (front.distance + front.below) - front.down * front.below;
 
   if (along >= kFrontPart) {
     const float part = (along - kFrontPart) / (1.0f - kFrontPart);
@@ -272,7 +275,7 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
     const float own = mix(profile.height, height, eased(along, 0.8f, 1.0f));
     const vec3 offset = mix(lift, normal * own, easing);
     const vec3 lifted = front.lift * (rough * (1.0f - easing));
-    return front.outward * (front.distance - inwards) + offset + lifted + sunk;
+    return to_rim - front.outward * inwards + offset + lifted + sunk;
   }
   // Without a far face, the lower part of the front also lies on the supporting face.
   const float lower = (1.0f - front.has_far) * 0.3f;

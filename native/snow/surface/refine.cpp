@@ -60,6 +60,10 @@ constexpr std::array<float, 2> kCoarseFarCuts{-0.32f, -0.68f};
 constexpr float kOneCut = 0.03f;
 /// An edge does not cross the middle of a top if both of its ends lie farther into their zones.
 constexpr float kAcross = 0.9f;
+/// Edges on the strip of a rim, such as a bevel, are cut only if they are longer than this: the
+/// strip's own edges are rows, too.
+constexpr float kStripEdge = 0.12f;
+constexpr float kOnStrip = 0.65f;
 /// A cut is skipped if it is nearer to an end of the edge than this fraction of the edge.
 constexpr float kSnap = 0.15f;
 
@@ -222,7 +226,8 @@ class Refiner {
   /// Splits every edge where it crosses a cut parallel to a rim. Returns true if it split an edge.
   bool cut_parallel() {
     return split_at([&](int32_t p, int32_t q) {
-      return lies_across(p, q) ? 0.5f : cut_of(zone_[p], zone_[q]);
+      if (lies_across(p, q)) return 0.5f;
+      return lies_on_strip(p, q) ? 0.0f : cut_of(zone_[p], zone_[q]);
     });
   }
 
@@ -234,6 +239,15 @@ class Refiner {
     if (std::min(a.share, b.share) > kAcross || glm::dot(a.place.out, b.place.out) > 0.5f)
       return false;
     return glm::distance(mesh_.position[p], mesh_.position[q]) > 1.2f * std::max(a.room, b.room);
+  }
+
+  /// True if the edge is short and lies on the strip of a rim or beside it.
+  bool lies_on_strip(int32_t p, int32_t q) const {
+    const RimPlace& a = zone_[p].place;
+    const RimPlace& b = zone_[q].place;
+    if (a.is_far_off || b.is_far_off || a.strip <= 0.0f || b.strip <= 0.0f) return false;
+    return glm::distance(mesh_.position[p], mesh_.position[q]) < kStripEdge * unit_ &&
+           std::max(std::abs(a.distance), std::abs(b.distance)) <= kOnStrip * a.strip;
   }
 
   float cut_of(const RimZones::Zone& a, const RimZones::Zone& b) const {
@@ -388,7 +402,8 @@ double wanted_points(const SurfaceSource& source, float depth) {
   if (receiver.triangle.empty()) return 0.0;
   const base::TriangleTree tree(receiver.position, receiver.triangle,
                                 {0, static_cast<int32_t>(receiver.triangle.size())});
-  const Rims rims(receiver, tree, source.shading, rim_zone(depth), far_zone(depth));
+  const Rims rims(receiver, tree, source.shading, rim_zone(depth), far_zone(depth),
+                  rim_strip(depth));
   return wanted_points(receiver, rims, depth);
 }
 

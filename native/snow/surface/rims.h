@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -10,8 +11,9 @@
 
 namespace snowbough::snow {
 
-/// A segment of a rim: an edge over which snow can lean, because the supporting surface ends or
-/// turns down there.
+/// A segment of a rim: a line over which snow can lean, because the supporting surface ends or
+/// turns down there. Where it turns down over a strip of faces, such as a bevel, the line lies
+/// outside, where the planes of the supporting and the far face meet.
 struct Rim {
   glm::vec3 from, to;
   /// Unit normals of the supporting face and of the far face; the latter is (0, 0, 0) if the
@@ -22,7 +24,12 @@ struct Rim {
   glm::vec3 out, down;
   /// Length of the far face below the middle of the rim, in metres, up to the distance searched.
   float far_extent = 0.0f;
-  /// The connected part of the mesh that holds this rim.
+  /// Distances from the rim to the strip's upper edge, against `out`, and to its lower edge, along
+  /// `down`, in metres; 0 at an edge.
+  float strip_out = 0.0f;
+  float strip_down = 0.0f;
+  /// The ends of the edge in the mesh, and the connected part of the mesh that holds it.
+  std::array<int32_t, 2> corner{};
   int32_t part = 0;
 };
 
@@ -32,8 +39,13 @@ struct Rim {
 struct RimPlace {
   /// No rim is near.
   bool is_far_off = true;
-  /// Distance to the nearest rim in metres; negative for points on a far face.
+  /// Distance to the nearest rim in metres; negative for points on a far face. On a strip: how far
+  /// the rim lies outwards, less how far the point lies below it.
   float distance = 0.0f;
+  /// How far the point lies below the rim, along `down`; 0 on the supporting face.
+  float below = 0.0f;
+  /// Width of the strip: 0 at an edge.
+  float strip = 0.0f;
   glm::vec3 out{0.0f}, level_out{0.0f}, down{0.0f}, foot{0.0f}, support{0.0f};
   bool has_far = false;
   float far_extent = 0.0f;
@@ -47,8 +59,9 @@ class Rims {
   /// @param shading as in SurfaceSource.
   /// @param reach greatest distance from a point to a rim that a query finds, in metres, over 0.
   /// @param far_reach greatest distance searched down the far faces, in metres.
+  /// @param strip greatest width of a strip that is one rim, in metres.
   Rims(const SurfaceMesh& mesh, const base::TriangleTree& tree, const std::vector<int32_t>& shading,
-       float reach, float far_reach);
+       float reach, float far_reach, float strip);
 
   const std::vector<Rim>& all() const { return rims_; }
   /// The connected part of each triangle of the mesh that was passed to the constructor.

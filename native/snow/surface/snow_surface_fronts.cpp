@@ -21,6 +21,10 @@ constexpr float kLee = 0.4f;
 /// Points at least this fraction into their zone give the height of the snow behind a rim.
 constexpr float kInland = 0.6f;
 
+/// Heights of snow, in widths of a bevel, at which the bevel begins to vanish and has vanished.
+constexpr float kBare = 0.3f;
+constexpr float kCovered = 1.2f;
+
 /// Points whose feet are within this many depths of each other belong to one stretch of a rim.
 constexpr float kFullnessReach = 0.4f;
 /// Fraction of the map's volume by which fronts may exceed it: on narrow tops, and on wide tops,
@@ -68,6 +72,8 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
     const RimZones::Zone& here = zone[p];
     shared::SnowFront& front = front_[f];
     front.distance = here.place.distance;
+    front.below = here.place.below;
+    front.bevel = here.place.strip;
     front.zone = here.support;
     front.far_zone = here.far;
     front.has_far = here.place.has_far ? 1.0f : 0.0f;
@@ -145,7 +151,11 @@ float SnowSurface::inland_height(size_t front, const std::vector<float>& height)
 }
 
 float SnowSurface::presence(size_t front, float inland) const {
-  const float own = front_[front].presence;
+  const SnowFront& at = front_[front];
+  // Snow thinner than a bevel lies on it.
+  const float own = at.bevel > 0.0f
+                        ? at.presence * eased(inland, kBare * at.bevel, kCovered * at.bevel)
+                        : at.presence;
   return own > 0.0f ? std::max(own, bridged_part(front_[front], style_, inland)) : 0.0f;
 }
 
@@ -157,11 +167,16 @@ void SnowSurface::find_presence(const SurfacePlan& plan, const std::vector<float
   // Snow on a narrow top lies as a dome after sliding. Upright fronts would hold more snow than the
   // map has.
   const float depth = plan.density.depth;
+  const auto foot_of = [&](size_t f) {
+    const SnowFront& front = front_[f];
+    return mesh_.position[front_point_[f]] + front.outward * (front.distance + front.below) -
+           front.down * front.below;
+  };
   std::vector<CellGrid::Box> boxes;
   std::vector<size_t> supports;
   for (size_t f = 0; f < front_.size(); ++f) {
     if (front_[f].distance < 0.0f) continue;
-    const glm::vec3 foot = mesh_.position[front_point_[f]] + front_[f].outward * front_[f].distance;
+    const glm::vec3 foot = foot_of(f);
     boxes.push_back({foot, foot});
     supports.push_back(f);
   }
@@ -172,9 +187,7 @@ void SnowSurface::find_presence(const SurfacePlan& plan, const std::vector<float
     // A front needs snow behind the rim in the last frame.
     front.presence *= eased(inland_height(f, last_heights.shown), 0.06f * full, 0.3f * full);
     if (front.presence <= 0.0f) return;
-    const glm::vec3 foot = mesh_.position[front_point_[f]] +
-                           front.outward * std::max(front.distance, 0.0f) +
-                           front.down * std::min(front.distance, 0.0f);
+    const glm::vec3 foot = foot_of(f);
     const float reach = kFullnessReach * depth;
     float held = 0.0f, upright = 0.0f;
     grid.visit(foot - reach, foot + reach, [&](int32_t i) {

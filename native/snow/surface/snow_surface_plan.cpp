@@ -85,7 +85,8 @@ SnowSurface::SnowSurface(const SurfaceSource& source, const std::vector<float>& 
   }
   const base::TriangleTree tree(receiver.position, receiver.triangle,
                                 {0, static_cast<int32_t>(receiver.triangle.size())});
-  const Rims rims(receiver, tree, source.shading, 1.15f * rim_zone(depth), far_zone(depth));
+  const Rims rims(receiver, tree, source.shading, 1.15f * rim_zone(depth), far_zone(depth),
+                  rim_strip(depth));
   const RimZones zones(receiver, rims, depth);
   mesh_ = refined_surface(receiver, rims, zones, {last.data(), highest.data(), resolution_},
                           plan.density);
