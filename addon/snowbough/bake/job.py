@@ -29,6 +29,7 @@ from ..cache.lock import drop_dead_lock, lock_folder
 from ..cache.versions import is_finished
 from ..scene.tracker import SceneTracker
 from ..surface.side_by_side import run_side_by_side
+from ..surface.style import WantedPoints, shared_out
 from . import memory, plan, resuming, simulation
 from .choice import choose_receivers
 from .frames import FrameBaker
@@ -184,8 +185,9 @@ class BakeJob:
             for key, obj in pose.objects.items()
             if obj.receiver is not None and obj.receiver.enabled and obj.receiver.surface is not None
         }
+        shares = shared_out(wanted)
         for receiver in self.receivers:
-            receiver.share = wanted.get(receiver.key, 0.0) / max(sum(wanted.values()), 1.0)
+            receiver.wanted = shares.get(receiver.key, WantedPoints())
         sizes = [
             memory.MapSize(own.resolution, len(pose.objects[own.key].topology.triangles))
             for own in self.receivers

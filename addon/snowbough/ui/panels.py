@@ -10,6 +10,7 @@ import bpy
 from ..bake import state
 from ..base import session
 from ..base.map_kinds import ON_REQUEST
+from ..result import snow_surface
 from ..scene import receivers
 from ..scene.reader import SURFACE_TYPES
 from ..settings import simulation
@@ -183,6 +184,8 @@ class SNOWBOUGH_PT_surface(_Settings, bpy.types.Panel):
     def draw(self, context):
         super().draw(context)
         self.layout.operator("snowbough.update_surface", icon="FILE_REFRESH")
+        for name in snow_surface.coarsened(context.scene):
+            self.layout.label(text=f"Too few points for '{name}': raise Detail", icon="INFO")
 
 
 class SNOWBOUGH_PT_sidebar_result(_SidebarPanel, bpy.types.Panel):

@@ -77,14 +77,16 @@ std::unique_ptr<BoundSurface> make_surface(const InputArray<int32_t>& triangles,
   });
 }
 
-double wanted_points(const InputArray<int32_t>& triangles, const InputArray<float>& positions,
-                     float depth, const std::optional<InputArray<int32_t>>& shading) {
+std::pair<double, double> wanted_points(const InputArray<int32_t>& triangles,
+                                        const InputArray<float>& positions, float depth,
+                                        const std::optional<InputArray<int32_t>>& shading) {
   require_positive(depth, "depth");
   InputArray<float> no_uv(std::vector<py::ssize_t>{triangles.size() / 3, 3, 2});
   std::fill_n(no_uv.mutable_data(), no_uv.size(), 0.0f);
   const snow::SurfaceSource source =
       surface_source(map_topology(triangles, no_uv, 2), positions, shading);
-  return without_gil([&] { return snow::wanted_points(source, depth); });
+  const snow::PointCounts counts = without_gil([&] { return snow::wanted_points(source, depth); });
+  return {counts.hems, counts.level};
 }
 
 py::tuple faces(const BoundSurface& self) {
@@ -142,9 +144,9 @@ void bind_surface(py::module_& module) {
   module.def(
       "wanted_surface_points", &wanted_points, py::arg("triangles"), py::arg("positions"),
       py::arg("depth"), py::arg("shading") = py::none(),
-      R"(Approximate number of points that a SnowSurface of a receiver needs at the default detail
-under `depth` metres of snow, from triangles (T, 3), positions (V, 3) and shading (T, 3) or None:
-receivers share a scene's points in proportion to it.)");
+      R"(Approximate numbers of points that a SnowSurface of a receiver needs at the default detail
+under `depth` metres of snow, (at hems and curved places, on level places), from triangles (T, 3),
+positions (V, 3) and shading (T, 3) or None.)");
   module.def(
       "point_normals", &point_normals, py::arg("points"), py::arg("triangles"),
       R"(Unit normals (P, 3) of points (P, 3): the mean over their triangles (T, 3), by area. Raises
@@ -164,6 +166,9 @@ ValueError for triangles with invalid indices.)");
           py::arg("relief") = 1.0f)
       .def_property_readonly("point_count",
                              [](const BoundSurface& self) { return self.surface.point_count(); })
+      .def_property_readonly(
+          "coarsened", [](const BoundSurface& self) { return self.surface.coarsened(); },
+          "Factor by which hems are coarser than `scale` asks for, for lack of points: 1 if not.")
       .def("points", &points, py::arg("height"), py::arg("open_depth"),
            py::arg("positions") = py::none(),
            py::arg("up") = std::array<float, 3>{0.0f, 0.0f, 1.0f},

@@ -28,6 +28,8 @@ constexpr float kSharpSmooth = 0.259f;
 /// Least sine of the turn at the upper edge of a strip, and at edges within it.
 constexpr float kBegins = 0.05f;
 constexpr float kTurns = 0.02f;
+/// Cosine of the greatest angle between triangles that count as one face.
+constexpr float kOneFace = 0.9998f;
 /// The supporting face of a strip must be flat over this many widths of the strip, up to this
 /// slope.
 constexpr float kFlatWidths = 1.1f;
@@ -119,6 +121,7 @@ class RimFinder {
     Step step{first, static_cast<int32_t>(edge), start};
     bool smooth = is_smooth(step.edge, carrier, first);
     float width = 0.0f;
+    int32_t edges_across = 0;
     std::vector<int32_t> strip;
     for (int k = 0; k < kMostSteps; ++k) {
       const glm::vec3& b = normals_[step.face];
@@ -136,6 +139,8 @@ class RimFinder {
       }
       width += across;
       strip.push_back(step.face);
+      // The diagonals of flat faces do not count.
+      if (glm::dot(b, normals_[next.face]) < kOneFace) ++edges_across;
       smooth = smooth && is_smooth(next.edge, step.face, next.face);
       step = next;
     }
@@ -151,6 +156,7 @@ class RimFinder {
     rim.out = out;
     rim.down = down;
     if (!strip.empty()) meet(rim, step.at - start, width);
+    rim.strip_faces = edges_across;
     found.support = carrier;
     found.strip = std::move(strip);
   }

@@ -177,6 +177,7 @@ RimPlace Rims::place(const glm::vec3& point, const glm::vec3& normal, int32_t pa
   place.distance = seen.front().beside.off;
   place.below = seen.front().beside.below;
   place.strip /= sum;
+  place.strip_faces = first.strip_faces;
   place.out = unit(place.out);
   place.level_out = unit(place.level_out);
   const float down = glm::length(place.down / sum);

@@ -28,6 +28,8 @@ struct Rim {
   /// `down`, in metres; 0 at an edge.
   float strip_out = 0.0f;
   float strip_down = 0.0f;
+  /// Number of faces across the strip.
+  int32_t strip_faces = 0;
   /// The ends of the edge in the mesh, and the connected part of the mesh that holds it.
   std::array<int32_t, 2> corner{};
   int32_t part = 0;
@@ -44,8 +46,9 @@ struct RimPlace {
   float distance = 0.0f;
   /// How far the point lies below the rim, along `down`; 0 on the supporting face.
   float below = 0.0f;
-  /// Width of the strip: 0 at an edge.
+  /// Width of the strip and number of faces across it: 0 at an edge.
   float strip = 0.0f;
+  int32_t strip_faces = 0;
   glm::vec3 out{0.0f}, level_out{0.0f}, down{0.0f}, foot{0.0f}, support{0.0f};
   bool has_far = false;
   float far_extent = 0.0f;

@@ -65,6 +65,8 @@ class SnowSurface {
 
   const SurfaceFaces& faces() const { return faces_; }
   size_t point_count() const { return mesh_.position.size() + cushions_.anchor.size(); }
+  /// Factor by which hems are coarser than the plan's density asks for, for lack of points.
+  float coarsened() const { return coarsened_; }
   /// The artist's settings. The faces do not depend on them.
   void set_style(const shared::SnowStyle& style) { style_ = style; }
 
@@ -80,7 +82,7 @@ class SnowSurface {
   /// Drops the faces of sheets that never show snow, because a sheet has no other side to hide
   /// them.
   void drop_bare_sheets(const std::vector<float>& highest, float depth);
-  void find_cushions(float depth, const std::vector<float>& last);
+  void find_cushions(float depth, const std::vector<float>& last, int32_t most_points);
   /// Heights of one frame at the points.
   struct Heights {
     /// Thickness from the map, smoothed.
@@ -115,6 +117,7 @@ class SnowSurface {
   std::vector<glm::vec3> normal_;
   SurfaceFaces faces_;
   shared::SnowStyle style_{1.0f, 1.0f, 1.0f, 1.0f};
+  float coarsened_ = 1.0f;
   int32_t resolution_ = 0;
   std::vector<int32_t> triangles_;
   std::vector<glm::vec3> planned_positions_;

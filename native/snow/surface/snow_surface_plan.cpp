@@ -88,8 +88,14 @@ SnowSurface::SnowSurface(const SurfaceSource& source, const std::vector<float>& 
   const Rims rims(receiver, tree, source.shading, 1.15f * rim_zone(depth), far_zone(depth),
                   rim_strip(depth));
   const RimZones zones(receiver, rims, depth);
-  mesh_ = refined_surface(receiver, rims, zones, {last.data(), highest.data(), resolution_},
-                          plan.density);
+  // Cushions get half of the points.
+  const bool needles = are_needles(receiver, depth);
+  SurfaceDensity density = plan.density;
+  if (needles) density.most_points = std::max(density.most_points / 2, 1);
+  RefinedSurface refined =
+      refined_surface(receiver, rims, zones, {last.data(), highest.data(), resolution_}, density);
+  mesh_ = std::move(refined.mesh);
+  coarsened_ = refined.coarsened;
   find_carriers(source);
   find_samples();
   find_neighbours(kSmoothing * depth);
@@ -107,7 +113,10 @@ SnowSurface::SnowSurface(const SurfaceSource& source, const std::vector<float>& 
   find_samples();
   find_neighbours(kSmoothing * depth);
   find_bumps(plan, points(frame));
-  if (are_needles(receiver, depth)) find_cushions(depth, last);
+  if (needles) {
+    const auto lying = static_cast<int32_t>(lying_points());
+    find_cushions(depth, last, std::max(plan.density.most_points - lying, density.most_points));
+  }
   drop_bare_sheets(highest, depth);
   make_faces();
 }
@@ -335,13 +344,13 @@ void SnowSurface::find_bumps(const SurfacePlan& plan, const std::vector<glm::vec
   });
 }
 
-void SnowSurface::find_cushions(float depth, const std::vector<float>& last) {
+void SnowSurface::find_cushions(float depth, const std::vector<float>& last, int32_t most_points) {
   SurfaceFrame frame;
   frame.height = last.data();
   frame.open_depth = depth;
   // Use the thickness from the map, because snow too thin to show on one needle counts for bridges.
   const std::vector<float> thickness = heights(frame, normal_).thickness;
-  cushions_ = snow::find_cushions(mesh_, points(frame), thickness, depth);
+  cushions_ = snow::find_cushions(mesh_, points(frame), thickness, depth, most_points);
   for (const int32_t p : cushions_.anchor) cushion_height_.push_back(std::max(thickness[p], 1e-6f));
 }
 
