@@ -243,6 +243,7 @@ def damaged(folder):
 
 
 def read_summary(folder):
-    """{style, first, frames, points, coarsened} of the surface in a folder, or None. Raises CacheError for a damaged file."""
+    """{style, first, frames, points, coarsened} of the surface in a folder, or None. Raises CacheError for a damaged
+    file."""
     shapes = {FORMAT: _SHAPE}
     return read_sealed(Path(folder) / SURFACE, "Use Update Surface", shapes.get)
