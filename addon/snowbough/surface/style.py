@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The look and the detail of a snow surface, as plain data. No ``bpy``."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 
 # Detail: (factor on edge lengths, maximum number of points in a scene).
 DETAILS = {"DRAFT": (1.7, 60_000), "DEFAULT": (1.0, 250_000), "FILM": (0.6, 1_000_000)}
@@ -55,7 +55,10 @@ class SurfaceStyle:
 
     def sliders(self):
         """Keyword arguments of the native SnowSurface.set_style."""
-        return {name: value for name, value in asdict(self).items() if name != "detail"}
+        return {name: getattr(self, name) for name in SLIDERS}
 
     def as_dict(self):
         return asdict(self)
+
+
+SLIDERS = tuple(field.name for field in fields(SurfaceStyle) if field.name != "detail")

@@ -14,6 +14,7 @@ from ..result import snow_surface
 from ..scene import receivers
 from ..scene.reader import SURFACE_TYPES
 from ..settings import simulation
+from ..settings.surface import SurfaceProperties
 from . import panel_parts
 
 
@@ -178,7 +179,7 @@ class SNOWBOUGH_PT_surface(_Settings, bpy.types.Panel):
     bl_label = "Surface"
     names = (
         ("surface_detail",),
-        ("surface_overhang", "surface_hem_variation", "surface_bridging", "surface_relief"),
+        tuple(SurfaceProperties.__annotations__),
     )
 
     def draw(self, context):

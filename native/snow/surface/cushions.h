@@ -16,6 +16,9 @@ struct Cushions {
   std::vector<int32_t> anchor;
   std::vector<glm::vec3> offset;
   std::vector<std::array<int32_t, 4>> quads;
+  /// Thickness of the snow at the anchors in the last frame, in metres. find_cushions leaves it
+  /// out.
+  std::vector<float> height;
 };
 
 /// True if a mesh consists mostly of many thin pieces whose gaps snow of this depth bridges.

@@ -70,6 +70,14 @@ def test_a_style_without_overhang_keeps_snow_on_the_box():
     assert abs(usual[:, 0]).max() > 0.51 > abs(surface.points(top, DEPTH)[:, 0]).max()
 
 
+def test_a_style_names_its_sliders():
+    surface = make()
+    with pytest.raises(TypeError, match="there is no such slider"):
+        surface.set_style(overhang=1.0, hang=1.0)
+    with pytest.raises(TypeError):
+        surface.set_style(1.0)
+
+
 def test_a_larger_scale_has_fewer_points_and_most_points_is_a_limit():
     assert make(scale=1.7).point_count < make().point_count
     few = make(most_points=500)

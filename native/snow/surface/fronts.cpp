@@ -1,12 +1,11 @@
+#include "snow/surface/fronts.h"
+
 #include <algorithm>
 #include <glm/geometric.hpp>
 
 #include "base/parallel_for.h"
 #include "shaders/lib/snow_noise.h"
-#include "snow/surface/snow_surface.h"
 #include "snow/surface/vectors.h"
-
-// Computes SnowSurface's constants of points near rims.
 
 namespace snowbough::snow {
 namespace {
@@ -22,8 +21,8 @@ constexpr float kLee = 0.4f;
 constexpr float kInland = 0.6f;
 
 /// Heights of snow, in widths of a bevel, at which the bevel begins to vanish and has vanished.
-constexpr float kBare = 0.3f;
-constexpr float kCovered = 1.2f;
+constexpr float kBareBevel = 0.3f;
+constexpr float kCoveredBevel = 1.2f;
 
 /// Points whose feet are within this many depths of each other belong to one stretch of a rim.
 constexpr float kFullnessReach = 0.4f;
@@ -35,42 +34,74 @@ constexpr float kMoreOnWide = 0.7f;
 constexpr float kNarrowFront = 0.9f;
 constexpr float kWideFront = 2.0f;
 
-/// A top with more room than the first fraction of the depth is wide; one with less than the second
-/// is narrow.
-constexpr float kWideRoom = 0.8f;
-constexpr float kNarrowRoom = 0.35f;
+void smooth_presence(Fronts& fronts, const HeightSamples& samples) {
+  std::vector<int32_t> front_of(samples.count(), -1);
+  for (size_t f = 0; f < fronts.front.size(); ++f)
+    front_of[fronts.point[f]] = static_cast<int32_t>(f);
+  constexpr int kRounds = 8;
+  std::vector<float> before(fronts.front.size());
+  for (int round = 0; round < kRounds; ++round) {
+    for (size_t f = 0; f < fronts.front.size(); ++f) before[f] = fronts.front[f].presence;
+    base::for_each_item(fronts.front.size(), 256, [&](size_t f) {
+      const auto p = static_cast<size_t>(fronts.point[f]);
+      float sum = before[f];
+      float count = 1.0f;
+      for (int32_t i = samples.neighbour_begin[p]; i < samples.neighbour_begin[p + 1]; ++i) {
+        const int32_t other = front_of[samples.neighbour[i]];
+        if (other < 0) continue;
+        sum += before[other];
+        count += 1.0f;
+      }
+      fronts.front[f].presence = sum / count;
+    });
+  }
+}
 
 }  // namespace
 
-void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const SurfacePlan& plan) {
-  if (rims.all().empty()) return;
-  const float depth = plan.density.depth;
-  std::vector<RimZones::Zone> zone;
-  zones.find(mesh_, zone);
+float Fronts::inland_height(size_t number, const std::vector<float>& height) const {
+  float mean = 0.0f;
+  for (int k = 0; k < 4; ++k) {
+    mean += weight[number][k] * std::max(height[inland[number][k]], 0.0f);
+  }
+  return mean;
+}
 
+float Fronts::presence(size_t number, const shared::SnowStyle& style, float behind) const {
+  const SnowFront& at = front[number];
+  // Snow thinner than a bevel lies on it.
+  const float covers =
+      at.bevel > 0.0f ? eased(behind, kBareBevel * at.bevel, kCoveredBevel * at.bevel) : 1.0f;
+  const float own = at.presence * covers;
+  return own > 0.0f ? std::max(own, bridged_part(at, style, behind)) : 0.0f;
+}
+
+Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zone, const Rims& rims,
+                   const glm::vec2& wind, const glm::vec3& noise_shift, float depth) {
+  Fronts fronts;
+  if (rims.all().empty()) return fronts;
   // Collect the points inland of rims.
   std::vector<CellGrid::Box> boxes;
   std::vector<int32_t> inland;
-  for (size_t p = 0; p < lying_points(); ++p) {
+  for (size_t p = 0; p < points.count(); ++p) {
     if (!zone[p].place.is_far_off && zone[p].share > kInland) {
-      boxes.push_back({mesh_.position[p], mesh_.position[p]});
+      boxes.push_back({points.mesh.position[p], points.mesh.position[p]});
       inland.push_back(static_cast<int32_t>(p));
     }
   }
   const CellGrid grid(boxes, 0.25f * depth);
 
-  for (size_t p = 0; p < lying_points(); ++p) {
+  for (size_t p = 0; p < points.count(); ++p) {
     if (zone[p].place.is_far_off || zone[p].share >= 1.0f || zone[p].share < -1.6f) continue;
-    front_point_.push_back(static_cast<int32_t>(p));
+    fronts.point.push_back(static_cast<int32_t>(p));
   }
-  front_.resize(front_point_.size());
-  front_inland_.resize(front_.size());
-  front_weight_.resize(front_.size());
-  const glm::vec3 shift = plan.noise_shift();
-  base::for_each_item(front_.size(), 64, [&](size_t f) {
-    const auto p = static_cast<size_t>(front_point_[f]);
+  fronts.front.resize(fronts.point.size());
+  fronts.inland.resize(fronts.front.size());
+  fronts.weight.resize(fronts.front.size());
+  base::for_each_item(fronts.front.size(), 64, [&](size_t f) {
+    const auto p = static_cast<size_t>(fronts.point[f]);
     const RimZones::Zone& here = zone[p];
-    shared::SnowFront& front = front_[f];
+    shared::SnowFront& front = fronts.front[f];
     front.distance = here.place.distance;
     front.below = here.place.below;
     front.bevel = here.place.strip;
@@ -84,12 +115,12 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
     const glm::vec3 support = here.place.distance >= 0.0f ? here.place.support : glm::vec3(0, 0, 1);
     const glm::vec3 lift = unit(0.7f * glm::vec3(0, 0, 1) + 0.3f * support);
     front.lift = lift / std::max(glm::dot(lift, support), 0.5f);
-    const glm::vec3 at = here.place.foot / depth + shift;
+    const glm::vec3 at = here.place.foot / depth + noise_shift;
     front.noise_slow = std::clamp(layered_noise(at + 9.0f, {3.0f, 1.4f, 0.6f}, 0.75f), -1.3f, 1.3f);
     front.noise_fast =
         std::clamp(layered_noise(at + 31.0f, {2.4f, 1.2f, 0.7f}, 0.65f), -1.3f, 1.3f);
     front.noise_shoulder = layered_noise(at + 77.0f, {3.0f, 1.2f, 0.0f}, 0.6f);
-    const float lee = glm::dot(glm::vec2(here.place.level_out), plan.wind);
+    const float lee = glm::dot(glm::vec2(here.place.level_out), wind);
     front.lee = kLee * std::max(lee, 0.0f);
     const Rims::Opposite opposite = rims.opposite(here.place, shared::kBridgedGap * depth);
     front.bridged = opposite.nearness;
@@ -109,7 +140,7 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
       found.clear();
       grid.visit(behind - reach, behind + reach, [&](int32_t i) {
         const int32_t q = inland[i];
-        const float distance = glm::distance(mesh_.position[q], behind);
+        const float distance = glm::distance(points.mesh.position[q], behind);
         if (distance < reach) found.push_back({distance, q});
       });
     }
@@ -123,109 +154,61 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
       weight[k] = 1.0f / (found[k].distance + 0.025f * depth);
     }
     if (found.empty()) weight[0] = 1.0f;
-    front_inland_[f] = point;
-    front_weight_[f] = weight / (weight.x + weight.y + weight.z + weight.w);
+    fronts.inland[f] = point;
+    fronts.weight[f] = weight / (weight.x + weight.y + weight.z + weight.w);
   });
-  for (size_t p = 0; p < lying_points(); ++p) {
-    if (zone[p].place.is_far_off || zone[p].share < 0.0f) continue;
-    point_[p].narrow =
-        std::max(point_[p].narrow, eased(zone[p].room, kWideRoom * depth, kNarrowRoom * depth));
-  }
-  room_.resize(front_.size());
-  for (size_t f = 0; f < front_.size(); ++f) room_[f] = zone[front_point_[f]].room;
-  // On a smooth-shaded cap the mean normals lean over the rim, so use the supporting face's normal
-  // there.
-  for (size_t p = 0; p < lying_points(); ++p) {
+  fronts.room.resize(fronts.front.size());
+  for (size_t f = 0; f < fronts.front.size(); ++f) fronts.room[f] = zone[fronts.point[f]].room;
+  for (size_t p = 0; p < points.count(); ++p) {
     if (zone[p].place.is_far_off || zone[p].share < -1e-4f) continue;
     const float near = eased(zone[p].share, 1.15f, 0.6f);
-    normal_[p] = unit(glm::mix(normal_[p], zone[p].place.support, near));
+    points.normal[p] = unit(glm::mix(points.normal[p], zone[p].place.support, near));
   }
+  return fronts;
 }
 
-float SnowSurface::inland_height(size_t front, const std::vector<float>& height) const {
-  float inland = 0.0f;
-  for (int k = 0; k < 4; ++k) {
-    inland += front_weight_[front][k] * std::max(height[front_inland_[front][k]], 0.0f);
-  }
-  return inland;
-}
-
-float SnowSurface::presence(size_t front, float inland) const {
-  const SnowFront& at = front_[front];
-  // Snow thinner than a bevel lies on it.
-  const float own = at.bevel > 0.0f
-                        ? at.presence * eased(inland, kBare * at.bevel, kCovered * at.bevel)
-                        : at.presence;
-  return own > 0.0f ? std::max(own, bridged_part(front_[front], style_, inland)) : 0.0f;
-}
-
-void SnowSurface::find_presence(const SurfacePlan& plan, const std::vector<float>& last) {
-  SurfaceFrame frame;
-  frame.height = last.data();
-  frame.open_depth = plan.density.depth;
-  const Heights last_heights = heights(frame, normal_);
+void find_presence(Fronts& fronts, const SurfacePoints& points, const HeightSamples& samples,
+                   const std::vector<float>& thickness, const std::vector<float>& shown,
+                   float depth) {
   // Snow on a narrow top lies as a dome after sliding. Upright fronts would hold more snow than the
   // map has.
-  const float depth = plan.density.depth;
   const auto foot_of = [&](size_t f) {
-    const SnowFront& front = front_[f];
-    return mesh_.position[front_point_[f]] + front.outward * (front.distance + front.below) -
+    const SnowFront& front = fronts.front[f];
+    return points.mesh.position[fronts.point[f]] + front.outward * (front.distance + front.below) -
            front.down * front.below;
   };
   std::vector<CellGrid::Box> boxes;
   std::vector<size_t> supports;
-  for (size_t f = 0; f < front_.size(); ++f) {
-    if (front_[f].distance < 0.0f) continue;
+  for (size_t f = 0; f < fronts.front.size(); ++f) {
+    if (fronts.front[f].distance < 0.0f) continue;
     const glm::vec3 foot = foot_of(f);
     boxes.push_back({foot, foot});
     supports.push_back(f);
   }
   const CellGrid grid(boxes, kFullnessReach * depth);
-  base::for_each_item(front_.size(), 64, [&](size_t f) {
-    SnowFront& front = front_[f];
-    const float full = std::clamp(1.5f * room_[f], 0.05f * depth, depth);
+  base::for_each_item(fronts.front.size(), 64, [&](size_t f) {
+    SnowFront& front = fronts.front[f];
+    const float full = std::clamp(1.5f * fronts.room[f], 0.05f * depth, depth);
     // A front needs snow behind the rim in the last frame.
-    front.presence *= eased(inland_height(f, last_heights.shown), 0.06f * full, 0.3f * full);
+    front.presence *= eased(fronts.inland_height(f, shown), 0.06f * full, 0.3f * full);
     if (front.presence <= 0.0f) return;
     const glm::vec3 foot = foot_of(f);
     const float reach = kFullnessReach * depth;
     float held = 0.0f, upright = 0.0f;
     grid.visit(foot - reach, foot + reach, [&](int32_t i) {
       const size_t other = supports[i];
-      const auto q = static_cast<size_t>(front_point_[other]);
+      const auto q = static_cast<size_t>(fronts.point[other]);
       if (glm::distance(boxes[i].low, foot) > reach) return;
-      held += area_[q] * last_heights.thickness[q];
-      upright += area_[q] * inland_height(other, last_heights.thickness);
+      held += samples.area[q] * thickness[q];
+      upright += samples.area[q] * fronts.inland_height(other, thickness);
     });
     if (upright <= 0.0f) return;
     const float fullness = std::clamp(held / upright, 0.0f, 0.999f);
-    const float wide = eased(room_[f], kNarrowFront * depth, kWideFront * depth);
+    const float wide = eased(fronts.room[f], kNarrowFront * depth, kWideFront * depth);
     const float more = glm::mix(kMoreSnow, kMoreOnWide, wide);
     front.presence *= std::min(more * fullness / (1.0f - fullness), 1.0f);
   });
-  smooth_presence();
-}
-
-void SnowSurface::smooth_presence() {
-  std::vector<int32_t> front_of(lying_points(), -1);
-  for (size_t f = 0; f < front_.size(); ++f) front_of[front_point_[f]] = static_cast<int32_t>(f);
-  constexpr int kRounds = 8;
-  std::vector<float> before(front_.size());
-  for (int round = 0; round < kRounds; ++round) {
-    for (size_t f = 0; f < front_.size(); ++f) before[f] = front_[f].presence;
-    base::for_each_item(front_.size(), 256, [&](size_t f) {
-      const auto p = static_cast<size_t>(front_point_[f]);
-      float sum = before[f];
-      float count = 1.0f;
-      for (int32_t i = neighbour_begin_[p]; i < neighbour_begin_[p + 1]; ++i) {
-        const int32_t other = front_of[neighbour_[i]];
-        if (other < 0) continue;
-        sum += before[other];
-        count += 1.0f;
-      }
-      front_[f].presence = sum / count;
-    });
-  }
+  smooth_presence(fronts, samples);
 }
 
 }  // namespace snowbough::snow
