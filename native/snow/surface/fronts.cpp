@@ -59,19 +59,23 @@ void smooth_presence(Fronts& fronts, const HeightSamples& samples) {
 
 }  // namespace
 
-float Fronts::inland_height(size_t number, const std::vector<float>& height) const {
-  float mean = 0.0f;
-  for (int k = 0; k < 4; ++k) {
-    mean += weight[number][k] * std::max(height[inland[number][k]], 0.0f);
-  }
-  return mean;
+shared::SnowBehind Fronts::behind(size_t number, const std::vector<float>& height) const {
+  const auto mean = [&](const Inland& at) {
+    float sum = 0.0f;
+    for (int k = 0; k < 4; ++k) sum += at.weight[k] * std::max(height[at.point[k]], 0.0f);
+    return sum;
+  };
+  const bool may_bridge = front[number].bridged > 0.0f;
+  return {mean(inland[number]), may_bridge ? mean(across[number]) : 0.0f};
 }
 
-float Fronts::presence(size_t number, const shared::SnowStyle& style, float behind) const {
+float Fronts::presence(size_t number, const shared::SnowStyle& style,
+                       const shared::SnowBehind& behind) const {
   const SnowFront& at = front[number];
   // Snow thinner than a bevel lies on it.
-  const float covers =
-      at.bevel > 0.0f ? eased(behind, kBareBevel * at.bevel, kCoveredBevel * at.bevel) : 1.0f;
+  const float covers = at.bevel > 0.0f
+                           ? eased(behind.inland, kBareBevel * at.bevel, kCoveredBevel * at.bevel)
+                           : 1.0f;
   const float own = at.presence * covers;
   return own > 0.0f ? std::max(own, bridged_part(at, style, behind)) : 0.0f;
 }
@@ -97,7 +101,35 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zon
   }
   fronts.front.resize(fronts.point.size());
   fronts.inland.resize(fronts.front.size());
-  fronts.weight.resize(fronts.front.size());
+  fronts.across.resize(fronts.front.size());
+  // The points inland that are nearest to a place; the point itself if there are none.
+  const auto inland_at = [&](const glm::vec3& place, size_t own, float farthest) {
+    struct Found {
+      float distance;
+      int32_t point;
+    };
+    thread_local std::vector<Found> found;
+    found.clear();
+    for (float reach = 0.15f * depth; reach < farthest && found.size() < 4; reach *= 1.7f) {
+      found.clear();
+      grid.visit(place - reach, place + reach, [&](int32_t i) {
+        const int32_t q = inland[i];
+        const float distance = glm::distance(points.mesh.position[q], place);
+        if (distance < reach) found.push_back({distance, q});
+      });
+    }
+    std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
+      return a.distance != b.distance ? a.distance < b.distance : a.point < b.point;
+    });
+    Fronts::Inland at{glm::ivec4(static_cast<int32_t>(own)), glm::vec4(0.0f)};
+    for (int k = 0; k < 4 && k < static_cast<int>(found.size()); ++k) {
+      at.point[k] = found[k].point;
+      at.weight[k] = 1.0f / (found[k].distance + 0.025f * depth);
+    }
+    if (found.empty()) at.weight[0] = 1.0f;
+    at.weight /= at.weight.x + at.weight.y + at.weight.z + at.weight.w;
+    return at;
+  };
   base::for_each_item(fronts.front.size(), 64, [&](size_t f) {
     const auto p = static_cast<size_t>(fronts.point[f]);
     const RimZones::Zone& here = zone[p];
@@ -127,35 +159,16 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zon
     front.half_gap = 0.5f * opposite.gap + 0.0005f;
     front.half_step = 0.5f * opposite.step;
 
-    const glm::vec3 behind = here.place.foot - here.place.out * (here.support * 1.02f);
-    struct Found {
-      float distance;
-      int32_t point;
-    };
-    std::vector<Found> found;
     // The tip of a needle counts as a rim but is too small for a front.
     front.presence = eased(here.room / depth, 0.03f, 0.09f);
     const float farthest = front.presence > 0.0f ? 3.0f * depth : 0.0f;
-    for (float reach = 0.15f * depth; reach < farthest && found.size() < 4; reach *= 1.7f) {
-      found.clear();
-      grid.visit(behind - reach, behind + reach, [&](int32_t i) {
-        const int32_t q = inland[i];
-        const float distance = glm::distance(points.mesh.position[q], behind);
-        if (distance < reach) found.push_back({distance, q});
-      });
+    const glm::vec3 behind = here.place.foot - here.place.out * (here.support * 1.02f);
+    fronts.inland[f] = inland_at(behind, p, farthest);
+    if (front.bridged > 0.0f) {
+      const glm::vec3 across = here.place.foot + glm::vec3(0.0f, 0.0f, opposite.step) +
+                               here.place.level_out * (opposite.gap + here.support * 1.02f);
+      fronts.across[f] = inland_at(across, p, farthest);
     }
-    std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
-      return a.distance != b.distance ? a.distance < b.distance : a.point < b.point;
-    });
-    glm::ivec4 point(static_cast<int32_t>(p));
-    glm::vec4 weight(0.0f);
-    for (int k = 0; k < 4 && k < static_cast<int>(found.size()); ++k) {
-      point[k] = found[k].point;
-      weight[k] = 1.0f / (found[k].distance + 0.025f * depth);
-    }
-    if (found.empty()) weight[0] = 1.0f;
-    fronts.inland[f] = point;
-    fronts.weight[f] = weight / (weight.x + weight.y + weight.z + weight.w);
   });
   fronts.room.resize(fronts.front.size());
   for (size_t f = 0; f < fronts.front.size(); ++f) fronts.room[f] = zone[fronts.point[f]].room;
@@ -190,7 +203,7 @@ void find_presence(Fronts& fronts, const SurfacePoints& points, const HeightSamp
     SnowFront& front = fronts.front[f];
     const float full = std::clamp(1.5f * fronts.room[f], 0.05f * depth, depth);
     // A front needs snow behind the rim in the last frame.
-    front.presence *= eased(fronts.inland_height(f, shown), 0.06f * full, 0.3f * full);
+    front.presence *= eased(fronts.behind(f, shown).inland, 0.06f * full, 0.3f * full);
     if (front.presence <= 0.0f) return;
     const glm::vec3 foot = foot_of(f);
     const float reach = kFullnessReach * depth;
@@ -200,7 +213,7 @@ void find_presence(Fronts& fronts, const SurfacePoints& points, const HeightSamp
       const auto q = static_cast<size_t>(fronts.point[other]);
       if (glm::distance(boxes[i].low, foot) > reach) return;
       held += samples.area[q] * thickness[q];
-      upright += samples.area[q] * fronts.inland_height(other, thickness);
+      upright += samples.area[q] * fronts.behind(other, thickness).inland;
     });
     if (upright <= 0.0f) return;
     const float fullness = std::clamp(held / upright, 0.0f, 0.999f);

@@ -20,16 +20,21 @@ struct Fronts {
   std::vector<shared::SnowFront> front;
   /// Distance from the rim to the middle of the top, in metres.
   std::vector<float> room;
-  /// Four points behind the rim, and their weights.
-  std::vector<glm::ivec4> inland;
-  std::vector<glm::vec4> weight;
+  /// Points behind the rim, and behind the rim across the gap, which give the height there.
+  struct Inland {
+    glm::ivec4 point{0};
+    glm::vec4 weight{0.0f};
+  };
+  std::vector<Inland> inland;
+  std::vector<Inland> across;
 
   size_t count() const { return point.size(); }
-  /// Mean height behind the rim of a front; bare points count as 0.
-  float inland_height(size_t number, const std::vector<float>& height) const;
-  /// Share of a front's shape in the surface, 0 to 1, with `behind` metres of snow behind its rim.
-  /// A bridge is a front as a whole: it holds the snow that the map has in the gap.
-  float presence(size_t number, const shared::SnowStyle& style, float behind) const;
+  /// Mean heights behind the rims; bare points count as 0.
+  shared::SnowBehind behind(size_t number, const std::vector<float>& height) const;
+  /// Share of a front's shape in the surface, 0 to 1. A bridge is a front as a whole: it holds the
+  /// snow that the map has in the gap.
+  float presence(size_t number, const shared::SnowStyle& style,
+                 const shared::SnowBehind& behind) const;
 };
 
 /// All but the presence, which depends on the snow. Sets the normals of points near rims to those

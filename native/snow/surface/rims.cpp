@@ -31,6 +31,10 @@ float eased(float x, float from, float to) {
   return t * t * (3.0f - 2.0f * t);
 }
 
+glm::vec3 level(const glm::vec3& v) {
+  return unit(glm::vec3(v.x, v.y, 0.0f));
+}
+
 glm::vec3 nearest_on(const Rim& rim, const glm::vec3& point) {
   const glm::vec3 along = rim.to - rim.from;
   const float share = glm::dot(point - rim.from, along) / glm::dot(along, along);
@@ -158,6 +162,7 @@ RimPlace Rims::place(const glm::vec3& point, const glm::vec3& normal, int32_t pa
   const Rim& first = rims_[seen.front().rim];
   const bool on_support = seen.front().beside.off >= 0.0f;
   float sum = 0.0f;
+  size_t counted = 0;
   for (const Seen& one : seen) {
     if (one.beside.distance > nearest + kBlendRange * softness) break;
     const Rim& rim = rims_[one.rim];
@@ -171,8 +176,12 @@ RimPlace Rims::place(const glm::vec3& point, const glm::vec3& normal, int32_t pa
     place.support += weight * rim.support;
     place.far_extent += weight * rim.far_extent;
     place.strip += weight * (rim.strip_out + rim.strip_down);
+    if (counted < place.parts.size()) place.parts[counted++] = {one.rim, weight, one.foot};
     sum += weight;
   }
+  float weights = 0.0f;
+  for (const RimPlace::Part& one : place.parts) weights += one.weight;
+  for (RimPlace::Part& one : place.parts) one.weight /= weights;
   place.is_far_off = false;
   place.distance = seen.front().beside.off;
   place.below = seen.front().beside.below;
@@ -216,17 +225,42 @@ float Rims::room(const RimPlace& place, int32_t part, float most) const {
 }
 
 Rims::Opposite Rims::opposite(const RimPlace& place, float most) const {
+  constexpr float kLeastPart = 0.05f;
+  constexpr float kLeastAlong = 0.6f;
+  Opposite mean;
+  float near = 0.0f;
+  for (const RimPlace::Part& part : place.parts) {
+    if (part.weight < kLeastPart) continue;
+    const Rim& rim = rims_[part.rim];
+    const Opposite one = opposite_of(rim, part.foot, most);
+    if (one.nearness <= 0.0f) continue;
+    const float weight = part.weight * one.nearness;
+    const float along = std::max(glm::dot(place.level_out, level(rim.out)), kLeastAlong);
+    mean.nearness += weight;
+    mean.gap += weight * one.gap / along;
+    mean.step += weight * one.step;
+    near += weight;
+  }
+  if (near > 0.0f) {
+    mean.gap /= near;
+    mean.step /= near;
+  }
+  return mean;
+}
+
+Rims::Opposite Rims::opposite_of(const Rim& own, const glm::vec3& foot, float most) const {
   Opposite found;
   float best = 0.0f;
+  const glm::vec3 level_out = level(own.out);
   const glm::vec3 around(most);
-  grid_.visit(place.foot - around, place.foot + around, [&](int32_t number) {
+  grid_.visit(foot - around, foot + around, [&](int32_t number) {
     const Rim& rim = rims_[number];
-    const float against = -glm::dot(rim.out, place.out);
+    const float against = -glm::dot(rim.out, own.out);
     if (against < 0.5f) return;
-    const glm::vec3 across = nearest_on(rim, place.foot) - place.foot;
-    const float gap = glm::dot(across, place.level_out);
+    const glm::vec3 across = nearest_on(rim, foot) - foot;
+    const float gap = glm::dot(across, level_out);
     if (gap < 0.0f || gap >= most) return;
-    const float aside = glm::length(glm::vec3(across.x, across.y, 0.0f) - gap * place.level_out);
+    const float aside = glm::length(glm::vec3(across.x, across.y, 0.0f) - gap * level_out);
     // Each factor falls off gradually, so that bridges do not end abruptly.
     const float nearness = eased(aside, 0.5f * most, 0.1f * most) *
                            eased(std::abs(across.z), most, 0.4f * most) *

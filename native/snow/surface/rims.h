@@ -52,6 +52,13 @@ struct RimPlace {
   glm::vec3 out{0.0f}, level_out{0.0f}, down{0.0f}, foot{0.0f}, support{0.0f};
   bool has_far = false;
   float far_extent = 0.0f;
+  /// The rims of which the place is the mean: the nearest ones, with weights that sum to 1.
+  struct Part {
+    int32_t rim = 0;
+    float weight = 0.0f;
+    glm::vec3 foot{0.0f};
+  };
+  std::array<Part, 3> parts{};
 };
 
 /// The rims of a mesh in one pose.
@@ -93,10 +100,12 @@ class Rims {
     /// Height of the other rim above this one, in metres.
     float step = 0.0f;
   };
-  /// The nearest rim of any part opposite to `place.foot`, over a gap of at most `most` metres.
+  /// The nearest rims of any part opposite to the place's own rims, over gaps of at most `most`
+  /// metres: the mean over its rims. The gap is measured along `place.level_out`.
   Opposite opposite(const RimPlace& place, float most) const;
 
  private:
+  Opposite opposite_of(const Rim& rim, const glm::vec3& foot, float most) const;
   /// Calls visit(index) for the rims of a part that may lie within `reach_` of a point. It may
   /// visit a rim more than once.
   template <typename Visit>

@@ -59,11 +59,11 @@ std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& styl
     for (size_t f = begin; f < end; ++f) {
       const auto p = static_cast<size_t>(fronts.point[f]);
       const SnowFront& front = fronts.front[f];
-      const float inland = fronts.inland_height(f, heights.shown);
-      const glm::vec3 drawn =
-          front_offset(front, style, inland * 0.94f, points.normal[p], heights.shown[p],
-                       looks.point[p].bumps, std::min(kSink, looks.point[p].deepest));
-      offsets[p] = glm::mix(offsets[p], drawn, fronts.presence(f, style, inland));
+      const SnowBehind behind = fronts.behind(f, heights.shown);
+      const glm::vec3 drawn = front_offset(
+          front, style, {behind.inland * 0.94f, behind.across * 0.94f}, points.normal[p],
+          heights.shown[p], looks.point[p].bumps, std::min(kSink, looks.point[p].deepest));
+      offsets[p] = glm::mix(offsets[p], drawn, fronts.presence(f, style, behind));
     }
   });
   return offsets;
@@ -108,9 +108,9 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
   for (size_t f = 0; f < fronts.count(); ++f) {
     if (fronts.front[f].distance < 0.0f) continue;
     const auto p = static_cast<size_t>(fronts.point[f]);
-    const float inland = fronts.inland_height(f, heights.shown);
-    const float more = kUpright * inland - std::max(heights.shown[p], 0.0f);
-    volume.y += static_cast<double>(samples.area[p] * fronts.presence(f, style, inland) * more);
+    const SnowBehind behind = fronts.behind(f, heights.shown);
+    const float more = kUpright * behind.inland - std::max(heights.shown[p], 0.0f);
+    volume.y += static_cast<double>(samples.area[p] * fronts.presence(f, style, behind) * more);
   }
   const float factor = volume.y > 0.0 ? std::clamp(static_cast<float>(volume.x / volume.y),
                                                    kLeastFactor, kMostFactor)
