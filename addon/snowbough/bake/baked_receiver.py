@@ -2,7 +2,7 @@
 """A receiver of a bake: its size, its settings, its manifest and its checkpoints. No ``bpy``."""
 
 import contextlib
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +28,7 @@ from ..scene.uv_overlap import outside_share
 from ..surface.compute import damaged as damaged_surface
 from ..surface.compute import update as update_surface
 from ..surface.recording import ReceiverRecorder
+from ..surface.style import WantedPoints
 from . import plan
 
 # How snow is deposited. A bake is only resumed with the same method; the first one (scattering) stored no name.
@@ -54,8 +55,8 @@ class BakedReceiver:
     """cache.lock.FolderLock of the folder; required for writing."""
     frames: list = field(default_factory=list)
     covered: Coverage = None
-    share: float = 1.0
-    """Its share of the surface points of the scene, 0 to 1."""
+    wanted: WantedPoints = WantedPoints()
+    """Its part in the surface points of the scene."""
     recorder: ReceiverRecorder = None
     """Records its poses if the bake ends with a surface."""
 
@@ -119,7 +120,7 @@ class BakedReceiver:
             "cache": self.cache,
             "hash": digest(own),
             "settings": own,
-            "share": self.share,
+            "wanted": astuple(self.wanted),
         }
 
     def write_manifest(self, shot, complete):

@@ -31,6 +31,7 @@ from ..cache.lock import drop_dead_lock, lock_folder
 from ..cache.versions import is_finished
 from ..scene.tracker import SceneTracker
 from ..surface.side_by_side import run_side_by_side
+from ..surface.style import WantedPoints, shared_out
 from . import memory, plan, resuming, simulation
 from .choice import choose_receivers, complete_pose
 from .frames import FrameBaker, FrameWork
@@ -204,8 +205,9 @@ class BakeJob:
             for key, obj in pose.known.items()
             if obj.receives and obj.receiver.surface is not None
         }
+        shares = shared_out(wanted)
         for receiver in self.receivers:
-            receiver.share = wanted.get(receiver.key, 0.0) / max(sum(wanted.values()), 1.0)
+            receiver.wanted = shares.get(receiver.key, WantedPoints())
         sizes = [
             memory.MapSize(own.resolution, len(pose.known[own.key].topology.triangles))
             for own in [*self.receivers, *self.others]

@@ -109,6 +109,7 @@ def _make_one(scene, member):
     )
     obj = bpy.data.objects.new(name, mesh)
     obj.snowbough.is_shell = True
+    obj.snowbough.is_coarsened = summary.get("coarsened", False)
     obj.snowbough.occlude = False
     obj.parent = member.parent
     obj.lock_location = obj.lock_rotation = obj.lock_scale = (True,) * 3
@@ -207,6 +208,15 @@ def freeze(scene, receiver, depsgraph):
     if temporary:
         remove(receiver)
     return frozen
+
+
+def coarsened(scene):
+    """Names of the receivers whose surfaces had too few points for their hems."""
+    return [
+        receiver.object.name
+        for receiver in scene.snowbough.receivers
+        if receiver.object is not None and any(obj.snowbough.is_coarsened for obj in find(receiver))
+    ]
 
 
 def folders(scene):

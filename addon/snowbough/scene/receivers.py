@@ -7,7 +7,7 @@ from dataclasses import replace
 from mathutils import Vector
 
 from ..base.names import MAX_RESOLUTION, SNOW_RESOLUTION_PROPERTY, SNOW_UV, counted
-from ..surface.style import SurfaceStyle
+from ..surface.style import SLIDERS, SurfaceStyle
 from . import uv_maps
 from .libraries import library_name
 from .pose import ReceiverSpec
@@ -121,13 +121,8 @@ def surface_style(scene, entry):
         return None
     settings = scene.snowbough
     source = entry if entry.own_surface else settings
-    return SurfaceStyle(
-        settings.surface_detail,
-        source.surface_overhang,
-        source.surface_hem_variation,
-        source.surface_bridging,
-        source.surface_relief,
-    )
+    sliders = {name: getattr(source, f"surface_{name}") for name in SLIDERS}
+    return SurfaceStyle(settings.surface_detail, **sliders)
 
 
 def receiver_specs(scene, as_baked=False):

@@ -3,7 +3,7 @@
 
 Reads only the manifest, the maps, ``receiver.ply`` and ``positions.pc2``: no scene is evaluated and nothing is
 simulated. Writes ``surface.ply`` (faces), ``surface.pc2`` (points: one sample without snow, then one per frame) and
-``surface.json`` (the style and the counts).
+``surface.json`` (the style, the counts, and whether it lacks points).
 """
 
 import hashlib
@@ -19,6 +19,7 @@ from ..cache.manifest import read_manifest
 from ..cache.sealed import FORMAT, dict_of, read_sealed, whole, write_sealed
 from .mesh_file import FileMesh, read_mesh, write_mesh
 from .point_cache import PointCacheWriter, read_point_cache
+from .style import WantedPoints
 
 # Number of frames, besides the last, whose maps determine the snow-covered area. They are spread over the shot.
 LOOKED_AT = 8
@@ -28,6 +29,9 @@ MOST_KEPT_BYTES = 256 << 20
 AHEAD = 3
 # Tolerance within which a matrix counts as a rotation.
 SAME_SCALE = 1e-4
+
+# Hems that are coarser than the detail asks for by more than this factor are worth a word.
+COARSENED = 1.25
 
 _SHAPE = {"style": dict_of(lambda value: True), "first": whole, "frames": whole, "points": whole}
 
@@ -139,11 +143,16 @@ class Surface:
             max(max(entry["depth"] for entry in inputs.frames), 1e-4),
             shading=inputs.mesh.smooth,
             scale=style.scale,
-            most_points=style.most_points(inputs.manifest.get("share", 1.0)),
+            most_points=WantedPoints(*inputs.manifest.get("wanted", ())).most(style.detail),
             seed=seed_of(inputs.label),
             wind=inputs.wind(),
         )
         self.set_style(style)
+
+    @property
+    def is_coarsened(self):
+        """Whether its hems are clearly coarser than its detail, for lack of points."""
+        return self._native.coarsened > COARSENED
 
     def set_style(self, style):
         self.style = style
@@ -223,6 +232,7 @@ def update(native, folder, style, progress=lambda share: True, check=lambda: Non
                 "first": inputs.first,
                 "frames": count,
                 "points": len(mesh.positions),
+                "coarsened": surface.is_coarsened,
                 "checksums": integrity.checksums_of(folder, (SURFACE_FACES, SURFACE_POINTS)),
             },
         )
@@ -239,6 +249,7 @@ def damaged(folder):
 
 
 def read_summary(folder):
-    """{style, first, frames, points} of the surface in a folder, or None. Raises CacheError for a damaged file."""
+    """{style, first, frames, points, coarsened} of the surface in a folder, or None. Raises CacheError for a damaged
+    file."""
     shapes = {FORMAT: _SHAPE}
     return read_sealed(Path(folder) / SURFACE, "Use Update Surface", shapes.get)
