@@ -6,6 +6,7 @@ Unless a test says otherwise, 0.1 m of snow falls straight down in frames 1 to 4
 
 import os
 import subprocess
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -542,6 +543,88 @@ def test_libraries_of_one_name_are_told_apart_by_their_folders(tmp_path, addon):
     stored_name = addon("scene.libraries").stored_name
     stored = ("", "//../props.blend", "C:\\lib\\props.blend", "/lib/props.blend", "chairs/props.blend")
     assert [stored_name(path) for path in stored] == ["", *["props.blend"] * 3, "chairs/props.blend"]
+
+
+# -- several scenes ---------------------------------------------------------------------------------------------
+
+
+def new_scene(kind):
+    """A copy of the current scene by Scene > New, which becomes the current one."""
+    bpy.ops.scene.new(type=kind)
+    return bpy.context.window.scene
+
+
+def surfaces_in(scene):
+    return {obj for obj in scene.objects if obj.snowbough.is_shell}
+
+
+def shown_folder(surface):
+    return Path(bpy.path.abspath(surface.modifiers[0].filepath)).parent
+
+
+@pytest.mark.parametrize("in_collection", [False, True])
+@pytest.mark.parametrize("kind", ["FULL_COPY", "LINK_COPY"])
+def test_a_bake_in_a_copy_of_a_scene_leaves_the_first_one_its_surface(tmp_path, kind, in_collection):
+    """The copy has twice as much snow."""
+    first, ground = bpy.context.scene, s.square("Ground")
+    if in_collection:
+        collection = bpy.data.collections.new("Set")
+        first.collection.children.link(collection)
+        collection.objects.link(ground)
+        first.collection.objects.unlink(ground)
+    (surface,) = bake_surfaces(tmp_path / "cache", ground)
+    folder = shown_folder(surface)
+    copy = new_scene(kind)
+    assert len(surfaces_in(copy)) == 1  # it shows the same snow until it bakes
+    copy.snowbough.end_depth = 0.2
+    s.bake()
+    assert surfaces_in(first) == {surface} and shown_folder(surface) == folder
+    (own,) = surfaces_in(copy)
+    assert own != surface and shown_folder(own) != folder
+    assert own.active_material != surface.active_material
+    assert level(points_at(own, 4)) == pytest.approx(0.2, rel=0.05)
+    bpy.context.window.scene = first
+    assert level(points_at(surface, 4)) == pytest.approx(0.1, rel=0.02)
+    s.bake()
+    (again,) = surfaces_in(first)
+    assert surfaces_in(copy) == {own} and level(points_at(again, 4)) == pytest.approx(0.1, rel=0.02)
+
+
+def test_two_scenes_that_share_a_receiver_have_a_surface_each(tmp_path):
+    first, ground = bpy.context.scene, s.square("Ground")
+    (surface,) = bake_surfaces(tmp_path / "cache", ground)
+    other = new_scene("NEW")
+    other.collection.objects.link(ground)
+    (own,) = bake_surfaces(tmp_path / "cache", ground, end_depth=0.2) and surfaces_in(other)
+    assert surfaces_in(first) == {surface}
+    assert level(points_at(own, 4)) == pytest.approx(0.2, rel=0.05)
+    bpy.context.window.scene = first
+    assert level(points_at(surface, 4)) == pytest.approx(0.1, rel=0.02)
+    bpy.context.window.scene = other
+    bpy.ops.snowbough.remove()
+    assert surfaces_in(first) == {surface} and not surfaces_in(other)
+
+
+def test_a_shared_material_names_the_scene_whose_maps_it_shows(tmp_path, addon):
+    foreign = addon("result.snow_material").foreign_scene
+    first, ground = bpy.context.scene, s.square("Ground")
+    ground.data.materials.append(bpy.data.materials.new("Earth"))
+    s.receive(ground)
+    s.settings(tmp_path / "cache")
+    bpy.ops.snowbough.setup_displacement(mode="NONE")
+    s.bake()
+    other = new_scene("NEW")
+    other.collection.objects.link(ground)
+    s.receive(ground)
+    s.settings(tmp_path / "cache")
+    bpy.ops.snowbough.setup_displacement(mode="NONE")
+    s.bake()
+    assert foreign(first.snowbough.receivers[0]) == other.name
+    assert foreign(other.snowbough.receivers[0]) == ""
+    snow = [node for node in ground.active_material.node_tree.nodes if node.type == "GROUP"]
+    assert len(snow) == 1  # not snow on the snow of the other scene
+    bpy.ops.snowbough.remove()
+    assert [slot.material.name for slot in ground.material_slots] == ["Earth"]
 
 
 # -- view layers ------------------------------------------------------------------------------------------------
