@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 import pytest
 import snow_scene as s
-from surface_scene import bake_surfaces, inner, points_at
+from surface_scene import bake_surfaces, box, inner, points_at
 
 QUARTER = 0.025
 
@@ -189,6 +189,64 @@ def test_the_check_names_the_frames_on_which_a_receiver_is_hidden(addon, tmp_pat
     found = issues(addon, "INFO")
     assert "'Roof' is hidden, or its scale is 0, in frames 2-3" in found
     assert "'Ground' is hidden, or its scale is 0, in frames 4" in found
+
+
+# -- mirrored receivers -----------------------------------------------------------------------------------------
+
+
+def mirrored_itself(obj):
+    obj.scale = (1.0, 1.0, -1.0)
+    return obj
+
+
+def mirrored_by_parent(obj):
+    """The parent shears it, too."""
+    parent = bpy.data.objects.new("Parent", None)
+    bpy.context.scene.collection.objects.link(parent)
+    parent.scale, obj.rotation_euler = (-1.0, 1.0, 1.5), (0.0, 0.0, 0.4)
+    obj.parent = parent
+    return obj
+
+
+def mirrored_by_instancer(obj):
+    collection = bpy.data.collections.new("Set")
+    collection.objects.link(obj)
+    bpy.context.scene.collection.objects.unlink(obj)
+    empty = bpy.data.objects.new("Empty", None)
+    empty.instance_type, empty.instance_collection, empty.scale = "COLLECTION", collection, (1.0, -1.0, 1.0)
+    bpy.context.scene.collection.objects.link(empty)
+    return empty
+
+
+def upward_share(surface):
+    """Share of the faces on level snow whose outside faces up, as renderers see it: a mirroring matrix turns the order
+    of corners around."""
+    evaluated = surface.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    matrix = evaluated.matrix_world
+    sign = -1.0 if matrix.determinant() < 0 else 1.0
+    places = [matrix @ vertex.co for vertex in evaluated.data.vertices]
+    up = []
+    for polygon in evaluated.data.polygons:
+        a, b, c = (places[index] for index in list(polygon.vertices)[:3])
+        if max(abs(a.x), abs(a.y)) < 0.5:
+            up.append(sign * (b - a).cross(c - a).z > 0)
+    return np.mean(up)
+
+
+@pytest.mark.parametrize("mirror", [mirrored_itself, mirrored_by_parent, mirrored_by_instancer])
+def test_the_faces_of_a_mirrored_receivers_surface_look_outwards(tmp_path, mirror):
+    obj = mirror(box("Thing", 2.0, z=-1.0))
+    receiver = obj if obj.type == "MESH" else obj.instance_collection.objects[0]
+    s.receive(obj)
+    s.settings(tmp_path / "cache")
+    bpy.context.view_layer.update()
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    s.bake()
+    surface = bpy.data.objects[f"{receiver.name} Snow"]
+    bpy.context.scene.frame_set(4)
+    assert upward_share(surface) == 1.0
+    bpy.ops.snowbough.apply_at_frame()
+    assert upward_share(bpy.data.objects[f"{surface.name} 0004"]) == 1.0
 
 
 # -- what frame handlers change -------------------------------------------------------------------------------

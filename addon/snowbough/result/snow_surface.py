@@ -248,6 +248,8 @@ def freeze(scene, receiver, depsgraph):
         mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
         mesh.name = name
         mesh.transform(evaluated.matrix_world)
+        if evaluated.matrix_world.determinant() < 0:
+            mesh.flip_normals()
         plain = bpy.data.objects.new(name, mesh)
         for collection in surface.users_collection:
             collection.objects.link(plain)
