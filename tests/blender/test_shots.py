@@ -342,10 +342,10 @@ def test_a_roof_with_animated_mesh_data_whose_vertices_a_handler_reorders_stays_
 
     def reorder(scene, *_):
         mesh = bpy.data.meshes["Roof"]
-        if scene.frame_current == 3 and tuple(mesh.vertices[1].co) == points[1]:
-            mesh.clear_geometry()
-            faces = [[order.index(corner) for corner in face] for face in ((0, 1, 2, 3), (4, 5, 6, 7))]
-            mesh.from_pydata([points[index] for index in order], [], faces)
+        if scene.frame_current == 3:
+            mesh.vertices.foreach_set("co", np.array([points[index] for index in order], np.float32).ravel())
+            mesh.loops.foreach_set("vertex_index", [order.index(corner) for corner in range(8)])
+            mesh.update(calc_edges=True)
 
     bpy.app.handlers.frame_change_pre.append(reorder)
     s.receive(s.square("Ground"))

@@ -7,21 +7,10 @@ them, so that saving the file does not lose them.
 
 import json
 
-import bpy
-
 
 def read(receiver):
     """The record of a receiver, a dict; empty if nothing was changed."""
     return json.loads(receiver.restore) if receiver.restore else {}
-
-
-def read_other(receiver):
-    """The record of the same object in another scene that has changed its materials; empty if there is none."""
-    for scene in bpy.data.scenes:
-        for other in scene.snowbough.receivers:
-            if scene != receiver.id_data.original and other.object == receiver.object and "slots" in read(other):
-                return read(other)
-    return {}
 
 
 def write(receiver, record):

@@ -200,14 +200,24 @@ def _snowy_copy(obj, original):
     return material
 
 
+def _record_elsewhere(receiver):
+    """The record of the same object in another scene that has changed its materials; empty if there is none."""
+    for scene in bpy.data.scenes:
+        for other in scene.snowbough.receivers:
+            record = original_state.read(other)
+            if scene != receiver.id_data.original and other.object == receiver.object and "slots" in record:
+                return record
+    return {}
+
+
 def _note_slots(receiver, record):
     """Records the object's slots, once, and keeps their materials from being lost. Adds a slot if there is none. If
     another scene has added snow to the object, its record is the one."""
     obj = receiver.object
     if "slots" in record:
         return
-    shared = original_state.read_other(receiver)
-    if "slots" in shared:
+    shared = _record_elsewhere(receiver)
+    if shared:
         record.update({name: shared[name] for name in ("slots", "added_slot", "copies") if name in shared})
         return
     record["added_slot"] = not obj.material_slots
