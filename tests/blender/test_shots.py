@@ -734,3 +734,124 @@ def test_a_receiver_in_no_rendered_layer_is_named(tmp_path, addon):
     effects.use = False
     s.receive(bpy.data.objects["Roof"])
     assert "'Roof' is in no collection that a view layer renders" in issues(addon, "WARNING")
+
+
+# -- ways to move and to deform ---------------------------------------------------------------------------------
+
+# Each moves a level square of 2 m and returns {frame: its height}.
+
+
+def sheared(cart):
+    """A parent that is scaled unevenly and turned shears a square that stays level."""
+    parent = bpy.data.objects.new("Parent", None)
+    bpy.context.scene.collection.objects.link(parent)
+    parent.scale, cart.rotation_euler = (2.0, 0.5, 1.0), (0.0, 0.0, 0.6)
+    cart.parent = parent
+    s.key(parent, "location", (1, (0.0, 0.0, 0.0)), (4, (0.0, 0.0, 0.9)))
+    return {1: 0.0, 4: 0.9}
+
+
+def by_shape_key(cart):
+    cart.shape_key_add(name="Basis")
+    up = cart.shape_key_add(name="Up")
+    for vertex in up.data:
+        vertex.co.z += 0.5
+    s.key(up, "value", (1, 0.0), (4, 1.0))
+    return {1: 0.0, 4: 0.5}
+
+
+def by_a_driven_bone(cart):
+    """A driver lifts the only bone by a tenth of the frame."""
+    rig = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
+    bpy.context.scene.collection.objects.link(rig)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    bone = rig.data.edit_bones.new("Bone")
+    bone.head, bone.tail = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)  # its Y points up
+    bpy.ops.object.mode_set(mode="OBJECT")
+    rig.pose.bones["Bone"].driver_add("location", 1).driver.expression = "frame / 10"
+    cart.vertex_groups.new(name="Bone").add(range(4), 1.0, "REPLACE")
+    cart.modifiers.new("Armature", "ARMATURE").object = rig
+    return {1: 0.1, 4: 0.4}
+
+
+def by_a_path(cart):
+    """The path rises by 3 m in 3 frames."""
+    curve = bpy.data.curves.new("Path", "CURVE")
+    curve.dimensions, curve.use_path, curve.path_duration = "3D", True, 100
+    line = curve.splines.new("POLY")
+    line.points.add(1)
+    line.points[0].co, line.points[1].co = (0.0, 0.0, 0.0, 1.0), (3.0, 0.0, 3.0, 1.0)
+    path = bpy.data.objects.new("Path", curve)
+    bpy.context.scene.collection.objects.link(path)
+    follow = cart.constraints.new("FOLLOW_PATH")
+    follow.target, follow.use_fixed_location = path, True
+    s.key(follow, "offset_factor", (1, 0.0), (4, 1.0))
+    return {1: 0.0, 4: 3.0}
+
+
+def by_geometry_nodes(cart):
+    """Set Position lifts it by 0.3 m; the faces stay."""
+    tree, begin, end = s.node_tree()
+    lift = tree.nodes.new("GeometryNodeSetPosition")
+    lift.inputs["Offset"].default_value = (0.0, 0.0, 0.3)
+    tree.links.new(begin.outputs[0], lift.inputs["Geometry"])
+    tree.links.new(lift.outputs[0], end.inputs[0])
+    cart.modifiers.new("Nodes", "NODES").node_group = tree
+    return {1: 0.3, 4: 0.3}
+
+
+def by_animated_scale(cart):
+    """From 1 to 3 in the plane; the depth of snow stays in metres."""
+    s.key(cart, "scale", (1, (1.0, 1.0, 1.0)), (4, (3.0, 2.0, 1.0)))
+    return {1: 0.0, 4: 0.0}
+
+
+WAYS = [sheared, by_shape_key, by_a_driven_bone, by_a_path, by_geometry_nodes, by_animated_scale]
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_snow_follows_its_receiver(tmp_path, way):
+    cart = s.square("Cart")
+    heights = way(cart)
+    (surface,) = bake_surfaces(tmp_path, cart)
+    for frame, height in heights.items():  # within a third of a frame's snow: it is lower near the sheared corners
+        assert level(points_at(surface, frame)) == pytest.approx(height + QUARTER * frame, abs=QUARTER / 3)
+
+
+def test_snow_follows_a_collection_that_an_empty_instances(tmp_path):
+    cart = s.square("Cart")
+    empty = mirrored_by_instancer(cart)
+    empty.scale = (1.0, 1.0, 1.0)
+    s.key(empty, "location", (1, (0.0, 0.0, 0.0)), (4, (0.0, 6.0, 1.2)))
+    s.receive(empty)
+    s.settings(tmp_path)
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    s.bake()
+    points = points_at(bpy.data.objects["Cart Snow"], 4)
+    assert level(points) == pytest.approx(1.3, abs=0.004) and points[:, 1].mean() == pytest.approx(6.0, abs=0.05)
+
+
+def test_snow_follows_a_linked_and_overridden_object(tmp_path):
+    write_library(tmp_path / "props.blend", "Rock")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    override = link(tmp_path / "props.blend", "Rock").override_create(remap_local_usages=True)
+    override.location.z = 2.0
+    (surface,) = bake_surfaces(tmp_path / "cache", override)
+    assert level(points_at(surface, 4)) == pytest.approx(2.1, abs=0.004)
+
+
+def test_a_shot_may_begin_at_frame_1001(tmp_path):
+    cart = s.square("Cart")
+    s.key(cart, "location", (1001, (0.0, 0.0, 0.0)), (1004, (0.0, 0.0, 3.0)))
+    (surface,) = bake_surfaces(tmp_path, cart, frames=(1001, 1004))
+    for frame, height in ((1001, 0.0), (1004, 3.0)):
+        assert level(points_at(surface, frame)) == pytest.approx(height + QUARTER * (frame - 1000), abs=0.004)
+
+
+@pytest.mark.parametrize("unit", [0.01, 10.0])
+def test_depth_is_in_metres_whatever_a_unit_is(tmp_path, unit):
+    """A square of 2 m."""
+    bpy.context.scene.unit_settings.scale_length = unit
+    (surface,) = bake_surfaces(tmp_path, s.square("Ground", 2.0 / unit))
+    assert level(points_at(surface, 4)) * unit == pytest.approx(0.1, rel=0.03)
