@@ -4,6 +4,7 @@
 Unless a test says otherwise, 0.1 m of snow falls straight down in frames 1 to 4, a quarter of it in each frame.
 """
 
+import json
 import os
 import subprocess
 from pathlib import Path
@@ -139,6 +140,37 @@ def test_a_receiver_may_pop_in_after_the_first_frame(tmp_path, ground_of, points
     assert ground_of("Ground") == quarters(1, 2, 2, 2)
     assert spread(points_in("Roof", 2)) == 0.0
     assert level(points_in("Roof", 4)) == pytest.approx(1.0 + 2 * QUARTER, abs=0.002)
+
+
+def test_a_receiver_may_grow_from_scale_0(tmp_path, native):
+    """Its map and texels are those of its full size: 2 m in 256 texels."""
+    cart = s.square("Cart")
+    s.key(cart, "scale", (1, (0.0,) * 3), (2, (0.01,) * 3), (3, (0.5,) * 3), (4, (1.0,) * 3), (6, (1.0,) * 3))
+    s.receive(cart, resolution=0)
+    s.settings(tmp_path, frames=(1, 6), pixel_size=0.0, texel_size=2.0 / 256.0)
+    s.bake()
+    assert s.height(native, tmp_path, "Cart", 6).shape == (256, 256)
+    manifest = json.loads((s.folder_of(tmp_path, "Cart") / "object.json").read_text())
+    assert manifest["settings"]["snowfall"]["pixel_size"] == pytest.approx(2.0 / 256.0)
+    assert [entry.get("hidden", False) for entry in manifest["frames"]] == [True] + [False] * 5
+
+
+def test_a_member_of_a_collection_may_pop_in(tmp_path, ground_of):
+    """The roof appears in frame 3 above the ground of the collection."""
+    collection = bpy.data.collections.new("Set")
+    for name, z in (("Roof", 1.0), ("Ground", 0.0)):
+        obj = s.square(name, z=z)
+        collection.objects.link(obj)
+        bpy.context.scene.collection.objects.unlink(obj)
+    hide_by_key(bpy.data.objects["Roof"], {1, 2})
+    empty = bpy.data.objects.new("Empty", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", collection
+    bpy.context.scene.collection.objects.link(empty)
+    s.receive(empty)
+    s.settings(tmp_path / "cache")
+    s.bake()
+    assert ground_of("Empty.Roof") == quarters(0, 0, 1, 2)
+    assert ground_of("Empty.Ground") == quarters(1, 2, 2, 2)
 
 
 def test_a_bake_that_stops_while_a_receiver_is_hidden_resumes_to_the_same_files(tmp_path, addon):
