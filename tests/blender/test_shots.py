@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 import pytest
 import snow_scene as s
+from conftest import addon_module
 from surface_scene import bake_surfaces, box, inner, points_at
 
 QUARTER = 0.025
@@ -389,13 +390,18 @@ def test_a_roof_with_animated_mesh_data_whose_vertices_a_handler_reorders_stays_
 # -- time -------------------------------------------------------------------------------------------------------
 
 
+def straighten(animated):
+    """Makes all keys linear."""
+    for curve in addon_module("base.compat").curves_of(animated):
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+
+
 def rising(folder, mode="SHELL", frames=(1, 8), **settings):
     """A square that its keys move by 1 m along X a frame, and its baked surface."""
     cart = s.square("Cart", 1.0)
     s.key(cart, "location", (0, (0.0, 0.0, 0.0)), (100, (100.0, 0.0, 0.0)))
-    for curve in cart.animation_data.action.fcurves:
-        for point in curve.keyframe_points:
-            point.interpolation = "LINEAR"
+    straighten(cart)
     (surface,) = bake_surfaces(folder, cart, frames=frames, **settings)
     return cart, surface
 
@@ -433,8 +439,7 @@ def test_the_rate_of_a_stretched_shot_comes_from_its_keys(tmp_path, ground_of):
     s.receive(s.square("Ground"))
     s.settings(tmp_path / "cache")
     s.key(scene.snowbough, "rate", (1, 0.0), (2, 1.0))
-    for point in (point for curve in scene.animation_data.action.fcurves for point in curve.keyframe_points):
-        point.interpolation = "LINEAR"
+    straighten(scene)
     s.bake()
     assert ground_of() == pytest.approx([0.0, 0.0, 0.1 / 3, 0.1], rel=0.01, abs=1e-6)
 
@@ -463,16 +468,27 @@ def test_a_strip_of_the_sequencer_shows_the_frame_of_its_scene(tmp_path):
     cart, surface = rising(tmp_path / "cache")
     shot = bpy.context.scene
     edit = bpy.data.scenes.new("Edit")
-    editor = edit.sequence_editor_create()
-    strips = getattr(editor, "strips", None) or editor.sequences
-    strips.new_scene("Shot", shot, channel=1, frame_start=11)
+    add_strip(edit, shot, 11)
     cycles(shot, edit)
     camera_above(cart)
     shine_by_height(surface)
     shot.view_settings.view_transform = edit.view_settings.view_transform = "Raw"
-    edit.sequencer_colorspace_settings.name = "Linear"
+    edit.sequencer_colorspace_settings.name = linear_name(edit)
     assert rendered(shot, 6, tmp_path) == pytest.approx(0.75, rel=0.03)
     assert rendered(edit, 16, tmp_path) == pytest.approx(0.75, rel=0.03)
+
+
+def linear_name(scene):
+    """The linear colour space of the sequencer: its name differs between versions."""
+    names = scene.sequencer_colorspace_settings.bl_rna.properties["name"].enum_items.keys()
+    return next(name for name in ("Linear Rec.709", "Linear") if name in names)
+
+
+def add_strip(edit, shot, frame):
+    """A strip with a scene in the sequencer of another one."""
+    editor = edit.sequence_editor_create()
+    strips = editor.strips if hasattr(editor, "strips") else editor.sequences
+    strips.new_scene("Shot", shot, channel=1, frame_start=frame)
 
 
 def cycles(*scenes):
@@ -535,6 +551,14 @@ def recount(path):
     data[16:20] = points.to_bytes(4, "little")
     data[28:32] = (2).to_bytes(4, "little")
     path.write_bytes(data[: 32 + 2 * 12 * points])
+
+
+def test_a_render_reads_the_surfaces_of_its_strips(tmp_path, addon):
+    bake_surfaces(tmp_path / "cache", s.square("Ground"))
+    shot, edit = bpy.context.scene, bpy.data.scenes.new("Edit")
+    add_strip(edit, shot, 1)
+    scenes = addon("result.surface_files")._rendered_scenes
+    assert scenes(edit) == [edit, shot] and scenes(shot) == [shot]
 
 
 @pytest.mark.parametrize("harm", [lose, empty, recount])

@@ -55,12 +55,26 @@ def require_files(scene):
         raise CacheError("; ".join(found[:MOST_NAMED]) + more)
 
 
+def _rendered_scenes(scene):
+    """A scene, and those that its render shows in strips of the sequencer or as background."""
+    found, waiting = [], [scene]
+    while waiting:
+        one = waiting.pop()
+        if one is None or one in found:
+            continue
+        found.append(one)
+        waiting.append(one.background_set)
+        waiting += [strip.scene for strip in compat.strips_of(one) if strip.type == "SCENE" and not strip.mute]
+    return found
+
+
 @bpy.app.handlers.persistent
 def _before_render(scene, *_):
     if session.bake is not None:
         return
     try:
-        require_files(scene)
+        for one in _rendered_scenes(scene):
+            require_files(one)
     except CacheError as error:
         session.last_outcome = ("ERROR", str(error))
         print(f"Error: {error}")
