@@ -75,7 +75,9 @@ def hide_by_collection(obj, frames):
     collection.objects.link(obj)
     bpy.context.scene.collection.objects.unlink(obj)
     bpy.app.handlers.frame_change_pre.append(
-        lambda scene, *_: setattr(bpy.data.collections["Hidden"], "hide_render", scene.frame_current in frames)
+        lambda scene, *_: setattr(
+            bpy.data.collections["Hidden"], "hide_render", scene.frame_current in frames
+        )
     )
 
 
@@ -210,7 +212,9 @@ def test_a_receiver_that_is_hidden_throughout_is_left_out(tmp_path, addon):
     s.receive(roof, s.square("Ground"))
     s.settings(tmp_path / "cache")
     refused = s.bake_part(addon, strict=True)
-    assert "'Roof' is on the list of receivers, but not rendered on any frame of the shot" in str(refused.error)
+    assert "'Roof' is on the list of receivers, but not rendered on any frame of the shot" in str(
+        refused.error
+    )
 
 
 def test_the_check_names_the_frames_on_which_a_receiver_is_hidden(addon, tmp_path):
@@ -316,7 +320,9 @@ def switch_slot(roof):
     roof.data.materials.append(bpy.data.materials.new("Whole"))
     hole()
     return lambda is_open: setattr(
-        bpy.data.objects["Roof"].material_slots[0], "material", bpy.data.materials["Hole" if is_open else "Whole"]
+        bpy.data.objects["Roof"].material_slots[0],
+        "material",
+        bpy.data.materials["Hole" if is_open else "Whole"],
     )
 
 
@@ -367,7 +373,9 @@ def test_a_roof_that_a_handler_opens_lets_snow_fall_through(tmp_path, ground_of,
 @pytest.mark.usefixtures("handlers")
 def test_a_roof_with_animated_mesh_data_whose_vertices_a_handler_reorders_stays_closed(tmp_path, ground_of):
     """With the old faces and the new order, the two halves of the roof would be two crossed ribbons."""
-    points = [(x, y, 1.0) for left in (-1, 0) for x, y in ((left, -1), (left + 1, -1), (left + 1, 1), (left, 1))]
+    points = [
+        (x, y, 1.0) for left in (-1, 0) for x, y in ((left, -1), (left + 1, -1), (left + 1, 1), (left, 1))
+    ]
     roof = s.mesh_object("Roof", points, [(0, 1, 2, 3), (4, 5, 6, 7)])
     roof.data["number"] = 0.0
     roof.data.keyframe_insert('["number"]', frame=1)
@@ -415,7 +423,11 @@ def test_a_stretched_shot_shows_the_snow_of_its_rendered_frames(tmp_path, ground
     maps = ground_of("Cart", last=8)
     for frame in (1, 6, 8):
         points = points_at(surface, frame)
-        assert level(points) == pytest.approx(maps[frame - 1], rel=0.02) == pytest.approx(0.0125 * frame, rel=0.02)
+        assert (
+            level(points)
+            == pytest.approx(maps[frame - 1], rel=0.02)
+            == pytest.approx(0.0125 * frame, rel=0.02)
+        )
         assert points[:, 0].mean() == pytest.approx(frame * old / new, abs=0.02)
 
 
@@ -451,7 +463,9 @@ def test_a_stretched_shot_is_refused_where_blender_shows_other_images(tmp_path, 
     scene = bpy.context.scene
     bpy.ops.snowbough.setup_displacement(mode=mode)
     scene.render.frame_map_new = 200
-    with pytest.raises(RuntimeError, match="Time Stretching .* choose Displacement > Snow Surface for 'Ground'"):
+    with pytest.raises(
+        RuntimeError, match="Time Stretching .* choose Displacement > Snow Surface for 'Ground'"
+    ):
         s.bake()
     assert "Time Stretching" in issues(addon, "ERROR")
 
@@ -871,7 +885,10 @@ def test_snow_follows_its_receiver(tmp_path, way):
     cart = s.square("Cart")
     heights = way(cart)
     (surface,) = bake_surfaces(tmp_path, cart)
-    for frame, height in heights.items():  # within a third of a frame's snow: it is lower near the sheared corners
+    for (
+        frame,
+        height,
+    ) in heights.items():  # within a third of a frame's snow: it is lower near the sheared corners
         assert level(points_at(surface, frame)) == pytest.approx(height + QUARTER * frame, abs=QUARTER / 3)
 
 
@@ -885,7 +902,9 @@ def test_snow_follows_a_collection_that_an_empty_instances(tmp_path):
     bpy.ops.snowbough.setup_displacement(mode="SHELL")
     s.bake()
     points = points_at(bpy.data.objects["Cart Snow"], 4)
-    assert level(points) == pytest.approx(1.3, abs=0.004) and points[:, 1].mean() == pytest.approx(6.0, abs=0.05)
+    assert level(points) == pytest.approx(1.3, abs=0.004) and points[:, 1].mean() == pytest.approx(
+        6.0, abs=0.05
+    )
 
 
 def test_snow_follows_a_linked_and_overridden_object(tmp_path):

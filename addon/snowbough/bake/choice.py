@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The receivers that a bake writes: those of the list that can carry snow at the first frame that shows them. No ``bpy``.
+"""The receivers that a bake writes: those of the list that can carry snow on the first frame that shows them.
+No ``bpy``.
 
 A receiver that cannot (it is hidden on all frames, has no UV map, or exists only as scattered instances) is left out
 with a reason, and the others are baked. The reason is an error if no receiver remains, if it was asked for by name, or

@@ -298,7 +298,10 @@ def foreign_scene(receiver):
         for slot in (receiver.object.material_slots if receiver.object is not None else ())
         if slot.material is not None and look.group_nodes(slot.material)
         for node in slot.material.node_tree.nodes
-        if node.type == "TEX_IMAGE" and node.image is not None and node.parent and node.parent.label == FRAME_LABEL
+        if node.type == "TEX_IMAGE"
+        and node.image is not None
+        and node.parent
+        and node.parent.label == FRAME_LABEL
     }
     for scene in bpy.data.scenes:
         for entry in scene.snowbough.receivers:

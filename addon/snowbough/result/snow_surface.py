@@ -3,10 +3,10 @@
 modifier reads its points from the bake's files, so nothing is computed when the frame changes.
 
 The mesh data has the points without snow, so that nothing shows if the file is lost. An attribute has the points of the
-last frame: coordinates of the material that are fixed to the snow while it grows.
+last frame, which are coordinates of the material: they are fixed to the snow while it grows.
 
-Scenes that share a receiver have a surface each, in a collection that no other scene shows. A copy of a baked scene shares
-the surface until it bakes.
+Scenes that share a receiver have a surface each, in a collection that no other scene shows. A copy of a baked scene
+shares the surface until it bakes.
 """
 
 import re

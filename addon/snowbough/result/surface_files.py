@@ -2,8 +2,8 @@
 """Keeps snow surfaces and their files together: names lost files, and lets point caches follow Time Stretching.
 
 Blender shows a surface without its file as its bare mesh, that is without snow, and says so only in the modifier. So
-opening a file reports lost files in the panel, and a render without them fails: with an error of Snowbough Realtime, and
-in the background, where no engine can be stopped, by ending Blender with exit code 1.
+opening a file reports lost files in the panel, and a render without them fails: with an error of Snowbough Realtime,
+and in the background, where no engine can be stopped, by ending Blender with exit code 1.
 """
 
 from pathlib import Path
@@ -41,8 +41,8 @@ def problems(scene):
             continue
         if points != len(obj.data.vertices):
             found.append(
-                f"'{obj.name}' shows no snow: {path} has {points} points, and the surface {len(obj.data.vertices)}: bake "
-                "again, or use Update Surface"
+                f"'{obj.name}' shows no snow: {path} has {points} points, and the surface {len(obj.data.vertices)}: "
+                "bake again, or use Update Surface"
             )
     return found
 
@@ -64,7 +64,9 @@ def _rendered_scenes(scene):
             continue
         found.append(one)
         waiting.append(one.background_set)
-        waiting += [strip.scene for strip in compat.strips_of(one) if strip.type == "SCENE" and not strip.mute]
+        waiting += [
+            strip.scene for strip in compat.strips_of(one) if strip.type == "SCENE" and not strip.mute
+        ]
     return found
 
 

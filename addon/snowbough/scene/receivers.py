@@ -158,7 +158,9 @@ def receiver_specs(scene, as_baked=False):
 
 def _members(obj):
     """(name, library) of the meshes of the collection that an object instances, except those that are always hidden."""
-    for member in obj.instance_collection.all_objects if obj.type == "EMPTY" and obj.instance_collection else ():
+    for member in (
+        obj.instance_collection.all_objects if obj.type == "EMPTY" and obj.instance_collection else ()
+    ):
         is_always_hidden = member.hide_render and member.animation_data is None
         if member.type == "MESH" and member.snowbough.occlude and not is_always_hidden:
             yield member.name, library_name(member)
