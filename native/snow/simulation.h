@@ -55,8 +55,9 @@ class SnowSimulation {
   void replace_object(ObjectDescription description);
 
   /// Simulates one step of snowfall. `positions` holds the objects that moved; each object must
-  /// have been given once. Objects in `hidden` keep their snow, gain none and block none in this step. `depth`: metres on open level ground; `direction`: of the fall,
-  /// downwards, any length; `dt`: seconds for sliding and repose (0: no snow moves).
+  /// have been given once. Objects in `hidden` keep their snow, gain none and block none in this
+  /// step. `depth`: metres on open level ground; `direction`: of the fall, downwards, any length;
+  /// `dt`: seconds for sliding and repose (0: no snow moves).
   /// @throws std::invalid_argument with the object's name for an unknown name, a vertex count that
   /// is too small or differs from the step before, or positions that are not finite.
   void step(const PositionMap& positions, double depth, const glm::dvec3& direction, double dt,

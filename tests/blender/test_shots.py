@@ -4,14 +4,17 @@
 Unless a test says otherwise, 0.1 m of snow falls straight down in frames 1 to 4, a quarter of it in each frame.
 """
 
+import json
 import os
 import subprocess
+from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
 import snow_scene as s
-from surface_scene import bake_surfaces, inner, points_at
+from conftest import addon_module
+from surface_scene import bake_surfaces, box, inner, points_at
 
 QUARTER = 0.025
 
@@ -72,7 +75,9 @@ def hide_by_collection(obj, frames):
     collection.objects.link(obj)
     bpy.context.scene.collection.objects.unlink(obj)
     bpy.app.handlers.frame_change_pre.append(
-        lambda scene, *_: setattr(bpy.data.collections["Hidden"], "hide_render", scene.frame_current in frames)
+        lambda scene, *_: setattr(
+            bpy.data.collections["Hidden"], "hide_render", scene.frame_current in frames
+        )
     )
 
 
@@ -140,6 +145,37 @@ def test_a_receiver_may_pop_in_after_the_first_frame(tmp_path, ground_of, points
     assert level(points_in("Roof", 4)) == pytest.approx(1.0 + 2 * QUARTER, abs=0.002)
 
 
+def test_a_receiver_may_grow_from_scale_0(tmp_path, native):
+    """Its map and texels are those of its full size: 2 m in 256 texels."""
+    cart = s.square("Cart")
+    s.key(cart, "scale", (1, (0.0,) * 3), (2, (0.01,) * 3), (3, (0.5,) * 3), (4, (1.0,) * 3), (6, (1.0,) * 3))
+    s.receive(cart, resolution=0)
+    s.settings(tmp_path, frames=(1, 6), pixel_size=0.0, texel_size=2.0 / 256.0)
+    s.bake()
+    assert s.height(native, tmp_path, "Cart", 6).shape == (256, 256)
+    manifest = json.loads((s.folder_of(tmp_path, "Cart") / "object.json").read_text())
+    assert manifest["settings"]["snowfall"]["pixel_size"] == pytest.approx(2.0 / 256.0)
+    assert [entry.get("hidden", False) for entry in manifest["frames"]] == [True] + [False] * 5
+
+
+def test_a_member_of_a_collection_may_pop_in(tmp_path, ground_of):
+    """The roof appears in frame 3 above the ground of the collection."""
+    collection = bpy.data.collections.new("Set")
+    for name, z in (("Roof", 1.0), ("Ground", 0.0)):
+        obj = s.square(name, z=z)
+        collection.objects.link(obj)
+        bpy.context.scene.collection.objects.unlink(obj)
+    hide_by_key(bpy.data.objects["Roof"], {1, 2})
+    empty = bpy.data.objects.new("Empty", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", collection
+    bpy.context.scene.collection.objects.link(empty)
+    s.receive(empty)
+    s.settings(tmp_path / "cache")
+    s.bake()
+    assert ground_of("Empty.Roof") == quarters(0, 0, 1, 2)
+    assert ground_of("Empty.Ground") == quarters(1, 2, 2, 2)
+
+
 def test_a_bake_that_stops_while_a_receiver_is_hidden_resumes_to_the_same_files(tmp_path, addon):
     def shot(folder):
         roof, ground = s.square("Roof", z=1.0), s.square("Ground")
@@ -176,7 +212,9 @@ def test_a_receiver_that_is_hidden_throughout_is_left_out(tmp_path, addon):
     s.receive(roof, s.square("Ground"))
     s.settings(tmp_path / "cache")
     refused = s.bake_part(addon, strict=True)
-    assert "'Roof' is on the list of receivers, but not rendered on any frame of the shot" in str(refused.error)
+    assert "'Roof' is on the list of receivers, but not rendered on any frame of the shot" in str(
+        refused.error
+    )
 
 
 def test_the_check_names_the_frames_on_which_a_receiver_is_hidden(addon, tmp_path):
@@ -188,6 +226,64 @@ def test_the_check_names_the_frames_on_which_a_receiver_is_hidden(addon, tmp_pat
     found = issues(addon, "INFO")
     assert "'Roof' is hidden, or its scale is 0, in frames 2-3" in found
     assert "'Ground' is hidden, or its scale is 0, in frames 4" in found
+
+
+# -- mirrored receivers -----------------------------------------------------------------------------------------
+
+
+def mirrored_itself(obj):
+    obj.scale = (1.0, 1.0, -1.0)
+    return obj
+
+
+def mirrored_by_parent(obj):
+    """The parent shears it, too."""
+    parent = bpy.data.objects.new("Parent", None)
+    bpy.context.scene.collection.objects.link(parent)
+    parent.scale, obj.rotation_euler = (-1.0, 1.0, 1.5), (0.0, 0.0, 0.4)
+    obj.parent = parent
+    return obj
+
+
+def mirrored_by_instancer(obj):
+    collection = bpy.data.collections.new("Set")
+    collection.objects.link(obj)
+    bpy.context.scene.collection.objects.unlink(obj)
+    empty = bpy.data.objects.new("Empty", None)
+    empty.instance_type, empty.instance_collection, empty.scale = "COLLECTION", collection, (1.0, -1.0, 1.0)
+    bpy.context.scene.collection.objects.link(empty)
+    return empty
+
+
+def upward_share(surface):
+    """Share of the faces on level snow whose outside faces up, as renderers see it: a mirroring matrix turns the order
+    of corners around."""
+    evaluated = surface.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    matrix = evaluated.matrix_world
+    sign = -1.0 if matrix.determinant() < 0 else 1.0
+    places = [matrix @ vertex.co for vertex in evaluated.data.vertices]
+    up = []
+    for polygon in evaluated.data.polygons:
+        a, b, c = (places[index] for index in list(polygon.vertices)[:3])
+        if max(abs(a.x), abs(a.y)) < 0.5:
+            up.append(sign * (b - a).cross(c - a).z > 0)
+    return np.mean(up)
+
+
+@pytest.mark.parametrize("mirror", [mirrored_itself, mirrored_by_parent, mirrored_by_instancer])
+def test_the_faces_of_a_mirrored_receivers_surface_look_outwards(tmp_path, mirror):
+    obj = mirror(box("Thing", 2.0, z=-1.0))
+    receiver = obj if obj.type == "MESH" else obj.instance_collection.objects[0]
+    s.receive(obj)
+    s.settings(tmp_path / "cache")
+    bpy.context.view_layer.update()
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    s.bake()
+    surface = bpy.data.objects[f"{receiver.name} Snow"]
+    bpy.context.scene.frame_set(4)
+    assert upward_share(surface) == 1.0
+    bpy.ops.snowbough.apply_at_frame()
+    assert upward_share(bpy.data.objects[f"{surface.name} 0004"]) == 1.0
 
 
 # -- what frame handlers change -------------------------------------------------------------------------------
@@ -224,7 +320,9 @@ def switch_slot(roof):
     roof.data.materials.append(bpy.data.materials.new("Whole"))
     hole()
     return lambda is_open: setattr(
-        bpy.data.objects["Roof"].material_slots[0], "material", bpy.data.materials["Hole" if is_open else "Whole"]
+        bpy.data.objects["Roof"].material_slots[0],
+        "material",
+        bpy.data.materials["Hole" if is_open else "Whole"],
     )
 
 
@@ -275,7 +373,9 @@ def test_a_roof_that_a_handler_opens_lets_snow_fall_through(tmp_path, ground_of,
 @pytest.mark.usefixtures("handlers")
 def test_a_roof_with_animated_mesh_data_whose_vertices_a_handler_reorders_stays_closed(tmp_path, ground_of):
     """With the old faces and the new order, the two halves of the roof would be two crossed ribbons."""
-    points = [(x, y, 1.0) for left in (-1, 0) for x, y in ((left, -1), (left + 1, -1), (left + 1, 1), (left, 1))]
+    points = [
+        (x, y, 1.0) for left in (-1, 0) for x, y in ((left, -1), (left + 1, -1), (left + 1, 1), (left, 1))
+    ]
     roof = s.mesh_object("Roof", points, [(0, 1, 2, 3), (4, 5, 6, 7)])
     roof.data["number"] = 0.0
     roof.data.keyframe_insert('["number"]', frame=1)
@@ -283,10 +383,10 @@ def test_a_roof_with_animated_mesh_data_whose_vertices_a_handler_reorders_stays_
 
     def reorder(scene, *_):
         mesh = bpy.data.meshes["Roof"]
-        if scene.frame_current == 3 and tuple(mesh.vertices[1].co) == points[1]:
-            mesh.clear_geometry()
-            faces = [[order.index(corner) for corner in face] for face in ((0, 1, 2, 3), (4, 5, 6, 7))]
-            mesh.from_pydata([points[index] for index in order], [], faces)
+        if scene.frame_current == 3:
+            mesh.vertices.foreach_set("co", np.array([points[index] for index in order], np.float32).ravel())
+            mesh.loops.foreach_set("vertex_index", [order.index(corner) for corner in range(8)])
+            mesh.update(calc_edges=True)
 
     bpy.app.handlers.frame_change_pre.append(reorder)
     s.receive(s.square("Ground"))
@@ -298,13 +398,18 @@ def test_a_roof_with_animated_mesh_data_whose_vertices_a_handler_reorders_stays_
 # -- time -------------------------------------------------------------------------------------------------------
 
 
+def straighten(animated):
+    """Makes all keys linear."""
+    for curve in addon_module("base.compat").curves_of(animated):
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+
+
 def rising(folder, mode="SHELL", frames=(1, 8), **settings):
     """A square that its keys move by 1 m along X a frame, and its baked surface."""
     cart = s.square("Cart", 1.0)
     s.key(cart, "location", (0, (0.0, 0.0, 0.0)), (100, (100.0, 0.0, 0.0)))
-    for curve in cart.animation_data.action.fcurves:
-        for point in curve.keyframe_points:
-            point.interpolation = "LINEAR"
+    straighten(cart)
     (surface,) = bake_surfaces(folder, cart, frames=frames, **settings)
     return cart, surface
 
@@ -318,7 +423,11 @@ def test_a_stretched_shot_shows_the_snow_of_its_rendered_frames(tmp_path, ground
     maps = ground_of("Cart", last=8)
     for frame in (1, 6, 8):
         points = points_at(surface, frame)
-        assert level(points) == pytest.approx(maps[frame - 1], rel=0.02) == pytest.approx(0.0125 * frame, rel=0.02)
+        assert (
+            level(points)
+            == pytest.approx(maps[frame - 1], rel=0.02)
+            == pytest.approx(0.0125 * frame, rel=0.02)
+        )
         assert points[:, 0].mean() == pytest.approx(frame * old / new, abs=0.02)
 
 
@@ -342,8 +451,7 @@ def test_the_rate_of_a_stretched_shot_comes_from_its_keys(tmp_path, ground_of):
     s.receive(s.square("Ground"))
     s.settings(tmp_path / "cache")
     s.key(scene.snowbough, "rate", (1, 0.0), (2, 1.0))
-    for point in (point for curve in scene.animation_data.action.fcurves for point in curve.keyframe_points):
-        point.interpolation = "LINEAR"
+    straighten(scene)
     s.bake()
     assert ground_of() == pytest.approx([0.0, 0.0, 0.1 / 3, 0.1], rel=0.01, abs=1e-6)
 
@@ -355,7 +463,9 @@ def test_a_stretched_shot_is_refused_where_blender_shows_other_images(tmp_path, 
     scene = bpy.context.scene
     bpy.ops.snowbough.setup_displacement(mode=mode)
     scene.render.frame_map_new = 200
-    with pytest.raises(RuntimeError, match="Time Stretching .* choose Displacement > Snow Surface for 'Ground'"):
+    with pytest.raises(
+        RuntimeError, match="Time Stretching .* choose Displacement > Snow Surface for 'Ground'"
+    ):
         s.bake()
     assert "Time Stretching" in issues(addon, "ERROR")
 
@@ -372,16 +482,27 @@ def test_a_strip_of_the_sequencer_shows_the_frame_of_its_scene(tmp_path):
     cart, surface = rising(tmp_path / "cache")
     shot = bpy.context.scene
     edit = bpy.data.scenes.new("Edit")
-    editor = edit.sequence_editor_create()
-    strips = getattr(editor, "strips", None) or editor.sequences
-    strips.new_scene("Shot", shot, channel=1, frame_start=11)
+    add_strip(edit, shot, 11)
     cycles(shot, edit)
     camera_above(cart)
     shine_by_height(surface)
     shot.view_settings.view_transform = edit.view_settings.view_transform = "Raw"
-    edit.sequencer_colorspace_settings.name = "Linear"
+    edit.sequencer_colorspace_settings.name = linear_name(edit)
     assert rendered(shot, 6, tmp_path) == pytest.approx(0.75, rel=0.03)
     assert rendered(edit, 16, tmp_path) == pytest.approx(0.75, rel=0.03)
+
+
+def linear_name(scene):
+    """The linear colour space of the sequencer: its name differs between versions."""
+    names = scene.sequencer_colorspace_settings.bl_rna.properties["name"].enum_items.keys()
+    return next(name for name in ("Linear Rec.709", "Linear") if name in names)
+
+
+def add_strip(edit, shot, frame):
+    """A strip with a scene in the sequencer of another one."""
+    editor = edit.sequence_editor_create()
+    strips = editor.strips if hasattr(editor, "strips") else editor.sequences
+    strips.new_scene("Shot", shot, channel=1, frame_start=frame)
 
 
 def cycles(*scenes):
@@ -444,6 +565,14 @@ def recount(path):
     data[16:20] = points.to_bytes(4, "little")
     data[28:32] = (2).to_bytes(4, "little")
     path.write_bytes(data[: 32 + 2 * 12 * points])
+
+
+def test_a_render_reads_the_surfaces_of_its_strips(tmp_path, addon):
+    bake_surfaces(tmp_path / "cache", s.square("Ground"))
+    shot, edit = bpy.context.scene, bpy.data.scenes.new("Edit")
+    add_strip(edit, shot, 1)
+    scenes = addon("result.surface_files")._rendered_scenes
+    assert scenes(edit) == [edit, shot] and scenes(shot) == [shot]
 
 
 @pytest.mark.parametrize("harm", [lose, empty, recount])
@@ -544,6 +673,88 @@ def test_libraries_of_one_name_are_told_apart_by_their_folders(tmp_path, addon):
     assert [stored_name(path) for path in stored] == ["", *["props.blend"] * 3, "chairs/props.blend"]
 
 
+# -- several scenes ---------------------------------------------------------------------------------------------
+
+
+def new_scene(kind):
+    """A copy of the current scene by Scene > New, which becomes the current one."""
+    bpy.ops.scene.new(type=kind)
+    return bpy.context.window.scene
+
+
+def surfaces_in(scene):
+    return {obj for obj in scene.objects if obj.snowbough.is_shell}
+
+
+def shown_folder(surface):
+    return Path(bpy.path.abspath(surface.modifiers[0].filepath)).parent
+
+
+@pytest.mark.parametrize("in_collection", [False, True])
+@pytest.mark.parametrize("kind", ["FULL_COPY", "LINK_COPY"])
+def test_a_bake_in_a_copy_of_a_scene_leaves_the_first_one_its_surface(tmp_path, kind, in_collection):
+    """The copy has twice as much snow."""
+    first, ground = bpy.context.scene, s.square("Ground")
+    if in_collection:
+        collection = bpy.data.collections.new("Set")
+        first.collection.children.link(collection)
+        collection.objects.link(ground)
+        first.collection.objects.unlink(ground)
+    (surface,) = bake_surfaces(tmp_path / "cache", ground)
+    folder = shown_folder(surface)
+    copy = new_scene(kind)
+    assert len(surfaces_in(copy)) == 1  # it shows the same snow until it bakes
+    copy.snowbough.end_depth = 0.2
+    s.bake()
+    assert surfaces_in(first) == {surface} and shown_folder(surface) == folder
+    (own,) = surfaces_in(copy)
+    assert own != surface and shown_folder(own) != folder
+    assert own.active_material != surface.active_material
+    assert level(points_at(own, 4)) == pytest.approx(0.2, rel=0.05)
+    bpy.context.window.scene = first
+    assert level(points_at(surface, 4)) == pytest.approx(0.1, rel=0.02)
+    s.bake()
+    (again,) = surfaces_in(first)
+    assert surfaces_in(copy) == {own} and level(points_at(again, 4)) == pytest.approx(0.1, rel=0.02)
+
+
+def test_two_scenes_that_share_a_receiver_have_a_surface_each(tmp_path):
+    first, ground = bpy.context.scene, s.square("Ground")
+    (surface,) = bake_surfaces(tmp_path / "cache", ground)
+    other = new_scene("NEW")
+    other.collection.objects.link(ground)
+    (own,) = bake_surfaces(tmp_path / "cache", ground, end_depth=0.2) and surfaces_in(other)
+    assert surfaces_in(first) == {surface}
+    assert level(points_at(own, 4)) == pytest.approx(0.2, rel=0.05)
+    bpy.context.window.scene = first
+    assert level(points_at(surface, 4)) == pytest.approx(0.1, rel=0.02)
+    bpy.context.window.scene = other
+    bpy.ops.snowbough.remove()
+    assert surfaces_in(first) == {surface} and not surfaces_in(other)
+
+
+def test_a_shared_material_names_the_scene_whose_maps_it_shows(tmp_path, addon):
+    foreign = addon("result.snow_material").foreign_scene
+    first, ground = bpy.context.scene, s.square("Ground")
+    ground.data.materials.append(bpy.data.materials.new("Earth"))
+    s.receive(ground)
+    s.settings(tmp_path / "cache")
+    bpy.ops.snowbough.setup_displacement(mode="NONE")
+    s.bake()
+    other = new_scene("NEW")
+    other.collection.objects.link(ground)
+    s.receive(ground)
+    s.settings(tmp_path / "cache")
+    bpy.ops.snowbough.setup_displacement(mode="NONE")
+    s.bake()
+    assert foreign(first.snowbough.receivers[0]) == other.name
+    assert foreign(other.snowbough.receivers[0]) == ""
+    snow = [node for node in ground.active_material.node_tree.nodes if node.type == "GROUP"]
+    assert len(snow) == 1  # not snow on the snow of the other scene
+    bpy.ops.snowbough.remove()
+    assert [slot.material.name for slot in ground.material_slots] == ["Earth"]
+
+
 # -- view layers ------------------------------------------------------------------------------------------------
 
 
@@ -593,3 +804,129 @@ def test_a_receiver_in_no_rendered_layer_is_named(tmp_path, addon):
     effects.use = False
     s.receive(bpy.data.objects["Roof"])
     assert "'Roof' is in no collection that a view layer renders" in issues(addon, "WARNING")
+
+
+# -- ways to move and to deform ---------------------------------------------------------------------------------
+
+# Each moves a level square of 2 m and returns {frame: its height}.
+
+
+def sheared(cart):
+    """A parent that is scaled unevenly and turned shears a square that stays level."""
+    parent = bpy.data.objects.new("Parent", None)
+    bpy.context.scene.collection.objects.link(parent)
+    parent.scale, cart.rotation_euler = (2.0, 0.5, 1.0), (0.0, 0.0, 0.6)
+    cart.parent = parent
+    s.key(parent, "location", (1, (0.0, 0.0, 0.0)), (4, (0.0, 0.0, 0.9)))
+    return {1: 0.0, 4: 0.9}
+
+
+def by_shape_key(cart):
+    cart.shape_key_add(name="Basis")
+    up = cart.shape_key_add(name="Up")
+    for vertex in up.data:
+        vertex.co.z += 0.5
+    s.key(up, "value", (1, 0.0), (4, 1.0))
+    return {1: 0.0, 4: 0.5}
+
+
+def by_a_driven_bone(cart):
+    """A driver lifts the only bone by a tenth of the frame."""
+    rig = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
+    bpy.context.scene.collection.objects.link(rig)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    bone = rig.data.edit_bones.new("Bone")
+    bone.head, bone.tail = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)  # its Y points up
+    bpy.ops.object.mode_set(mode="OBJECT")
+    rig.pose.bones["Bone"].driver_add("location", 1).driver.expression = "frame / 10"
+    cart.vertex_groups.new(name="Bone").add(range(4), 1.0, "REPLACE")
+    cart.modifiers.new("Armature", "ARMATURE").object = rig
+    return {1: 0.1, 4: 0.4}
+
+
+def by_a_path(cart):
+    """The path rises by 3 m in 3 frames."""
+    curve = bpy.data.curves.new("Path", "CURVE")
+    curve.dimensions, curve.use_path, curve.path_duration = "3D", True, 100
+    line = curve.splines.new("POLY")
+    line.points.add(1)
+    line.points[0].co, line.points[1].co = (0.0, 0.0, 0.0, 1.0), (3.0, 0.0, 3.0, 1.0)
+    path = bpy.data.objects.new("Path", curve)
+    bpy.context.scene.collection.objects.link(path)
+    follow = cart.constraints.new("FOLLOW_PATH")
+    follow.target, follow.use_fixed_location = path, True
+    s.key(follow, "offset_factor", (1, 0.0), (4, 1.0))
+    return {1: 0.0, 4: 3.0}
+
+
+def by_geometry_nodes(cart):
+    """Set Position lifts it by 0.3 m; the faces stay."""
+    tree, begin, end = s.node_tree()
+    lift = tree.nodes.new("GeometryNodeSetPosition")
+    lift.inputs["Offset"].default_value = (0.0, 0.0, 0.3)
+    tree.links.new(begin.outputs[0], lift.inputs["Geometry"])
+    tree.links.new(lift.outputs[0], end.inputs[0])
+    cart.modifiers.new("Nodes", "NODES").node_group = tree
+    return {1: 0.3, 4: 0.3}
+
+
+def by_animated_scale(cart):
+    """From 1 to 3 in the plane; the depth of snow stays in metres."""
+    s.key(cart, "scale", (1, (1.0, 1.0, 1.0)), (4, (3.0, 2.0, 1.0)))
+    return {1: 0.0, 4: 0.0}
+
+
+WAYS = [sheared, by_shape_key, by_a_driven_bone, by_a_path, by_geometry_nodes, by_animated_scale]
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_snow_follows_its_receiver(tmp_path, way):
+    cart = s.square("Cart")
+    heights = way(cart)
+    (surface,) = bake_surfaces(tmp_path, cart)
+    for (
+        frame,
+        height,
+    ) in heights.items():  # within a third of a frame's snow: it is lower near the sheared corners
+        assert level(points_at(surface, frame)) == pytest.approx(height + QUARTER * frame, abs=QUARTER / 3)
+
+
+def test_snow_follows_a_collection_that_an_empty_instances(tmp_path):
+    cart = s.square("Cart")
+    empty = mirrored_by_instancer(cart)
+    empty.scale = (1.0, 1.0, 1.0)
+    s.key(empty, "location", (1, (0.0, 0.0, 0.0)), (4, (0.0, 6.0, 1.2)))
+    s.receive(empty)
+    s.settings(tmp_path)
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    s.bake()
+    points = points_at(bpy.data.objects["Cart Snow"], 4)
+    assert level(points) == pytest.approx(1.3, abs=0.004) and points[:, 1].mean() == pytest.approx(
+        6.0, abs=0.05
+    )
+
+
+def test_snow_follows_a_linked_and_overridden_object(tmp_path):
+    write_library(tmp_path / "props.blend", "Rock")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    override = link(tmp_path / "props.blend", "Rock").override_create(remap_local_usages=True)
+    override.location.z = 2.0
+    (surface,) = bake_surfaces(tmp_path / "cache", override)
+    assert level(points_at(surface, 4)) == pytest.approx(2.1, abs=0.004)
+
+
+def test_a_shot_may_begin_at_frame_1001(tmp_path):
+    cart = s.square("Cart")
+    s.key(cart, "location", (1001, (0.0, 0.0, 0.0)), (1004, (0.0, 0.0, 3.0)))
+    (surface,) = bake_surfaces(tmp_path, cart, frames=(1001, 1004))
+    for frame, height in ((1001, 0.0), (1004, 3.0)):
+        assert level(points_at(surface, frame)) == pytest.approx(height + QUARTER * (frame - 1000), abs=0.004)
+
+
+@pytest.mark.parametrize("unit", [0.01, 10.0])
+def test_depth_is_in_metres_whatever_a_unit_is(tmp_path, unit):
+    """A square of 2 m."""
+    bpy.context.scene.unit_settings.scale_length = unit
+    (surface,) = bake_surfaces(tmp_path, s.square("Ground", 2.0 / unit))
+    assert level(points_at(surface, 4)) * unit == pytest.approx(0.1, rel=0.03)

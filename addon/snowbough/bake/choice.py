@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The receivers that a bake writes: those of the list that can carry snow at the first frame that shows them. No ``bpy``.
+"""The receivers that a bake writes: those of the list that can carry snow on the first frame that shows them.
+No ``bpy``.
 
 A receiver that cannot (it is hidden on all frames, has no UV map, or exists only as scattered instances) is left out
 with a reason, and the others are baked. The reason is an error if no receiver remains, if it was asked for by name, or
@@ -8,7 +9,12 @@ in a strict bake.
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from . import baked_receiver
+
+# Growth from frame to frame, as a factor, below which a receiver counts as full-grown.
+GROWTH = 1.001
 
 
 @dataclass
@@ -64,15 +70,38 @@ def _missing(pose, request):
 
 def complete_pose(evaluate, request):
     """The pose of the shot's first frame. Receivers that it does not show are hidden in it, as they are at the first
-    frame that shows them. evaluate: see BakeJob.run."""
-    pose = evaluate(request.frame_start, 0.0)
+    frame that shows them, or when they have stopped growing: one that is scaled up from 0 must not get tiny texels.
+    evaluate: see BakeJob.run."""
+    pose, is_growing = evaluate(request.frame_start, 0.0), False
     for frame in range(request.frame_start + 1, request.frame_end + 1):
-        if not _missing(pose, request):
+        if not (is_growing or _missing(pose, request) or _hides_members(pose, request)):
             break
         later = evaluate(frame, 0.0)
-        found = {key: obj for key, obj in later.known.items() if obj.receives and key not in pose.objects}
-        pose = replace(pose, hidden={**found, **pose.hidden}, refused=later.refused)
+        larger = {
+            key: obj
+            for key, obj in later.objects.items()
+            if obj.receives
+            and key not in pose.objects
+            and (key not in pose.hidden or _size(obj) > GROWTH * _size(pose.hidden[key]))
+        }
+        is_growing = bool(larger)
+        pose = replace(pose, hidden={**pose.hidden, **larger}, refused=later.refused)
     return pose
+
+
+def _hides_members(pose, request):
+    """Whether a pose lacks objects of a collection that a receiver of a BakeRequest instances."""
+    return any(
+        (spec.known_as, *member) not in shown and f"{spec.name} / {member[0]}" not in pose.refused
+        for shown in [{(o.receiver.known_as, o.name, o.library) for o in pose.known.values() if o.receiver}]
+        for spec in request.receivers
+        if spec.enabled
+        for member in spec.members
+    )
+
+
+def _size(obj):
+    return float(np.ptp(obj.positions, axis=0).sum())
 
 
 def _check(choice, request, wanted, known):

@@ -7,10 +7,10 @@ nothing: its ``render()`` goes through the frames with ``self.frame_set`` and pa
 holds plain data only.
 
 Settings that the render needs are changed before and restored after: engine, size, a temporary camera if there is none,
-the view layers, and Snowbough's own displacement, or a second bake would snow on the snow of the first. One view layer is
-rendered that shows what all rendered layers show together, whichever is active; if they differ, a temporary one. They are
-stored by name, since an undo would make references invalid. The engine's class is registered only during a bake, so it
-appears in no menu.
+the view layers, and Snowbough's own displacement, or a second bake would snow on the snow of the first. A bake renders
+one view layer with all that the rendered layers show, whichever is active: one of them, or a temporary one if they
+differ. The settings are stored by name, since an undo would make references invalid. The engine's class is registered
+only during a bake, so it appears in no menu.
 """
 
 import os
@@ -193,7 +193,9 @@ def _common_layer(scene):
         return layers[0]
     made = scene.view_layers.new(LAYER)
     nowhere = set.intersection(*excluded)
-    for path, collection in visibility.layer_collections(made).items():  # parents first: they change their children
+    for path, collection in visibility.layer_collections(
+        made
+    ).items():  # parents first: they change their children
         collection.exclude = path in nowhere
     return made
 

@@ -8,7 +8,8 @@ depend on the scheduling of the threads.
 
 The steps of a job are:
 
-1. Read the first pose of the shot, and of receivers that it does not show a later one. They determine the resolutions and the occlusion grid, even if a part is baked.
+1. Read the first pose of the shot, and of receivers that it does not show a later one. They determine the resolutions
+   and the occlusion grid, even if a part is baked.
 2. Choose and lock the version.
 3. Start, or resume: evaluate the frames up to the checkpoint again, compare them with its inputs, and restore it.
 4. For each frame: simulate its steps, write the maps and the manifest, and write a checkpoint at each interval or when
@@ -18,8 +19,8 @@ The steps of a job are:
 import collections
 import contextlib
 import time
-from concurrent.futures import ThreadPoolExecutor
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 

@@ -126,6 +126,14 @@ def frame_length(scene):
     return scene.render.frame_map_old / scene.render.frame_map_new
 
 
+def strips_of(scene):
+    """All strips of a scene's sequencer, in meta strips, too."""
+    editor = scene.sequence_editor
+    if editor is None:
+        return []
+    return list(editor.strips_all if hasattr(editor, "strips_all") else editor.sequences_all)
+
+
 # --------------------------------------------------------------------------------------------------
 # Materials
 

@@ -6,6 +6,8 @@ original surface and is used in an OBJECT-linked slot. So the original material 
 for their other users.
 """
 
+from pathlib import Path
+
 import bpy
 
 from ..base import compat, compat_nodes
@@ -198,9 +200,25 @@ def _snowy_copy(obj, original):
     return material
 
 
-def _note_slots(obj, record):
-    """Records the object's slots, once, and keeps their materials from being lost. Adds a slot if there is none."""
+def _record_elsewhere(receiver):
+    """The record of the same object in another scene that has changed its materials; empty if there is none."""
+    for scene in bpy.data.scenes:
+        for other in scene.snowbough.receivers:
+            record = original_state.read(other)
+            if scene != receiver.id_data.original and other.object == receiver.object and "slots" in record:
+                return record
+    return {}
+
+
+def _note_slots(receiver, record):
+    """Records the object's slots, once, and keeps their materials from being lost. Adds a slot if there is none. If
+    another scene has added snow to the object, its record is the one."""
+    obj = receiver.object
     if "slots" in record:
+        return
+    shared = _record_elsewhere(receiver)
+    if shared:
+        record.update({name: shared[name] for name in ("slots", "added_slot", "copies") if name in shared})
         return
     record["added_slot"] = not obj.material_slots
     if record["added_slot"]:
@@ -259,7 +277,7 @@ def add(scene, receiver, displace):
     metres = [abs(axis) * metres_per_unit(scene) for axis in obj.matrix_world.to_scale()]
 
     record = original_state.read(receiver)
-    _note_slots(obj, record)
+    _note_slots(receiver, record)
     _drop_copies(obj, record)
     rest = rest_position.keep(obj, record)
     record["copies"] = []
@@ -271,6 +289,27 @@ def add(scene, receiver, displace):
         slot.material = material
         record["copies"].append(material.name)
     original_state.write(receiver, record)
+
+
+def foreign_scene(receiver):
+    """The name of the other scene whose maps the material of a shared receiver shows; empty if it shows its own."""
+    images = {
+        Path(bpy.path.abspath(node.image.filepath)).parent
+        for slot in (receiver.object.material_slots if receiver.object is not None else ())
+        if slot.material is not None and look.group_nodes(slot.material)
+        for node in slot.material.node_tree.nodes
+        if node.type == "TEX_IMAGE"
+        and node.image is not None
+        and node.parent
+        and node.parent.label == FRAME_LABEL
+    }
+    for scene in bpy.data.scenes:
+        for entry in scene.snowbough.receivers:
+            is_other = scene != receiver.id_data.original and entry.folder != receiver.folder
+            if is_other and entry.object == receiver.object and entry.folder:
+                if Path(bpy.path.abspath(entry.folder)) in images:
+                    return scene.name
+    return ""
 
 
 def remove(receiver):

@@ -3,9 +3,13 @@
 modifier reads its points from the bake's files, so nothing is computed when the frame changes.
 
 The mesh data has the points without snow, so that nothing shows if the file is lost. An attribute has the points of the
-last frame: coordinates of the material that are fixed to the snow while it grows.
+last frame, which are coordinates of the material: they are fixed to the snow while it grows.
+
+Scenes that share a receiver have a surface each, in a collection that no other scene shows. A copy of a baked scene
+shares the surface until it bakes.
 """
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -33,9 +37,16 @@ class _Member:
     parent: bpy.types.Object
 
 
+def _is_in(scene, collection):
+    return collection == scene.collection or collection in scene.collection.children_recursive
+
+
 def _collection_of(scene, obj):
-    local = [collection for collection in obj.users_collection if collection.library is None]
-    return local[0] if local else scene.collection
+    """The collection for an object's surface: one of its own, unless other scenes show it, too."""
+    for collection in obj.users_collection:
+        if collection.library is None and [s for s in bpy.data.scenes if _is_in(s, collection)] == [scene]:
+            return collection
+    return scene.collection
 
 
 def _members(receiver):
@@ -135,20 +146,43 @@ def make(scene, receiver, materials=None):
     return surfaces
 
 
-def find(receiver):
-    """The receiver's existing surfaces, including shells of earlier versions."""
+def _listed(receiver):
+    """The names of the surfaces that a receiver lists."""
     record = original_state.read(receiver)
-    names = [*record.get("shells", ()), *([record["shell"]] if "shell" in record else [])]
-    named = [bpy.data.objects[name] for name in names if name in bpy.data.objects]
-    parents = [receiver.object] if receiver.object is not None else []
-    # Surfaces that were renamed by the artist, or restored by undo.
-    children = [
-        child
-        for parent in parents
-        for child in parent.children
-        if child.snowbough.is_shell and not child.library
+    return [*record.get("shells", ()), *([record["shell"]] if "shell" in record else [])]
+
+
+def _other_scenes(receiver, surface):
+    """The other scenes with the same object whose lists name a surface."""
+    own = receiver.id_data.original
+    return [
+        scene
+        for scene in bpy.data.scenes
+        if scene != own
+        and any(
+            entry.object == receiver.object and surface.name in _listed(entry)
+            for entry in scene.snowbough.receivers
+        )
     ]
-    return list(dict.fromkeys(obj for obj in named + children if obj.snowbough.is_shell))
+
+
+def find(receiver):
+    """The receiver's existing surfaces in its scene, including shells of earlier versions."""
+    scene, obj = receiver.id_data.original, receiver.object
+    listed = [bpy.data.objects[name] for name in _listed(receiver) if name in bpy.data.objects]
+    # A copy of the scene lists the surfaces of the objects that it copied.
+    own = [surface for surface in listed if obj is None or surface.parent in (None, obj)]
+    # Surfaces that were renamed by the artist, or restored by undo.
+    others = [
+        child
+        for child in (obj.children if obj is not None else ())
+        if child not in own and child.library is None and not _other_scenes(receiver, child)
+    ]
+    return [
+        surface
+        for surface in dict.fromkeys(own + others)
+        if surface.snowbough.is_shell and (surface.name in scene.objects or not surface.users_scene)
+    ]
 
 
 def touched_materials(receiver):
@@ -177,14 +211,28 @@ def delete_object(surface):
 
 
 def remove(receiver):
-    """Deletes the receiver's surfaces."""
+    """Deletes the receiver's surfaces, or leaves them to the other scenes that show them."""
     surfaces = find(receiver)
     record = original_state.read(receiver)
     for key in ("shell", "shells"):
         record.pop(key, None)
     original_state.write(receiver, record)
     for surface in surfaces:
-        delete_object(surface)
+        others = _other_scenes(receiver, surface)
+        if others:
+            _leave_to(others, receiver.id_data.original, surface)
+        else:
+            delete_object(surface)
+
+
+def _leave_to(others, scene, surface):
+    """Takes a surface out of a scene and keeps it in others."""
+    for collection in surface.users_collection:
+        if _is_in(scene, collection):
+            collection.objects.unlink(surface)
+    for other in others:
+        if surface.name not in other.objects:
+            other.collection.objects.link(surface)
 
 
 def freeze(scene, receiver, depsgraph):
@@ -201,6 +249,8 @@ def freeze(scene, receiver, depsgraph):
         mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
         mesh.name = name
         mesh.transform(evaluated.matrix_world)
+        if evaluated.matrix_world.determinant() < 0:
+            mesh.flip_normals()
         plain = bpy.data.objects.new(name, mesh)
         for collection in surface.users_collection:
             collection.objects.link(plain)
@@ -224,6 +274,7 @@ def folders(scene):
     for receiver in scene.snowbough.receivers:
         if receiver.object is None:
             continue
-        objects = {obj.name.removesuffix(" Snow"): obj for obj in find(receiver)}
+        # Several scenes may have a surface of one receiver: "Ground Snow", "Ground Snow.001".
+        objects = {re.sub(r" Snow(\.\d+)?$", "", obj.name): obj for obj in find(receiver)}
         for member in _members(receiver):
             yield receiver, objects.get(member.obj.name), member.folder

@@ -2,8 +2,8 @@
 """Keeps snow surfaces and their files together: names lost files, and lets point caches follow Time Stretching.
 
 Blender shows a surface without its file as its bare mesh, that is without snow, and says so only in the modifier. So
-opening a file reports lost files in the panel, and a render without them fails: with an error of Snowbough Realtime, and
-in the background, where no engine can be stopped, by ending Blender with exit code 1.
+opening a file reports lost files in the panel, and a render without them fails: with an error of Snowbough Realtime,
+and in the background, where no engine can be stopped, by ending Blender with exit code 1.
 """
 
 from pathlib import Path
@@ -41,8 +41,8 @@ def problems(scene):
             continue
         if points != len(obj.data.vertices):
             found.append(
-                f"'{obj.name}' shows no snow: {path} has {points} points, and the surface {len(obj.data.vertices)}: bake "
-                "again, or use Update Surface"
+                f"'{obj.name}' shows no snow: {path} has {points} points, and the surface {len(obj.data.vertices)}: "
+                "bake again, or use Update Surface"
             )
     return found
 
@@ -55,12 +55,28 @@ def require_files(scene):
         raise CacheError("; ".join(found[:MOST_NAMED]) + more)
 
 
+def _rendered_scenes(scene):
+    """A scene, and those that its render shows in strips of the sequencer or as background."""
+    found, waiting = [], [scene]
+    while waiting:
+        one = waiting.pop()
+        if one is None or one in found:
+            continue
+        found.append(one)
+        waiting.append(one.background_set)
+        waiting += [
+            strip.scene for strip in compat.strips_of(one) if strip.type == "SCENE" and not strip.mute
+        ]
+    return found
+
+
 @bpy.app.handlers.persistent
 def _before_render(scene, *_):
     if session.bake is not None:
         return
     try:
-        require_files(scene)
+        for one in _rendered_scenes(scene):
+            require_files(one)
     except CacheError as error:
         session.last_outcome = ("ERROR", str(error))
         print(f"Error: {error}")

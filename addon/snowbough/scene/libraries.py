@@ -5,8 +5,8 @@ import bpy
 
 
 def library_name(id_block):
-    """The file name of a linked ID's library, ``props.blend``; empty for local IDs. If several libraries of the file have
-    that name, as many of its folders as tell them apart: ``chairs/props.blend``."""
+    """The file name of a linked ID's library, ``props.blend``; empty for local IDs. If several libraries of the .blend
+    have that name, as many of its folders as tell them apart: ``chairs/props.blend``."""
     library = id_block.library
     if library is None:
         return ""

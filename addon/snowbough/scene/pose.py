@@ -65,6 +65,8 @@ class ReceiverSpec:
     """Sides that receive snow: AUTO, FRONT or BOTH, as in the native add_object."""
     surface: object = None
     """surface.style.SurfaceStyle of the snow surface at the end of its bake; None for no surface."""
+    members: tuple = ()
+    """(name, library) of the objects that an instancer may show on some frame."""
     baked_as: str = ""
     """Its name at its first bake, which its folder, fingerprints and manifest keep; empty for its current name."""
 

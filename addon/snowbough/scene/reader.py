@@ -14,7 +14,7 @@ nothing that Blender could free.
 - Triangles of mirrored objects (negative scale) are reversed, so that the outside stays outside.
 - Vertices that are not finite or beyond names.FARTHEST are left out with their triangles, since one of them would
   stretch the grid.
-- An enabled receiver that has no surface at a moment (it is hidden or deleted, has no faces, is collapsed, or a scale is
+- An enabled receiver that has no surface at a moment (it is hidden or deleted, has no faces, is collapsed, or has scale
   0) is hidden there: it keeps its snow, gets none and blocks none.
 - An object that stands still is not read again; its topology is read once, and again when it changes. A receiver keeps
   the UV map of its first pose, and is refused if it loses that map.
@@ -144,7 +144,13 @@ class SceneReader:
         self._last.update((key, obj) for key, obj in objects.items() if obj.receives)
         settings = depsgraph.scene_eval.snowbough
         return ScenePose(
-            objects, settings.fall_angle, settings.bearing, settings.rate, dict(self._refused), hidden, reasons
+            objects,
+            settings.fall_angle,
+            settings.bearing,
+            settings.rate,
+            dict(self._refused),
+            hidden,
+            reasons,
         )
 
     def _pose_or_refusal(self, key, group, frame):
@@ -340,7 +346,7 @@ class SceneReader:
 
     @staticmethod
     def _has_same_faces(known, group, records, frame):
-        """Whether all meshes have the same corners and holes as before, and edited meshes of a receiver the same UVs."""
+        """Whether all meshes have the same corners and holes as before, and edited ones of a receiver the same UVs."""
         if not _same_arrays(known.corners, [record.corners() for record in records]):
             return False
         if known.holes != [record.holes_print for record in records]:

@@ -126,8 +126,8 @@ def surface_style(scene, entry):
 
 
 def receiver_specs(scene, as_baked=False):
-    """The scene's list as ReceiverSpec, without empty and repeated entries. as_baked: receivers keep the names of their
-    first bake, and no other receiver gets one of these."""
+    """The scene's list as ReceiverSpec, without empty and repeated entries. as_baked: with members; receivers keep the
+    names of their first bake, and no other receiver gets one of these."""
     entries = {}
     for entry in scene.snowbough.receivers:
         if entry.object is not None:
@@ -145,9 +145,20 @@ def receiver_specs(scene, as_baked=False):
             surface_style(scene, entry),
         )
         if as_baked:
-            spec = replace(spec, baked_as=entry.baked_as or _free_name(scene, name, library, taken))
+            known_as = entry.baked_as or _free_name(scene, name, library, taken)
+            spec = replace(spec, baked_as=known_as, members=tuple(_members(entry.object)))
         specs.append(spec)
     return specs
+
+
+def _members(obj):
+    """(name, library) of the meshes of the collection that an object instances, except those that are always hidden."""
+    for member in (
+        obj.instance_collection.all_objects if obj.type == "EMPTY" and obj.instance_collection else ()
+    ):
+        is_always_hidden = member.hide_render and member.animation_data is None
+        if member.type == "MESH" and member.snowbough.occlude and not is_always_hidden:
+            yield member.name, library_name(member)
 
 
 def _free_name(scene, name, library, taken):

@@ -47,7 +47,9 @@ def shown_objects(layer):
 def hidden_frames(scene, obj):
     """The frames of the scene's shot on which an object is hidden in renders, or has scale 0 along an axis, by its
     properties and keys. Drivers, parents and handlers are not followed."""
-    curves = {(curve.data_path, curve.array_index): curve for curve in compat.curves_of(obj) if not curve.mute}
+    curves = {
+        (curve.data_path, curve.array_index): curve for curve in compat.curves_of(obj) if not curve.mute
+    }
 
     def value(path, index, own, time):
         curve = curves.get((path, index))

@@ -105,6 +105,11 @@ class SurfaceInputs:
         matrix = self._matrices[index]
         return (local @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
 
+    @property
+    def is_mirrored(self):
+        """Whether the space of the receiver is mirrored in the last frame."""
+        return bool(np.linalg.det(self._matrices[-1][:3, :3]) < 0)
+
     def wind(self):
         """Mean horizontal component (x, y) of the direction of snowfall."""
         ways = np.array([entry["direction"] for entry in self.frames], dtype=np.float64)
@@ -178,12 +183,14 @@ class Surface:
         return self._native.points(nothing, 0.0, **self.inputs.pose(0))
 
     def mesh(self):
-        """The FileMesh of the last frame."""
+        """The FileMesh of the last frame, with faces anticlockwise in the space of the points."""
         begin, corners, uv = self._native.faces()
         sides = np.diff(begin)
         quads, triangles = np.flatnonzero(sides == 4), np.flatnonzero(sides == 3)
-        of_quads = begin[quads][:, None] + np.arange(4)
-        of_triangles = begin[triangles][:, None] + np.arange(3)
+        # Faces run anticlockwise in the world, so clockwise in a mirrored receiver's own space.
+        onward = -1 if self.inputs.is_mirrored else 1
+        of_quads = begin[quads][:, None] + np.arange(4)[::onward]
+        of_triangles = begin[triangles][:, None] + np.arange(3)[::onward]
         return FileMesh(
             self._shown_points(len(self.inputs.frames) - 1),
             corners[of_quads],
