@@ -28,8 +28,8 @@ THESIS = {
     80: (791.3, 1_624),
 }
 FIELD_OF_VIEW = 0.8
-#: Level of the mesh that is subdivided in advance: the highest of an imported chain.
-STATIC_LEVELS = 3
+#: Detail of the static mesh: the finest of an imported chain.
+STATIC_DETAIL = "FILM"
 
 
 def camera_at(mesh, away, size):
@@ -49,7 +49,7 @@ def ways(arguments):
         native.RenderSettings(metric="THESIS", max_distance=20, max_level=5, max_area=0.02, **common),
     )
     yield "nothing tessellated", False, native.RenderSettings(max_level=1, min_pixels=0, **common)
-    yield f"mesh of lod {STATIC_LEVELS}", True, native.RenderSettings(**common)
+    yield f"mesh of detail {STATIC_DETAIL}", True, native.RenderSettings(**common)
 
 
 def measured(renderer, camera, settings, frames):
@@ -104,7 +104,7 @@ def main():
     arguments = parser.parse_args()
     skeleton = native.read_tree(arguments.tree)
     mesh = native.build_tree_mesh(skeleton)
-    fine = native.build_tree_mesh(skeleton, lod=STATIC_LEVELS)
+    fine = native.build_tree_mesh(skeleton, detail=STATIC_DETAIL)
     with native.Renderer() as renderer:
         print(
             f"{Path(arguments.tree).name}: {len(skeleton.branches)} branches, {len(mesh.quads)} patches; ",

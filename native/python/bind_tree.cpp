@@ -124,23 +124,21 @@ crossing_junctions.)");
 void bind_mesh_functions(py::module_& module) {
   module.def(
       "build_tree_mesh",
-      [](const Skeleton& skeleton, const std::string& width, const std::string& species, int lod,
-         bool close_root, bool close_tips, int snow_resolution, int max_influences, int threads,
-         const py::object& progress, const std::optional<std::string>& detail) {
+      [](const Skeleton& skeleton, const std::string& width, const std::string& species,
+         const std::string& detail, bool close_root, bool close_tips, int snow_resolution,
+         int max_influences, int threads, const py::object& progress) {
         TreeMeshOptions options;
         options.width.mode = choose<WidthMode>(
             "width", width, {{"ORIGINAL", WidthMode::kOriginal}, {"INVERSE", WidthMode::kInverse}});
         options.width.species = choose<Species>(
             "species", species,
             {{"BROADLEAF", Species::kBroadleaf}, {"EVERGREEN", Species::kEvergreen}});
-        options.lod = lod;
-        if (detail) {
-          options.detail = choose<Detail>("detail", *detail,
-                                          {{"DRAFT", Detail::kDraft},
-                                           {"GAME", Detail::kGame},
-                                           {"DEFAULT", Detail::kDefault},
-                                           {"FILM", Detail::kFilm}});
-        }
+        options.detail = choose<std::optional<Detail>>("detail", detail,
+                                                       {{"BASE", std::nullopt},
+                                                        {"DRAFT", Detail::kDraft},
+                                                        {"GAME", Detail::kGame},
+                                                        {"DEFAULT", Detail::kDefault},
+                                                        {"FILM", Detail::kFilm}});
         options.close_root = close_root;
         options.close_tips = close_tips;
         options.snow_resolution = snow_resolution;
@@ -154,14 +152,13 @@ void bind_mesh_functions(py::module_& module) {
         });
       },
       py::arg("skeleton"), py::arg("width") = "ORIGINAL", py::arg("species") = "BROADLEAF",
-      py::arg("lod") = 0, py::arg("close_root") = true, py::arg("close_tips") = true,
+      py::arg("detail") = "BASE", py::arg("close_root") = true, py::arg("close_tips") = true,
       py::arg("snow_resolution") = 1024, py::arg("max_influences") = 4, py::arg("threads") = 0,
-      py::arg("progress") = py::none(), py::arg("detail") = py::none(),
+      py::arg("progress") = py::none(),
       R"(Rebuilds a tree as one continuous, rigged, weighted and unwrapped quad mesh.
 
-width: ORIGINAL or INVERSE; species: BROADLEAF or EVERGREEN; lod: 0 (four-sided) to 4; detail:
-DRAFT, GAME, DEFAULT or FILM instead of lod: sides by thickness, curved limbs, forks with fillets;
-None: lod. threads: 0 = one per core; does not change the mesh. progress(share) is called
+width: ORIGINAL or INVERSE; species: BROADLEAF or EVERGREEN; detail: BASE (limbs of four
+sides), or DRAFT, GAME, DEFAULT or FILM: sides by thickness, curved limbs, forks with fillets. threads: 0 = one per core; does not change the mesh. progress(share) is called
 regularly; returning False (not None) cancels with KeyboardInterrupt. Raises ValueError for
 options out of range.)");
 

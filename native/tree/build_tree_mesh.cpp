@@ -9,7 +9,6 @@
 #include "tree/detail/refine.h"
 #include "tree/mesh/bones.h"
 #include "tree/mesh/limb_sections.h"
-#include "tree/mesh/lod.h"
 #include "tree/mesh/weights.h"
 #include "tree/surface/limb_path.h"
 #include "tree/surface/surface.h"
@@ -22,22 +21,8 @@ namespace {
 /// Progress of the base at which its surface, and its charts, are finished.
 constexpr float kSurfaceDone = 0.5f;
 constexpr float kChartsDone = 0.9f;
-/// Time of the first subdivision level relative to the base; each level takes four times the one
-/// before.
-constexpr float kFirstLevel = 0.3f;
 /// Fraction of a detailed surface's time that the base takes.
 constexpr float kBaseOfDetail = 0.3f;
-
-/// Fraction of the time that the base takes.
-float base_share(const TreeMeshOptions& options) {
-  if (options.detail) return kBaseOfDetail;
-  const int lod = options.lod;
-  float levels = 0.0f;
-  for (int level = 0; level < lod; ++level) {
-    levels = 4.0f * levels + kFirstLevel;
-  }
-  return 1.0f / (1.0f + levels);
-}
 
 void check_range(const char* name, int value, int low, int high) {
   if (value < low || value > high) {
@@ -47,10 +32,6 @@ void check_range(const char* name, int value, int low, int high) {
 }
 
 void check_options(const TreeMeshOptions& options) {
-  check_range("lod", options.lod, 0, 4);
-  if (options.detail && options.lod != 0) {
-    throw std::invalid_argument("give either detail or lod, not both");
-  }
   check_range("snow_resolution", options.snow_resolution, 64, 16384);
   check_range("max_influences", options.max_influences, 1, 4);
   check_range("threads", options.threads, 0, 1024);
@@ -115,7 +96,7 @@ TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& option
                          BuildReport* report) {
   check_options(options);
   const base::Execution whole{options.threads, options.progress};
-  const float base_done = base_share(options);
+  const float base_done = options.detail ? kBaseOfDetail : 1.0f;
   const base::Execution execution = whole.part(0.0f, base_done);
   base::report_progress(execution.progress, 0.0f);
 
@@ -140,18 +121,16 @@ TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& option
     mesh.bone_weights = std::move(weights.weights);
     mesh.bones = std::move(armature.bones);
     mesh.uv_bark = layout_bark_uvs(surface);
-    if (options.lod == 0 && !options.detail) mesh.sections = limb_sections(surface);
+    if (!options.detail) mesh.sections = limb_sections(surface);
     if (report != nullptr) check = check_mesh(mesh.vertices, mesh.quads);
   };
   // Charts take as long as everything else that follows the surface.
   do_both(options.threads, unwrap, rig);
   base::report_progress(execution.progress, kChartsDone);
 
-  const base::Execution rest = whole.part(base_done, 1.0f);
   if (options.detail) {
-    refine(mesh, surface, skeleton, paths, scale, *options.detail, options.max_influences, rest);
-  } else {
-    subdivide(mesh, surface, options.lod, options.max_influences, rest);
+    refine(mesh, surface, skeleton, paths, scale, *options.detail, options.max_influences,
+           whole.part(base_done, 1.0f));
   }
   base::report_progress(whole.progress, 1.0f);
   if (report != nullptr) {

@@ -13,10 +13,8 @@ namespace snowbough::tree {
 
 struct TreeMeshOptions {
   WidthOptions width;
-  /// Refined surface for artists: see refine. Without it, `lod` applies.
+  /// Refined surface for artists: see refine. None: the four-sided base.
   std::optional<Detail> detail;
-  /// 0 = the four-sided base; each level up to 4 doubles the sides.
-  int lod = 0;
   bool close_root = true;
   bool close_tips = true;
   /// Edge in pixels of the square accumulation map for which the snow UVs are laid out.

@@ -48,18 +48,6 @@ void report_scene(const ObjScene& scene, ImportReport& report) {
   }
 }
 
-void report_squares(const TracedBranches& traced, ImportReport& report) {
-  if (traced.shuffled) {
-    report.warnings.emplace_back(
-        "the squares are in random order in the file; they were joined to branches by position "
-        "and direction");
-  }
-  if (traced.lone_planes > 0) {
-    report.skipped_parts.emplace_back(
-        "(squares)", std::to_string(traced.lone_planes) + " squares without a neighbour");
-  }
-}
-
 float extent_of(const std::vector<Branch>& branches) {
   glm::vec3 low(std::numeric_limits<float>::max());
   glm::vec3 high(std::numeric_limits<float>::lowest());
@@ -271,7 +259,11 @@ TracedBranches read_parts(const ObjScene& scene, const std::string& path,
 
   TracedBranches traced = trace_branches(scene, parts, labels, sorted.classified);
   traced.form = classified.form;
-  report_squares(traced, report);
+  if (classified.shuffled) {
+    report.warnings.emplace_back(
+        "the squares seem to be in random order in the file, so limbs may run to and fro: export "
+        "the squares of each limb in order, from its root to its tip");
+  }
   traced.named = !options.levels.empty() || !options.foliage_names.empty() ||
                  std::any_of(labels.meaning.begin(), labels.meaning.end(),
                              [](NameMeaning m) { return m != NameMeaning::kSilent; });

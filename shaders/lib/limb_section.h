@@ -1,7 +1,7 @@
 #pragma once
 
-// Projection of points of the four-sided base onto the limbs' round surface, as for the subdivided meshes
-// (native/tree/mesh/lod.h).
+// Projection of points of the four-sided base onto the limbs' round surface: the nearest point on a section's infinite line
+// plus the radius along the offset (D. T. Reynolds, PhD thesis, University of East Anglia, 2014, eq. 3.4.2).
 #include "shared_functions.h"
 #include "tree_shared.h"
 

@@ -95,7 +95,7 @@ def _image_behind(socket):
     return name.lower(), node.image.colorspace_settings.name, scale, place.uv_map
 
 
-@pytest.mark.parametrize("settings", [{"lod": 0}, {}, {"lod_chain": True}], ids=str)
+@pytest.mark.parametrize("settings", [{"detail": "BASE"}, {}, {"lod_chain": True}], ids=str)
 def test_each_face_of_the_wood_has_its_own_material(pack, settings):
     collection = import_collection(pack, **settings)
     for bark in collection.objects:

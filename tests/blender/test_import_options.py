@@ -59,11 +59,6 @@ def test_details_get_finer_and_default_is_the_default():
     assert "snowbough_lod" not in bark
 
 
-def test_scripts_may_say_a_level_instead():
-    bark = import_collection(lod=0, detail="FILM").objects["small_maple_bark"]
-    assert len(bark.data.polygons) < 2000 and bark["snowbough_lod"] == 0
-
-
 # -- sizes ------------------------------------------------------------------------------------------------
 
 
@@ -200,9 +195,9 @@ def test_a_tree_whose_bones_are_hidden_sways():
 
 
 def test_wind_attributes_tell_each_points_branch(addon):
-    collection = import_collection(wind_attributes=True, lod=0)
+    collection = import_collection(wind_attributes=True, detail="BASE")
     bark = collection.objects["small_maple_bark"]
-    options = addon("tree.import_options").ImportOptions(lod=0)
+    options = addon("tree.import_options").ImportOptions(detail="BASE")
     tree = addon("tree.native_tree").read_native(MAPLE, options)
     branches = tree.skeleton.branches
     pivots = np.array([branch.points[0] for branch in branches])

@@ -129,7 +129,6 @@ def test_the_command_line_has_every_option_with_its_default(addon):
         (["--levels", "Trunk,Branch"], "levels", "Trunk,Branch"),
         (["--tolerance", "1.5"], "tolerance", 1.5),
         (["--detail", "FILM"], "detail", "FILM"),
-        (["--lod", "3"], "lod", 3),
         (["--unit", "FEET"], "unit", "FEET"),
         (["--height", "12.5"], "height", 12.5),
         (["--show-bones"], "show_bones", True),
@@ -148,7 +147,7 @@ def test_options_of_the_command_line_arrive(addon, arguments, name, value):
 
 
 @pytest.mark.parametrize(
-    "arguments", [["--lod", "4"], ["--max-bones", "-1"], ["--snow-resolution", "9000"], ["--width", "THIN"]]
+    "arguments", [["--detail", "FINE"], ["--max-bones", "-1"], ["--snow-resolution", "9000"], ["--width", "THIN"]]
 )
 def test_what_a_property_would_not_take_is_a_wrong_command_line(addon, arguments, capsys):
     assert addon("cli").run(["import", "tree.obj", *arguments]) == 2
@@ -159,7 +158,7 @@ def test_every_option_but_that_of_scripts_stands_under_one_heading(addon):
     options = addon("tree.import_options")
     shown = [name for _identifier, _text, names in options.SECTIONS for name in names]
     assert len(shown) == len(set(shown))
-    assert option_names(addon) - set(shown) == {"lod", "simplify", "tolerance"}
+    assert option_names(addon) - set(shown) == {"simplify", "tolerance"}
     panels = [cls.names for cls in addon("ui.import_panels").CLASSES]
     assert [name for names in panels for name in names] == shown
 

@@ -164,7 +164,7 @@ class Calls:
             "from_branches": (n.Skeleton.from_branches, {"branches": [limb]}),
             "read_tree": (n.read_tree, {"path": str(TREE), "tolerance": 0.5, "levels": "", "height": 0.0,
                                         "unit": 1.0}),
-            "build_tree_mesh": (n.build_tree_mesh, {"skeleton": self.skeleton, "lod": 0, "snow_resolution": 256,
+            "build_tree_mesh": (n.build_tree_mesh, {"skeleton": self.skeleton, "detail": "BASE", "snow_resolution": 256,
                                                     "max_influences": 4}),
             "reduce_bones": (n.reduce_bones, {"mesh": self.mesh, "max_bones": 10, "max_bone_level": -1}),
             "leaf_uvs": (n.leaf_uvs, {"skeleton": self.skeleton, "resolution": 256}),

@@ -17,6 +17,7 @@ pytest.importorskip("PIL.Image", reason="Pillow reads the images (package python
 import glb  # noqa: E402
 from engine_hlsl import ENTRIES, as_glsl  # noqa: E402
 from engine_view import EngineView, source  # noqa: E402
+from round_limbs import round_limbs  # noqa: E402
 
 MAPLE = Path(__file__).resolve().parents[1] / "data" / "small_maple.obj"
 SIZE, RESOLUTION, DEPTH = 256, 512, 0.1
@@ -31,15 +32,15 @@ def z_up(place):
     return place[0], -place[2], place[1]
 
 
-def fallen(mesh):
+def fallen(vertices, quads, uv_snow):
     """The map of a fall of DEPTH."""
     corners = (0, 1, 2, 0, 2, 3)
-    triangles = np.asarray(mesh.quads)[:, corners].reshape(-1, 3)
-    uv = np.ascontiguousarray(np.asarray(mesh.uv_snow)[:, corners].reshape(-1, 3, 2))
+    triangles = quads[:, corners].reshape(-1, 3)
+    uv = np.ascontiguousarray(uv_snow[:, corners].reshape(-1, 3, 2))
     with native.SnowSimulation(pixel_size=0.01, flutter=0.2, blur_radius=0.02, engine="CPU") as snow:
         snow.add_object("tree", triangles, uv, resolution=RESOLUTION)
         for step in range(6):
-            snow.step({"tree": mesh.vertices} if step == 0 else {}, DEPTH / 6)
+            snow.step({"tree": vertices} if step == 0 else {}, DEPTH / 6)
         return snow.output("tree", normal=False)["height"]
 
 
@@ -57,7 +58,9 @@ class Picture:
 def native_picture():
     """(map of the snow, picture of the real-time renderer)."""
     skeleton = native.read_tree(str(MAPLE))
-    heights = fallen(native.build_tree_mesh(skeleton, lod=2, snow_resolution=RESOLUTION))
+    base = native.build_tree_mesh(skeleton, snow_resolution=RESOLUTION)
+    vertices, quads, (_bark, uv_snow), _radii = round_limbs(base, 2)
+    heights = fallen(vertices, quads, uv_snow)
     camera = native.Camera(
         eye=z_up(EYE),
         target=z_up(TARGET),
@@ -78,7 +81,6 @@ def native_picture():
         ground_color=LIGHT["ground"],
     )
     with native.Renderer() as renderer:
-        base = native.build_tree_mesh(skeleton, snow_resolution=RESOLUTION)
         renderer.add_tree("tree", base, bark_depth=0.0, bark_dark=BARK, bark_light=BARK)
         renderer.set_snow("tree", heights, DEPTH)
         light = renderer.render_light(camera, settings)[::-1, :, :3]
@@ -89,12 +91,12 @@ def native_picture():
 
 def exported(folder, heights, limb_widths=True):
     """(file, its snow data): the finest level has the round limbs of the renderer."""
-    mesh = native.build_tree_mesh(native.read_tree(str(MAPLE)), lod=2, snow_resolution=RESOLUTION)
-    quads, count = np.asarray(mesh.quads), len(mesh.vertices)
+    base = native.build_tree_mesh(native.read_tree(str(MAPLE)), snow_resolution=RESOLUTION)
+    vertices, quads, uvs, _radii = round_limbs(base, 2)
+    count = len(vertices)
     follows = surface.strongest(np.zeros((count, 1), int), np.ones((count, 1)))
-    uvs = [np.asarray(mesh.uv_bark), np.asarray(mesh.uv_snow)]
-    bark = surface.from_quads(mesh.vertices, quads, uvs, *follows, np.zeros(len(quads)), np.zeros(count, int))
-    bark = replace(bark, smooth=np.repeat(np.asarray(mesh.face_part) < 2, 2))
+    bark = surface.from_quads(vertices, quads, uvs, *follows, np.zeros(len(quads)), np.zeros(count, int))
+    bark = replace(bark, smooth=np.repeat(np.asarray(base.face_part) < 2, 2 * 4**2))
     samples, scale, offset = snow_maps.quantised(heights)
     native.write_png(str(folder / "heights.png"), samples)
     said = {

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from ..base.names import counted
-from ..tree.import_options import BY_DETAIL
 from ..tree.import_tree import LOD_PROPERTY
 from . import (
     images,
@@ -47,7 +46,7 @@ def _stems(points, joints, rig):
 
 def _bark_part(tree, options, linear, maker):
     found = [scene_tree.surface_of(bark, tree.rig, scene_tree.BARK_MAPS) for bark in tree.barks]
-    lods = [int(bark.get(LOD_PROPERTY, BY_DETAIL)) for bark in tree.barks]
+    lods = [bark.get(LOD_PROPERTY) for bark in tree.barks]
     found = levels.complete(found, lods, options.levels, tree.rig, maker.warnings)
     materials = maker.of_object(tree.barks[0], scene_tree.BARK_MAPS, False)
     name = re.sub(r"_LOD\d+$", "", tree.barks[0].name)

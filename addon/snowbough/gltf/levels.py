@@ -11,17 +11,16 @@ import numpy as np
 from ..base import native
 from ..tree import kept_skeleton, wind_attributes
 from ..tree.bone_names import fitting_names
-from ..tree.import_options import BY_DETAIL
+from ..tree.import_options import BASE, LOD_CHAIN
 from ..tree.objects import point_levels
 from .surface import from_quads, strongest
 from .thinning import kept_branches, without_branches
 
-DETAILS = ("FILM", "DEFAULT", "GAME", "DRAFT")
+DETAILS = ("FILM", "DEFAULT", "GAME", "DRAFT", BASE)
 # A level is used only if it has at most this share of the triangles of the level before.
 WORTHWHILE = 0.7
 # Target share of the triangles of the level before, for levels with fewer branches.
 FEWER_BRANCHES = 0.5
-BASE = {"lod": 0}
 # Maximum distance of rest bones from those of the stored skeleton, as a share of the tree's height.
 TOLERANCE = 1e-4
 # The four-sided base has the volume of the limb, so its silhouette is wider by 2 / sqrt(pi) in the mean over all
@@ -50,31 +49,28 @@ class _Builder:
         self._number = {bone.name: index for index, bone in enumerate(rig.data.bones)}
         self._check(self.mesh(BASE), rig)
 
-    def mesh(self, fineness):
-        """The mesh for these arguments (`lod` or `detail`), built once."""
-        key = tuple(fineness.items())
-        if key not in self._meshes:
-            self._meshes[key] = self._build(fineness)
-        return self._meshes[key]
+    def mesh(self, detail):
+        """The mesh of this detail, built once."""
+        if detail not in self._meshes:
+            self._meshes[detail] = self._build(detail)
+        return self._meshes[detail]
 
-    def _build(self, fineness):
+    def _build(self, detail):
         built = self._built
         whole = self._module.build_tree_mesh(
             self._skeleton,
             built["width"],
             built["species"],
+            detail,
             snow_resolution=built["snow_resolution"],
-            **fineness,
         )
-        self._points[tuple(fineness.items())] = (
-            _with_mean_width(whole) if fineness == BASE else whole.vertices
-        )
+        self._points[detail] = _with_mean_width(whole) if detail == BASE else whole.vertices
         return self._module.reduce_bones(whole, built["max_bones"], built["max_bone_level"])
 
-    def points(self, fineness):
-        """The points of mesh(fineness); the base's limbs have the mean width of round ones."""
-        self.mesh(fineness)
-        return self._points[tuple(fineness.items())]
+    def points(self, detail):
+        """The points of mesh(detail); the base's limbs have the mean width of round ones."""
+        self.mesh(detail)
+        return self._points[detail]
 
     def joints(self, mesh):
         """(joints, weights) with the armature's bone indices."""
@@ -91,14 +87,6 @@ class _Builder:
         away = np.abs(heads - mesh.bone_heads).max()
         if away > TOLERANCE * self._skeleton.height:
             raise ValueError(f"its rest bones were moved by up to {away:.3g} units since the import")
-
-
-def _coarser(fineness):
-    """Arguments of build_tree_mesh for each level that is coarser than the finest level in the scene."""
-    if fineness["lod"] != BY_DETAIL:
-        return [{"lod": lod} for lod in range(fineness["lod"] - 1, -1, -1)]
-    after = DETAILS[DETAILS.index(fineness["detail"]) + 1 :]
-    return [*({"detail": detail} for detail in after), {"lod": 0}]
 
 
 def _material_of_joints(surface, joints):
@@ -154,14 +142,14 @@ def _with_flat_caps(surface, mesh):
     return replace(surface, smooth=surface.smooth & np.repeat(~_is_cap(mesh), 2))
 
 
-def _rebuilt(builder, branches, fineness, finest):
-    """Yields coarser and coarser Surfaces. Each is built on demand."""
-    for settings in _coarser(fineness):
-        mesh = builder.mesh(settings)
+def _rebuilt(builder, branches, in_scene, finest):
+    """Yields Surfaces of the details coarser than `in_scene`. Each is built on demand."""
+    for detail in DETAILS[DETAILS.index(in_scene) + 1 :]:
+        mesh = builder.mesh(detail)
         yield _as_surface(
             branches,
             mesh,
-            builder.points(settings),
+            builder.points(detail),
             np.asarray(mesh.quads),
             [np.asarray(mesh.uv_bark), np.asarray(mesh.uv_snow)],
             np.arange(len(mesh.quads)),
@@ -200,7 +188,7 @@ def _append_worthwhile(levels, candidates, count):
 
 def complete(levels, lods, count, rig, warnings):
     """`levels` (Surfaces in armature space, the finest first), completed with coarser ones up to `count`. If there are
-    fewer, `warnings` receives the reason. lods: for each level its imported LOD number, or BY_DETAIL.
+    fewer, `warnings` receives the reason. lods: for each level its place in LOD_CHAIN, or None.
     """
     levels, lods = levels[:count], lods[:count]
     try:
@@ -217,8 +205,8 @@ def complete(levels, lods, count, rig, warnings):
             )
         return levels
     for number, lod in enumerate(lods):
-        fineness = {"detail": built["fineness"]["detail"]} if lod == BY_DETAIL else {"lod": lod}
-        levels[number] = _with_flat_caps(levels[number], builder.mesh(fineness))
+        detail = built["detail"] if lod is None else LOD_CHAIN[lod]
+        levels[number] = _with_flat_caps(levels[number], builder.mesh(detail))
     if len(levels) == count:
         return levels
     finest = levels[0]
@@ -228,7 +216,7 @@ def complete(levels, lods, count, rig, warnings):
             "the imported file: use Import LOD Chain to keep these coordinates"
         )
     if len(levels) == 1:
-        _append_worthwhile(levels, _rebuilt(builder, skeleton.branches, built["fineness"], finest), count)
+        _append_worthwhile(levels, _rebuilt(builder, skeleton.branches, built["detail"], finest), count)
     _append_worthwhile(levels, _pruned(builder, skeleton.branches, finest, len(levels[-1].triangles)), count)
     if len(levels) < count:
         warnings.append(

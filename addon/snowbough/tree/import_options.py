@@ -8,11 +8,13 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 from ..base.names import MAX_RESOLUTION, MIN_RESOLUTION
 from ..base.options import options_class
 
-LOD_COUNT = 4
-# Value of the option `lod` if `detail` sets the fineness of the surface.
-BY_DETAIL = -1
+# The detail of limbs with four sides.
+BASE = "BASE"
+# The details of a LOD chain, the coarsest first.
+LOD_CHAIN = (BASE, "GAME", "DEFAULT", "FILM")
 # The native module's simplify and tolerance by `detail`; the option `simplify` overrides them.
 JOINTS = {
+    BASE: ("TOLERANCE", 0.5),
     "DRAFT": ("TOLERANCE", 0.5),
     "GAME": ("TOLERANCE", 1.0),
     "DEFAULT": ("TOLERANCE", 0.5),
@@ -123,6 +125,7 @@ class ImportProperties:
         name="Detail",
         description="Fineness of the tree: sides of limbs, smoothness of bends and forks, joints of branches",
         items=(
+            (BASE, "Base", "Limbs of four sides, as the real-time renderer starts from"),
             ("DRAFT", "Draft", "For a quick look: trunks of up to 8 sides, few faces in bends"),
             ("GAME", "Game", "For game engines with many trees: fewer joints in branches"),
             ("DEFAULT", "Default", "Trunks of up to 16 sides, limbs without visible kinks"),
@@ -130,18 +133,10 @@ class ImportProperties:
         ),
         default="DEFAULT",
     )
-    lod: IntProperty(
-        name="Level of Detail",
-        description="For scripts, instead of Detail: 0 gives limbs of four sides, and each level doubles the sides; "
-        "-1 uses Detail (levels)",
-        default=BY_DETAIL,
-        min=BY_DETAIL,
-        max=LOD_COUNT - 1,
-        options={"HIDDEN"},
-    )
     lod_chain: BoolProperty(
         name="Import LOD Chain",
-        description="Import all four levels of detail on one armature, named as in game engines: _LOD0 is the finest",
+        description="Import the details Film, Default, Game and Base on one armature, named as in game engines: _LOD0 "
+        "is Film",
         default=False,
     )
     max_bones: IntProperty(
@@ -188,7 +183,7 @@ class ImportProperties:
 
 ImportOptions = options_class("ImportOptions", ImportProperties)
 
-# Headings of the options in dialogs, and the options of each. `lod`, `simplify` and `tolerance` are for scripts.
+# Headings of the options in dialogs, and the options of each. `simplify` and `tolerance` are for scripts.
 SECTIONS = (
     ("file", "File", ("up_axis", "unit", "height", "levels", "outside_files")),
     ("surface", "Surface", ("detail", "lod_chain", "width", "species")),

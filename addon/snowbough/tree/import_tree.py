@@ -16,7 +16,7 @@ import numpy as np
 from ..base import compat, native
 from ..base.names import BARK_UV, FAILURES, LEAF_UV, ORIGINAL_UV, SNOW_RESOLUTION_PROPERTY, counted
 from . import armature, kept_bark, kept_skeleton, materials, objects, textures, thumbnail, wind_attributes
-from .import_options import BY_DETAIL, LOD_COUNT
+from .import_options import LOD_CHAIN
 from .native_tree import read_native
 
 REPORT_PROPERTY = "snowbough_report"
@@ -25,11 +25,6 @@ LOD_PROPERTY = "snowbough_lod"
 BY_OPTION = "left out by option"
 # Trees of one import stand in a row; gap as a share of their widths.
 ROW_GAP = 0.1
-
-
-def _lod_suffix(lod, chain):
-    # In game engines LOD0 is the finest level; our levels count up from the four-sided base.
-    return f"_LOD{LOD_COUNT - 1 - lod}" if chain else ""
 
 
 def _used(sources, chosen, make):
@@ -55,18 +50,17 @@ def _create_bark(name, tree, options, bone_names, check, own):
         lambda source: own.copy(source, uv_map) or materials.bark_material(f"{name}_bark", source, uv_map),
     )
     barks = []
-    for made in reversed(meshes):
-        lod = made.fineness.lod
+    for level, made in enumerate(reversed(meshes)):
         bark = objects.create_bark(
-            f"{name}_bark{_lod_suffix(lod, options.lod_chain)}",
+            f"{name}_bark{f'_LOD{level}' if options.lod_chain else ''}",
             made.native,
             bone_names,
             slots,
             made.face_material,
             made.original_uv,
         )
-        if lod != BY_DETAIL:
-            bark[LOD_PROPERTY] = lod
+        if options.lod_chain:
+            bark[LOD_PROPERTY] = LOD_CHAIN.index(made.detail)
         bark.data.snowbough.bark_vertices = len(bark.data.vertices)
         bark[SNOW_RESOLUTION_PROPERTY] = options.snow_resolution
         if options.wind_attributes:

@@ -21,7 +21,7 @@ class KeptBark(NamedTuple):
 
 
 def keep(armature, base, finest):
-    """Stores a native_tree.BarkMesh of lod=0 on a new armature. finest: the mesh whose object has the slots. Stores
+    """Stores a four-sided native_tree.BarkMesh on a new armature. finest: the mesh whose object has the slots. Stores
     nothing if the mesh has no coordinates."""
     if base.original_uv is None:
         return

@@ -5,11 +5,10 @@ levels of detail can be built without the imported file.
 Copies of a tree share the armature's data. The skeleton of a real tree with 200 branches takes 70 KB.
 """
 
-from dataclasses import asdict
-
 import bpy
 
 from ..base import native
+from .import_options import LOD_CHAIN
 from .skeleton_text import from_text, to_text
 
 # Options that are passed again to build_tree_mesh and reduce_bones.
@@ -17,9 +16,9 @@ OPTIONS = ("width", "species", "snow_resolution", "max_bones", "max_bone_level")
 
 
 def keep(armature, tree, options):
-    """Stores the skeleton of a NativeTree, and the fineness of its finest mesh, on a new armature."""
+    """Stores the skeleton of a NativeTree, and the detail of its finest mesh, on a new armature."""
     built = {name: getattr(options, name) for name in OPTIONS}
-    built["fineness"] = asdict(tree.meshes[-1].fineness)
+    built["detail"] = tree.meshes[-1].detail
     armature.snowbough_skeleton = to_text(tree.skeleton.branches, built)
 
 
@@ -29,6 +28,8 @@ def kept(armature):
     if not armature.snowbough_skeleton:
         return None
     branches, built = from_text(armature.snowbough_skeleton)
+    if "detail" not in built:  # older versions counted levels, with the detail empty
+        built["detail"] = built["fineness"]["detail"] or LOD_CHAIN[-1]
     return native.load().Skeleton.from_branches([vars(branch) for branch in branches]), built
 
 
@@ -44,7 +45,7 @@ def base_arrays(armature):
     skeleton, built = found
     module = native.load()
     base = module.build_tree_mesh(
-        skeleton, built["width"], built["species"], lod=0, snow_resolution=built["snow_resolution"]
+        skeleton, built["width"], built["species"], snow_resolution=built["snow_resolution"]
     )
     return module.tree_arrays(module.reduce_bones(base, built["max_bones"], built["max_bone_level"]))
 

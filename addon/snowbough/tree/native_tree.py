@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..base import native
-from .import_options import BY_DETAIL, JOINTS, LOD_COUNT, METRES_OF_UNIT
+from .import_options import BASE, JOINTS, LOD_CHAIN, METRES_OF_UNIT
 
 # A dead trunk or a stump may be intended, but a pole rarely is.
 BARE_TRUNK = "nothing in the file has branches or leaves: it was imported as a bare trunk, but may be a pole"
@@ -20,27 +20,8 @@ BARE_TRUNK = "nothing in the file has branches or leaves: it was imported as a b
 TALLEST = 150.0
 
 
-@dataclass(frozen=True)
-class Fineness:
-    """The fineness of a mesh: a level of the chain, counted from the four-sided base, or a detail."""
-
-    lod: int = BY_DETAIL
-    detail: str = ""
-
-    def settings(self):
-        """The arguments for build_tree_mesh."""
-        return {"detail": self.detail} if self.lod == BY_DETAIL else {"lod": self.lod}
-
-
-def wanted(options):
-    """The Fineness of each mesh that an import makes, the coarsest first."""
-    if options.lod_chain:
-        return [Fineness(lod) for lod in range(LOD_COUNT)]
-    return [Fineness(options.lod) if options.lod != BY_DETAIL else Fineness(detail=options.detail)]
-
-
 class BarkMesh(NamedTuple):
-    fineness: Fineness
+    detail: str
     native: object  # with reduced bones
     original_uv: object  # float32 (F, 4, 2) of the export, or None
     face_material: object  # int32 (F,): index into the skeleton's wood_materials, -1 for none
@@ -64,33 +45,33 @@ def _build_meshes(module, skeleton, options, progress):
     progress(share 0..1) -> False stops: KeyboardInterrupt. The native module releases Python's lock. The finest level
     of a chain takes as long as all others together, so a second thread makes the others.
     """
-    meshes = wanted(options)
+    meshes = LOD_CHAIN if options.lod_chain else (options.detail,)
     shares = dict.fromkeys(meshes, 0.0)
     stopped = threading.Event()
 
-    def build(fineness):
+    def build(detail):
         def step(share):
-            shares[fineness] = share
+            shares[detail] = share
             return not stopped.is_set() and progress(sum(shares.values()) / len(shares))
 
         whole = module.build_tree_mesh(
             skeleton,
             options.width,
             options.species,
-            **fineness.settings(),
+            detail,
             snow_resolution=options.snow_resolution,
             progress=step,
         )
         reduced = module.reduce_bones(whole, options.max_bones, options.max_bone_level)
-        made = BarkMesh(fineness, reduced, *module.original_uvs(skeleton, reduced))
-        return (whole if fineness == meshes[0] else None), made
+        made = BarkMesh(detail, reduced, *module.original_uvs(skeleton, reduced))
+        return (whole if detail == meshes[0] else None), made
 
     if len(meshes) == 1:
         whole, mesh = build(meshes[0])
         return whole, [mesh]
     built = {}
     with ThreadPoolExecutor(2, "snowbough-lod") as workers:
-        futures = {workers.submit(build, fineness): fineness for fineness in reversed(meshes)}
+        futures = {workers.submit(build, detail): detail for detail in reversed(meshes)}
         try:
             for future in as_completed(futures):
                 built[futures[future]] = future.result()
@@ -98,15 +79,15 @@ def _build_meshes(module, skeleton, options, progress):
             stopped.set()
             workers.shutdown(wait=True, cancel_futures=True)
             raise
-    return built[meshes[0]][0], [built[fineness][1] for fineness in meshes]
+    return built[meshes[0]][0], [built[detail][1] for detail in meshes]
 
 
 def _base_of(module, skeleton, options, meshes):
     """The BarkMesh of the four-sided base."""
-    if meshes[0].fineness == Fineness(0):
+    if meshes[0].detail == BASE:
         return meshes[0]
-    base = module.build_tree_mesh(skeleton, options.width, options.species, lod=0)
-    return BarkMesh(Fineness(0), base, *module.original_uvs(skeleton, base))
+    base = module.build_tree_mesh(skeleton, options.width, options.species)
+    return BarkMesh(BASE, base, *module.original_uvs(skeleton, base))
 
 
 def size_settings(options, units_per_metre):
@@ -166,7 +147,7 @@ def _build(name, read, options, progress, units_per_metre):
 
     simplify, tolerance = options.simplify, options.tolerance
     if simplify == "DETAIL":
-        simplify, tolerance = JOINTS[options.detail if options.lod == BY_DETAIL else "DEFAULT"]
+        simplify, tolerance = JOINTS[options.detail]
     skeleton = read(
         module,
         up_axis=options.up_axis,
@@ -211,7 +192,7 @@ def _build(name, read, options, progress, units_per_metre):
     report["bones_found"] = len(whole.bone_parents)
     report["bones"] = len(meshes[0].native.bone_parents)
     report["meshes"] = [
-        {**made.fineness.settings(), "vertices": len(made.native.vertices), "faces": len(made.native.quads)}
+        {"detail": made.detail, "vertices": len(made.native.vertices), "faces": len(made.native.quads)}
         for made in meshes
     ]
     report["leaves"] = 0 if leaf_bones is None else len(leaf_bones)

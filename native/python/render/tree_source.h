@@ -20,7 +20,7 @@ namespace snowbough::python {
 inline render::TreeSource tree_source(const tree::TreeMesh& mesh) {
   if (mesh.sections.empty()) {
     throw std::invalid_argument(
-        "the renderer subdivides the tree itself: build the mesh with lod=0 and without detail");
+        "the renderer subdivides the tree itself: build the mesh with detail=\"BASE\"");
   }
   render::TreeSource source;
   source.vertices = mesh.vertices;

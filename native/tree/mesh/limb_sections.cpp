@@ -28,7 +28,6 @@ std::vector<LimbSection> limb_sections(const Surface& surface) {
       section.begin_radius = a.corner * to_radius;
       section.end_radius = c.corner * to_radius;
       section.from_hole = row == 0 && name == static_cast<int32_t>(b) && is_child[b] != 0;
-      section.limb = name;
       sections.push_back(section);
     }
     for (int32_t v : limb.rings.back().vertices) {
@@ -36,22 +35,6 @@ std::vector<LimbSection> limb_sections(const Surface& surface) {
     }
   }
   return sections;
-}
-
-glm::dvec3 on_limb(const LimbSection& section, const glm::dvec3& p) {
-  const double along = glm::dot(p - section.begin, section.axis);
-  const glm::dvec3 foot = section.begin + section.axis * along;
-  const glm::dvec3 off = p - foot;
-  const double distance = glm::length(off);
-  if (distance < 1e-3 * std::min(section.begin_radius, section.end_radius)) {
-    return p;
-  }
-  const double t = std::clamp(along / section.length, 0.0, 1.0);
-  const double radius = section.begin_radius + (section.end_radius - section.begin_radius) * t;
-  const glm::dvec3 round = foot + off * (radius / distance);
-  const double near_hole = std::min(2.0 * section.begin_radius, section.length);
-  const double share = section.from_hole ? std::clamp(along / near_hole, 0.0, 1.0) : 1.0;
-  return p + (round - p) * share;
 }
 
 }  // namespace snowbough::tree

@@ -7,7 +7,6 @@
 #include <set>
 #include <sstream>
 
-#include "tree/rings/loose_squares.h"
 #include "tree/rings/squares.h"
 #include "tree/skeleton/centreline.h"
 #include "tree/welded/uneven_tubes.h"
@@ -20,20 +19,12 @@ namespace {
 constexpr double kRowShare = 0.7;
 /// Fraction of groups with exactly one tube at which a group counts as a branch.
 constexpr double kOneTubeShare = 0.8;
-/// A group with at least this many turns decides by itself whether its planes are shuffled; smaller
-/// ones are counted together.
-constexpr size_t kManyTurns = 200;
-/// With this many small groups each holds one limb, along which no turn goes back: fewer turns
-/// suffice.
-constexpr int kManyGroups = 5;
-constexpr double kShuffledLimbs = 0.4;
-/// Fraction of shuffled planes that must be perpendicular to the limbs joined from them.
-constexpr double kSquareShare = 0.55;
-/// Groups with fewer planes hold one limb, or too little to decide.
-constexpr size_t kManyPlanes = 20;
-/// Fraction of the links along limbs between file neighbours at which the file's order is
-/// meaningful.
-constexpr double kNeighbourShare = 0.3;
+/// The planes are in random order if more than this fraction of the turns from plane to plane go
+/// back. Along limbs hardly any do; for limbs of two or three planes each, about half of them (0.48
+/// on Betula lenta). In random order two thirds do along a straight limb, and more across a crown.
+constexpr double kShuffledShare = 0.57;
+/// Fewer turns do not decide.
+constexpr size_t kFewestTurns = 20;
 /// An unnamed closed tube shorter than this many of its radii is a fruit.
 constexpr float kRoundest = 3.0f;
 
@@ -156,89 +147,35 @@ TreeForm form_of_tubes(const ObjScene& scene, const Parts& parts, const PartLabe
   return materials.size() >= 2 ? TreeForm::kMaterials : TreeForm::kMergedTubes;
 }
 
-/// The planes of one label.
-struct PlaneGroup {
-  std::vector<int32_t> parts;
-  std::vector<int32_t> unread;
-  std::vector<CrossSection> sections;
-  Turns turns;
-  bool shuffled = false;
-};
-
-std::vector<PlaneGroup> plane_groups(const ObjScene& scene, const Parts& parts,
-                                     const PartLabels& labels, const Shapes& shapes) {
-  std::vector<int32_t> planes;
-  for (int32_t p = 0; p < parts.count(); ++p) {
-    if (shapes.shape[p] == Shape::kPlane || shapes.shape[p] == Shape::kTriangle)
-      planes.push_back(p);
-  }
-  std::vector<PlaneGroup> groups;
-  Turns small;
-  int small_groups = 0;
-  for (std::vector<int32_t>& members : parts_by_label(labels, planes)) {
-    PlaneGroup group;
-    group.parts = std::move(members);
-    group.sections = read_cross_sections(scene, parts, group.parts, group.unread);
-    if (group.sections.size() < 2) continue;
-    group.turns = count_turns(group.sections);
-    if (group.turns.all < kManyTurns) {
-      small += group.turns;
-      ++small_groups;
-    }
-    groups.push_back(std::move(group));
-  }
-  const bool small_shuffled =
-      small_groups >= kManyGroups ? small.shuffled(kShuffledLimbs) : small.shuffled();
-  for (PlaneGroup& group : groups) {
-    group.shuffled = group.turns.all < kManyTurns ? small_shuffled : group.turns.shuffled();
-  }
-  return groups;
-}
-
-std::vector<CrossSection> in_order(const std::vector<CrossSection>& sections) {
-  std::vector<CrossSection> ordered;
-  for (const size_t i : order_one_limb(sections)) ordered.push_back(sections[i]);
-  return ordered;
-}
-
-/// Number of limbs from the group's planes, in their order or sorted; 0 if they are none. Clears
-/// the mark "shuffled" of a group whose file neighbours are also neighbours along the limbs.
-size_t count_rows(PlaneGroup& group, bool named) {
-  if (group.shuffled) {
-    const std::vector<std::vector<size_t>> rows = chain_loose_sections(group.sections);
-    group.shuffled = group.sections.size() < kManyPlanes || neighbour_share(rows) < kNeighbourShare;
-    if (group.shuffled) {
-      const bool wood = named || (group.sections.size() < kManyPlanes
-                                      ? row_share(in_order(group.sections)) >= kRowShare
-                                      : square_share(group.sections, rows) >= kSquareShare);
-      return !wood ? 0
-                   : static_cast<size_t>(std::count_if(
-                         rows.begin(), rows.end(), [](const auto& row) { return row.size() > 1; }));
-    }
-  }
-  if (!named && row_share(group.sections) < kRowShare) return 0;
-  return chain_cross_sections(group.sections).size();
-}
-
 /// Groups with rows of planes across limbs become wood; returns the form, if there are any.
 std::optional<TreeForm> find_squares(const ObjScene& scene, const Parts& parts,
                                      const PartLabels& labels, const Shapes& shapes,
                                      ClassifiedParts& result) {
   size_t branches = 0;
   size_t rows = 0;
-  for (PlaneGroup& group : plane_groups(scene, parts, labels, shapes)) {
-    const bool named = labels.meaning[group.parts.front()] == NameMeaning::kWood;
-    const size_t found = count_rows(group, named);
-    if (found == 0) continue;
+  Turns turns;
+  std::vector<int32_t> planes;
+  for (int32_t p = 0; p < parts.count(); ++p) {
+    if (shapes.shape[p] == Shape::kPlane || shapes.shape[p] == Shape::kTriangle)
+      planes.push_back(p);
+  }
+  for (const std::vector<int32_t>& group : parts_by_label(labels, planes)) {
+    std::vector<int32_t> unread;
+    const std::vector<CrossSection> sections = read_cross_sections(scene, parts, group, unread);
+    if (sections.size() < 2) continue;
+    const bool named = labels.meaning[group.front()] == NameMeaning::kWood;
+    if (!named && row_share(sections) < kRowShare) continue;
     ++branches;
-    rows += found;
-    if (group.shuffled) result.shuffled_labels.push_back(labels.label[group.parts.front()]);
-    for (const int32_t p : group.parts) result.role[p] = PartRole::kCrossSection;
-    for (const int32_t p : group.unread) {
+    rows += chain_cross_sections(sections).size();
+    count_turns(sections, turns);
+    for (const int32_t p : group) result.role[p] = PartRole::kCrossSection;
+    for (const int32_t p : unread) {
       result.role[p] = PartRole::kSkipped;
       result.skipped.push_back({p, "a loose triangle in a row of planes"});
     }
   }
+  result.shuffled = turns.all >= kFewestTurns && static_cast<double>(turns.back) >
+                                                     kShuffledShare * static_cast<double>(turns.all);
   if (branches == 0) return std::nullopt;
   // A few groups with many rows each hold whole levels or the whole tree.
   const bool merged = branches == 1 ? rows > 1 : branches <= 8 && rows >= 4 * branches;

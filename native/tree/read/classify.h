@@ -54,9 +54,8 @@ struct ClassifiedParts {
   std::vector<int32_t> limb;
   /// The forking surfaces, with their parts; ascending.
   std::vector<std::pair<int32_t, WeldedTree>> welded;
-  /// Labels (index into PartLabels::names, -1 for none) whose planes are in random order,
-  /// ascending.
-  std::vector<int32_t> shuffled_labels;
+  /// The planes seem to be in random order in the file.
+  bool shuffled = false;
   /// Parts left out.
   std::vector<SkippedPart> skipped;
   int32_t foliage_count = 0;

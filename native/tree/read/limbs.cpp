@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "tree/read/levels.h"
-#include "tree/rings/loose_squares.h"
 #include "tree/rings/squares.h"
 
 namespace snowbough::tree {
@@ -36,37 +35,12 @@ void add_welded(WeldedTree&& tree, int32_t label, int32_t part, TracedBranches& 
   traced.welded = true;
 }
 
-/// Ends of a limb whose radii differ by no more than this factor look alike.
-constexpr float kAlike = 0.9f;
-
-/// Converts one label's planes to one row or several.
-/// @param shuffled whether their order in the file is random.
-/// @param left_over receives the number of planes without row.
+/// Converts one label's planes, in file order, to one row or several.
 void add_rows(const ObjScene& scene, const Parts& parts, std::span<const int32_t> group,
-              int32_t label, bool one_row, bool shuffled, TracedBranches& traced,
-              size_t& left_over) {
+              int32_t label, bool one_row, TracedBranches& traced) {
   std::vector<int32_t> unread;
   const std::vector<CrossSection> sections = read_cross_sections(scene, parts, group, unread);
   if (sections.empty()) return;
-  if (shuffled) {
-    const std::vector<std::vector<size_t>> rows =
-        one_row ? std::vector<std::vector<size_t>>{order_one_limb(sections)}
-                : chain_loose_sections(sections);
-    for (const std::vector<size_t>& row : rows) {
-      if (row.size() < 2 && !one_row) {
-        ++left_over;
-        continue;
-      }
-      std::vector<CrossSection> ordered;
-      ordered.reserve(row.size());
-      for (const size_t i : row) ordered.push_back(sections[i]);
-      Limb limb = limb_from_cross_sections(ordered);
-      limb.reversible = std::min(limb.radii.front(), limb.radii.back()) >=
-                        kAlike * std::max(limb.radii.front(), limb.radii.back());
-      add_limb(std::move(limb), label, group.front(), traced);
-    }
-    return;
-  }
   std::vector<size_t> rows = one_row ? std::vector<size_t>{0} : chain_cross_sections(sections);
   rows.push_back(sections.size());
   for (size_t r = 0; r + 1 < rows.size(); ++r) {
@@ -108,11 +82,8 @@ TracedBranches trace_branches(const ObjScene& scene, const Parts& parts, const P
     } else if (classified.role[p] == PartRole::kCrossSection) {
       const std::vector<int32_t>& group = rows[labels.label[p]];
       if (group.front() != p) continue;
-      const bool shuffled = std::binary_search(classified.shuffled_labels.begin(),
-                                               classified.shuffled_labels.end(), labels.label[p]);
       add_rows(scene, parts, group, labels.label[p], classified.form != TreeForm::kMergedSquares,
-               shuffled, traced, traced.lone_planes);
-      traced.shuffled = traced.shuffled || shuffled;
+               traced);
     }
   }
   name_branches(labels, traced);

@@ -26,10 +26,6 @@ struct TracedBranches {
   bool welded = false;
   /// Names in the file, or the user, distinguish wood from leaves.
   bool named = false;
-  /// Planes were in random order in the file and have been sorted by position.
-  bool shuffled = false;
-  /// Number of these planes without a link, which belong to no branch.
-  size_t lone_planes = 0;
 };
 
 /// Collects tubes and rows of planes in file order. A branch is named after its group if the group

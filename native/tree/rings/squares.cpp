@@ -153,6 +153,16 @@ double row_share(std::span<const CrossSection> sections) {
   return static_cast<double>(across) / static_cast<double>(sections.size() - 1);
 }
 
+void count_turns(std::span<const CrossSection> sections, Turns& turns) {
+  const Limb limb = limb_from_cross_sections(sections);
+  for (size_t i = 2; i < limb.points.size(); ++i) {
+    const float turn =
+        glm::dot(limb.points[i - 1] - limb.points[i - 2], limb.points[i] - limb.points[i - 1]);
+    ++turns.all;
+    turns.back += turn < 0.0f ? 1 : 0;
+  }
+}
+
 std::vector<size_t> chain_cross_sections(std::span<const CrossSection> sections) {
   if (sections.empty()) return {};
   const Limb limb = limb_from_cross_sections(sections);

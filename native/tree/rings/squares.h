@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <optional>
@@ -33,6 +34,16 @@ std::vector<CrossSection> read_cross_sections(const ObjScene& scene, const Parts
 /// Fraction of the consecutive pairs of planes that are perpendicular to the line between their
 /// centres; planes without area and zero distances count as perpendicular.
 double row_share(std::span<const CrossSection> sections);
+
+/// Turns of the line through the planes' centres in file order.
+struct Turns {
+  size_t all = 0;
+  /// Turns by more than a right angle.
+  size_t back = 0;
+};
+
+/// Adds the turns of a group's planes.
+void count_turns(std::span<const CrossSection> sections, Turns& turns);
 
 /// Splits consecutive planes into rows, one per limb: a new row begins where the distance is much
 /// larger than those before and after, where the line turns sideways, or where the limb suddenly

@@ -9,7 +9,7 @@
 
 namespace snowbough::tree {
 
-/// The part of a limb's strip to which a quad belongs, for UV layout and LODs.
+/// The part of a limb's strip to which a quad belongs, for UV layout and levels of detail.
 enum class FacePart : uint8_t {
   /// Side wall of a limb between two consecutive rings.
   kWall,
@@ -55,8 +55,6 @@ struct LimbSection {
   /// Begins at a hole in a parent's side: it becomes round only over its first width, otherwise a
   /// branch that leaves at a flat angle would bulge out of its parent at its heel.
   bool from_hole = false;
-  /// Branches that continue one another share a limb.
-  int32_t limb = -1;
 };
 
 /// The bones of the armature: one per skeleton segment, parents before children.
@@ -87,7 +85,7 @@ struct TreeMesh {
   std::vector<QuadUv> uv_bark;
   std::vector<QuadUv> uv_snow;
   std::vector<int32_t> branch_level;
-  /// Per quad; with lod > 0 the 4^lod parts of a base quad are consecutive and share its origin.
+  /// Per quad; with a detail the parts of a base quad are consecutive and share its origin.
   std::vector<FaceOrigin> origins;
   /// Per branch: 1 if its strip continues its parent's end ring, 0 if it starts at a hole in the
   /// parent's side or is a root.

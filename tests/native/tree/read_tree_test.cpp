@@ -74,6 +74,30 @@ TEST_F(ReadTree, Form6MergedSquares) {
   expect_tree(read(text.text()), "MERGED_SQUARES");
 }
 
+/// A pole of 30 squares as OBJ text, every `step`th after the other.
+std::string pole_of_squares(int step) {
+  std::string text;
+  for (int i = 0; i < 30; ++i) {
+    for (const char* corner : {"1 0 ", "0 1 ", "-1 0 ", "0 -1 "}) {
+      text.append("v ").append(corner).append(std::to_string(i)).append("\n");
+    }
+  }
+  text.append("g trunk1\n");
+  for (int i = 0; i < 30; ++i) {
+    text.append("f");
+    for (int c = 1; c <= 4; ++c) {
+      text.append(" ").append(std::to_string(4 * (step * i % 30) + c));
+    }
+    text.append("\n");
+  }
+  return text;
+}
+
+TEST_F(ReadTree, SquaresInRandomOrderAreAWarning) {
+  EXPECT_THAT(read(pole_of_squares(1)).report.warnings, IsEmpty());
+  EXPECT_THAT(read(pole_of_squares(13)).report.warnings, Contains(HasSubstr("in random order")));
+}
+
 /// The same OBJ text with vertices of its own for every corner of every face.
 std::string without_common_vertices(const std::string& text) {
   std::istringstream lines(text);

@@ -65,7 +65,7 @@ def angles(points, lean=0.0):
 
 
 @pytest.mark.parametrize("sides", [3, 4, 8])
-@pytest.mark.parametrize("settings", [{"lod": 0}, {"detail": "DEFAULT"}, {"detail": "FILM"}], ids=str)
+@pytest.mark.parametrize("settings", [{"detail": "BASE"}, {"detail": "DEFAULT"}, {"detail": "FILM"}], ids=str)
 def test_coordinates_are_those_of_the_same_direction_and_height(tmp_path, sides, settings):
     _, mesh, uv, _ = rebuilt(tmp_path, tube(sides), **settings)
     points = mesh.vertices[mesh.quads]
@@ -86,7 +86,7 @@ def test_a_limb_that_leans_keeps_its_texture_upright(tmp_path):
 
 
 @pytest.mark.parametrize("sides", [3, 8])
-@pytest.mark.parametrize("settings", [{"lod": 0}, {"detail": "DEFAULT"}], ids=str)
+@pytest.mark.parametrize("settings", [{"detail": "BASE"}, {"detail": "DEFAULT"}], ids=str)
 @pytest.mark.parametrize("turns", [1.0, 3.0, 0.7, 3.33])
 def test_no_face_runs_back_over_the_whole_texture_at_the_seam(tmp_path, sides, settings, turns):
     _, mesh, uv, _ = rebuilt(tmp_path, tube(sides, turns), **settings)
@@ -148,7 +148,7 @@ def test_long_faces_find_their_corners_on_a_fine_original(tmp_path):
     twig += "f -13 -16 -12 -9\nf -9 -12 -8 -5\nf -5 -8 -4 -1\n"
     path.write_text("g trunk\n" + tube(32, rings=600) + twig)
     skeleton = native.read_tree(path, up_axis="Z", simplify="TOLERANCE")
-    mesh = native.build_tree_mesh(skeleton, lod=0)
+    mesh = native.build_tree_mesh(skeleton)
     uv, _ = native.original_uvs(skeleton, mesh)
     z = mesh.vertices[mesh.quads][..., 2]
     side = (mesh.face_part == 0) & (mesh.face_branch == 0)

@@ -1,4 +1,4 @@
-"""The real-time renderer: passes compared with NumPy, no cracks, limbs as round as the subdivided meshes'."""
+"""The real-time renderer: passes compared with NumPy, no cracks, limbs as round as their sections."""
 
 import math
 from collections import Counter
@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import snowbough_native as native
+from round_limbs import round_limbs
 from test_tree_mesh import small_tree
 
 MAPLE = Path(__file__).resolve().parents[2] / "data" / "small_maple.obj"
@@ -203,7 +204,7 @@ def test_no_background_shows_from_inside_of_a_closed_tree(mesh, direction):
     assert (picture[..., 3] == 255).all()
 
 
-def test_limbs_are_as_round_as_the_subdivided_meshes(mesh):
+def test_limbs_are_as_round_as_their_sections(mesh):
     with native.Renderer() as renderer:
         renderer.add_tree("tree", mesh, bark_depth=0.0)
         fine = renderer.triangles(
@@ -212,18 +213,16 @@ def test_limbs_are_as_round_as_the_subdivided_meshes(mesh):
     across = np.cross(fine[:, 1] - fine[:, 0], fine[:, 2] - fine[:, 0])
     size = np.linalg.norm(across, axis=1)
     fine, normal = fine.mean(axis=1)[size > 0], (across / np.maximum(size, 1e-30)[:, None])[size > 0]
-    lod = native.build_tree_mesh(small_tree(), lod=2)
-    vertices = lod.vertices
+    vertices, _quads, _uvs, radius = round_limbs(mesh, 2)
     off = np.empty(len(vertices))
     for i, p in enumerate(vertices):
         nearest = np.argmin(((fine - p) ** 2).sum(1))
         off[i] = (p - fine[nearest]) @ normal[nearest]
     # Four-sided limbs stand a third of their radius out of the round ones.
-    radius = lod.bone_head_radii[lod.bone_indices[:, 0]]
     share = abs(off) / radius
     assert np.quantile(share, 0.5) < 0.002
     assert np.quantile(share, 0.9) < 0.01
-    assert share.max() < 0.25, "rims, which the meshes smooth"
+    assert share.max() < 0.25, "rims, where limbs meet"
 
 
 def test_bark_has_four_scales_each_half_as_high_that_come_with_the_samples(mesh):
@@ -378,7 +377,7 @@ def test_leaves_cast_the_shadow_of_their_image_however_far_it_falls(renderer, wa
     "wrong, complaint",
     [
         (lambda r, m: r.add_tree("tree", m), "already exists"),
-        (lambda r, m: r.add_tree("fine", native.build_tree_mesh(small_tree(), lod=1)), "lod=0"),
+        (lambda r, m: r.add_tree("fine", native.build_tree_mesh(small_tree(), detail="GAME")), "BASE"),
         (lambda r, m: r.add_tree("deep", m, bark_depth=2), "bark_depth"),
         (lambda r, m: r.set_pose("oak", np.zeros((1, 4, 4))), "no tree 'oak'"),
         (lambda r, m: r.set_pose("tree", np.zeros((1, 4, 4))), "bone matrices, not 1"),

@@ -119,7 +119,7 @@ def test_a_level_of_detail_has_the_same_bones_and_arrays(detail):
 
 
 def test_weights_sum_to_one():
-    mesh = native.build_tree_mesh(small_tree(), lod=1)
+    mesh = native.build_tree_mesh(small_tree(), detail="GAME")
     assert np.abs(mesh.bone_weights.sum(1) - 1).max() < 1e-6
 
 
@@ -133,9 +133,7 @@ def test_max_influences_is_kept():
     [
         ({"width": "WIDE"}, "ORIGINAL, INVERSE"),
         ({"species": "PALM"}, "BROADLEAF, EVERGREEN"),
-        ({"lod": 7}, "lod must be from 0"),
-        ({"detail": "FINE"}, "DRAFT, GAME, DEFAULT, FILM"),
-        ({"detail": "GAME", "lod": 1}, "either detail or lod"),
+        ({"detail": "FINE"}, "BASE, DRAFT, GAME, DEFAULT, FILM"),
         ({"max_influences": 5}, "max_influences must be from 1 to 4"),
     ],
 )
@@ -239,30 +237,6 @@ def test_a_real_export_becomes_one_closed_surface_a_root(name):
     assert np.abs(mesh.bone_weights.sum(1) - 1).max() < 1e-6
     assert set(mesh.bone_branches) == set(range(len(skeleton.branches)))
     assert abs(report["volume"] / wood_outside_parents(skeleton) - 1) < 0.10
-
-
-def test_a_finer_level_of_a_real_tree_has_the_same_seams_and_weights():
-    skeleton = real_tree("tubes/AL06a.obj")
-    base, fine = native.build_tree_mesh(skeleton), native.build_tree_mesh(skeleton, lod=1)
-    assert len(fine.quads) == 4 * len(base.quads)
-    assert np.array_equal(np.repeat(base.branch_level, 4), fine.branch_level)
-    assert np.abs(fine.uv_bark.reshape(-1, 4, 4, 2)[:, range(4), range(4)] - base.uv_bark).max() == 0
-    check = native.check_mesh(fine.vertices, fine.quads)
-    assert check["closed"] and check["zero_area_faces"] == 0
-
-
-@pytest.mark.parametrize("lod", [1, 2])
-def test_finer_levels_of_a_real_tree_lie_on_the_limbs_radii(lod):
-    skeleton = real_tree("tubes/AL06a.obj")
-    mesh = native.build_tree_mesh(skeleton, lod=lod)
-    # The trunk's walls, where no branch has a say: its bones alone hold the vertex.
-    trunk = skeleton.branches[0]
-    own = (mesh.bone_weights * (mesh.bone_branches[mesh.bone_indices] == 0)).sum(1) > 1 - 1e-6
-    own &= np.isin(np.arange(len(own)), mesh.quads[mesh.face_part == 0])
-    radii = np.sqrt(trunk.areas.astype(float) / np.pi)
-    off = np.abs(centreline_distance(trunk, mesh.vertices[own].astype(float), radii)) / radii[0]
-    assert len(off) > 200
-    assert np.median(off) < 0.001 and np.percentile(off, 95) < 0.01 and off.max() < 0.05
 
 
 def test_progress_of_the_mesh_runs_from_0_to_1():

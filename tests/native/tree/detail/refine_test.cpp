@@ -238,13 +238,6 @@ TEST(Refine, AForkDoesNotCrossItself) {
   }
 }
 
-TEST(Refine, LevelsOfDetailExcludeBareLevels) {
-  TreeMeshOptions options;
-  options.detail = Detail::kDraft;
-  options.lod = 1;
-  EXPECT_THROW(build_tree_mesh(whorl(4), options), std::invalid_argument);
-}
-
 TEST(Refine, StopsWhereverItIsAskedTo) {
   const Skeleton skeleton = make_skeleton({trunk(), side_branch(5.5f, 0.02f)});
   size_t places = 0;

@@ -213,7 +213,7 @@ TEST(Crossings, AnOverlapAtAJunctionIsFound) {
 TEST(Options, OutOfRangeIsAnErrorWithTheRange) {
   const Skeleton skeleton = make_skeleton({trunk()});
   TreeMeshOptions options;
-  options.lod = 9;
+  options.snow_resolution = 9;
   EXPECT_THROW(build_tree_mesh(skeleton, options), std::invalid_argument);
   EXPECT_THROW(reduce_bones({}, {-1, 0}), std::invalid_argument);
   EXPECT_THROW(check_mesh({}, {{0, 1, 2, 3}}), std::invalid_argument);
