@@ -56,48 +56,82 @@ SurfaceHit first_ground(const SceneRays& rays, const glm::dvec3& from, const glm
   return {};
 }
 
-/// Spreads units over the texels within a radius on the map and on the surface, in whole units; the
-/// remainder stays in the middle.
-void splat(const Repose::BareTexels& bare, int32_t place, int64_t units, double radius,
-           std::vector<std::pair<int32_t, int64_t>>& gains) {
-  const int32_t centre = bare.texel_of[static_cast<size_t>(place)];
-  if (centre < 0) return;
-  const auto c = static_cast<size_t>(centre);
-  const auto side = static_cast<int32_t>(std::lround(std::sqrt(bare.texel_of.size())));
-  const float size = std::sqrt(std::max(bare.area[c], 1e-12f));
-  const auto texels = static_cast<int32_t>(std::ceil(static_cast<float>(radius) / size));
-  const int32_t reach = std::min(kMostTexels, texels);
-  const float range = std::min(static_cast<float>(radius), static_cast<float>(reach) * size);
-  const float facing = bare.up[c] < 0.0f ? -1.0f : 1.0f;
-  const auto weight_of = [&](int32_t texel) {
-    const auto i = static_cast<size_t>(texel);
-    const float x = bare.x[i] - bare.x[c], y = bare.y[i] - bare.y[c], z = bare.z[i] - bare.z[c];
-    const float away = (x * x + y * y + z * z) / (range * range);
-    const bool is_part = away < 1.0f && !shared::is_wall(facing * bare.up[i]);
-    return is_part ? static_cast<double>((1.0f - away) * bare.area[i]) : 0.0;
-  };
-  const int32_t column = place % side;
-  const int32_t row = place / side;
-  const auto for_disc = [&](const auto& visit) {
-    for (int32_t y = std::max(row - reach, 0); y <= std::min(row + reach, side - 1); ++y) {
-      for (int32_t x = std::max(column - reach, 0); x <= std::min(column + reach, side - 1); ++x) {
-        const int32_t texel = bare.texel_of[static_cast<size_t>(y * side + x)];
-        if (texel < 0) continue;
-        const double weight = weight_of(texel);
-        if (weight > 0.0) visit(y * side + x, weight);
+/// Adds snow to a map, each arrival spread over a disc.
+class Splat {
+ public:
+  Splat(const Repose::BareTexels& bare, double radius)
+      : bare_(bare),
+        side_(static_cast<int32_t>(std::lround(std::sqrt(bare.texel_of.size())))),
+        radius_(static_cast<float>(radius)) {}
+
+  /// Moves a place to a lattice a quarter of the radius wide, so that neighbours land together.
+  int32_t snapped(int32_t place) const {
+    const int32_t step = std::max(reach_at(place) / 4, 1);
+    const auto to_middle = [&](int32_t i) { return std::min(i / step * step + step / 2, side_ - 1); };
+    const int32_t there = to_middle(place / side_) * side_ + to_middle(place % side_);
+    const int32_t from = texel(place);
+    const int32_t to = texel(there);
+    const bool is_near =
+        from >= 0 && to >= 0 && squared_distance(from, to) < 0.25f * radius_ * radius_;
+    return is_near ? there : place;
+  }
+
+  /// Spreads units over the texels within the radius on the map and on the surface, in whole units;
+  /// the remainder stays in the middle.
+  void add(int32_t place, int64_t units, std::vector<std::pair<int32_t, int64_t>>& gains) {
+    const int32_t centre = texel(place);
+    const int32_t reach = reach_at(place);
+    const float size = std::sqrt(std::max(bare_.area[static_cast<size_t>(centre)], 1e-12f));
+    const float range = std::min(radius_, static_cast<float>(reach) * size);
+    const float facing = bare_.up[static_cast<size_t>(centre)] < 0.0f ? -1.0f : 1.0f;
+    const int32_t column = place % side_;
+    const int32_t row = place / side_;
+    parts_.clear();
+    double whole = 0.0;
+    for (int32_t y = std::max(row - reach, 0); y <= std::min(row + reach, side_ - 1); ++y) {
+      for (int32_t x = std::max(column - reach, 0); x <= std::min(column + reach, side_ - 1); ++x) {
+        const int32_t own = texel(y * side_ + x);
+        if (own < 0) continue;
+        const float away = squared_distance(centre, own) / (range * range);
+        const auto i = static_cast<size_t>(own);
+        if (!(away < 1.0f) || shared::is_wall(facing * bare_.up[i])) continue;
+        parts_.emplace_back(y * side_ + x, static_cast<double>((1.0f - away) * bare_.area[i]));
+        whole += parts_.back().second;
       }
     }
-  };
-  double whole = 0.0;
-  for_disc([&](int32_t, double weight) { whole += weight; });
-  int64_t rest = units;
-  for_disc([&](int32_t at, double weight) {
-    const auto own = static_cast<int64_t>(static_cast<double>(units) * (weight / whole));
-    gains.emplace_back(at, own);
-    rest -= own;
-  });
-  gains.emplace_back(place, rest);
-}
+    int64_t rest = units;
+    for (const auto& [at, weight] : parts_) {
+      const auto own = static_cast<int64_t>(static_cast<double>(units) * (weight / whole));
+      gains.emplace_back(at, own);
+      rest -= own;
+    }
+    gains.emplace_back(place, rest);
+  }
+
+  /// The texel at a place, -1: none.
+  int32_t texel(int32_t place) const { return bare_.texel_of[static_cast<size_t>(place)]; }
+
+ private:
+  /// The radius in texels around a place.
+  int32_t reach_at(int32_t place) const {
+    const int32_t own = texel(place);
+    if (own < 0) return 1;
+    const float size = std::sqrt(std::max(bare_.area[static_cast<size_t>(own)], 1e-12f));
+    return std::min(kMostTexels, static_cast<int32_t>(std::ceil(radius_ / size)));
+  }
+  float squared_distance(int32_t a, int32_t b) const {
+    const auto i = static_cast<size_t>(a), j = static_cast<size_t>(b);
+    const float x = bare_.x[i] - bare_.x[j];
+    const float y = bare_.y[i] - bare_.y[j];
+    const float z = bare_.z[i] - bare_.z[j];
+    return x * x + y * y + z * z;
+  }
+
+  const Repose::BareTexels& bare_;
+  int32_t side_;
+  float radius_;
+  std::vector<std::pair<int32_t, double>> parts_;
+};
 
 }  // namespace
 
@@ -138,17 +172,29 @@ void Landing::set_state(const LandingState& state) {
 void Landing::arrive(double dt, const LandingSettings& settings, MovingMap& map,
                      Repose& repose) {
   const int64_t until = clock_ + microseconds(dt);
-  std::vector<std::pair<int32_t, int64_t>> gains;
   const auto object = static_cast<int32_t>(map.object);
+  std::vector<std::pair<int32_t, int64_t>> landing;
   for (auto at = air_.begin(); at != air_.end() && std::get<0>(at->first) <= until;) {
     if (std::get<1>(at->first) != object) {
       ++at;
       continue;
     }
-    splat(repose.bare_texels(), std::get<2>(at->first), at->second, settings.heap_grain, gains);
+    landing.emplace_back(std::get<2>(at->first), at->second);
     at = air_.erase(at);
   }
+  if (landing.empty()) return;
   const Repose::BareTexels& bare = repose.bare_texels();
+  Splat splat(bare, settings.heap_grain);
+  std::map<int32_t, int64_t> by_place;
+  for (const auto& [place, units] : landing) {
+    if (splat.texel(place) < 0) {
+      left_ += units;
+    } else {
+      by_place[splat.snapped(place)] += units;
+    }
+  }
+  std::vector<std::pair<int32_t, int64_t>> gains;
+  for (const auto& [place, units] : by_place) splat.add(place, units, gains);
   for (const auto& [place, units] : gains) {
     const auto texel = static_cast<size_t>(bare.texel_of[static_cast<size_t>(place)]);
     const auto area = static_cast<double>(bare.area[texel]);
