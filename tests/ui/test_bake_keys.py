@@ -100,6 +100,40 @@ except RuntimeError as error:
     assert_resumable(window, tmp_path)
 
 
+# The cube is in a collection that only a second view layer shows.
+TWO_LAYERS = """
+scene = bpy.context.scene
+effects = bpy.data.collections.new("Effects")
+scene.collection.children.link(effects)
+cube = bpy.data.objects["Cube"]
+for collection in list(cube.users_collection):
+    collection.objects.unlink(cube)
+effects.objects.link(cube)
+scene.view_layers.new("FX")
+bpy.context.window.view_layer = scene.view_layers["ViewLayer"]
+scene.view_layers["ViewLayer"].layer_collection.children["Effects"].exclude = True
+bpy.ops.ed.undo_push(message="Layers")
+bpy.ops.wm.save_mainfile()
+result = True
+"""
+LAYERS = "result = [(layer.name, layer.use) for layer in bpy.context.scene.view_layers]"
+
+
+def test_the_view_layers_are_as_before_after_an_undo_in_the_middle_of_a_bake(window, tmp_path):
+    make_long_shot(window, tmp_path)
+    window.run(TWO_LAYERS)
+    before = window.run(LAYERS)
+    window.run(START)
+    wait_for_heights(tmp_path, 6)
+    assert len(window.run(LAYERS)) == 3
+    window.run(f"try:\n    {SCRIPTS['undo']}\nexcept RuntimeError:\n    pass\nresult = True", timeout=120)
+    window.settle()
+    if window.run("result = bpy.app.is_job_running('RENDER')"):
+        window.key("Escape")
+    window.wait_for_bake()
+    assert window.run(LAYERS) == before
+
+
 def test_quitting_ends_the_bake_and_leaves_it_resumable(window, addon_zip, tmp_path):
     (tmp_path / "user").mkdir()
     other = BlenderWindow(tmp_path / "user", addon_zip, log="quit.log")

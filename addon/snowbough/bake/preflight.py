@@ -64,13 +64,15 @@ def of_bake(scene, depsgraph):
     if not specs:
         issues.append(Issue("ERROR", "There are no receivers: select meshes and use Add Snow to Selected"))
     sizes = []
+    shown = visibility.shown_objects(scene)
     for entry in scene.snowbough.receivers:
         if entry.object is not None and entry.enabled:
+            issues += _hidden(scene, entry.object, shown)
             own, size = _receiver(scene, entry, depsgraph)
             issues += own
             if size:
                 sizes.append(memory.MapSize(size, _triangle_count(entry.object, depsgraph)))
-    issues += [*_amounts(scene, sizes), *_alpha(depsgraph), *_outliers(scene, depsgraph), *_layers(scene)]
+    issues += [*_amounts(scene, sizes), *_alpha(depsgraph), *_outliers(scene, depsgraph), *_layers(shown)]
     return issues + [Issue(*issue) for issue in physics_caches.issues(scene)]
 
 
@@ -180,7 +182,6 @@ def _receiver(scene, entry, depsgraph):
     obj = entry.object
     name = obj.name
     issues = []
-    issues += _hidden(scene, obj)
     if obj.type != "MESH":
         return issues, entry.resolution or None
     evaluated = obj.evaluated_get(depsgraph)
@@ -238,10 +239,10 @@ def _receiver(scene, entry, depsgraph):
     return issues, size
 
 
-def _hidden(scene, obj):
-    """The frames on which a receiver is hidden."""
+def _hidden(scene, obj, shown):
+    """The frames on which a receiver is hidden. shown: visibility.shown_objects."""
     name, frames = obj.name, visibility.hidden_frames(scene, obj)
-    if not any(obj in visibility.shown_objects(layer) for layer in visibility.rendered_layers(scene)):
+    if not any(obj in objects for objects in shown.values()):
         text = f"'{name}' is in no collection that a view layer renders: it keeps its snow and gets none"
         yield Issue("WARNING", text, name)
     if len(frames) == scene.snowbough.frame_end - scene.snowbough.frame_start + 1:
@@ -257,21 +258,19 @@ def _hidden(scene, obj):
         yield Issue("INFO", text, name)
 
 
-def _layers(scene):
-    """Objects that only some of the rendered view layers show."""
-    layers = visibility.rendered_layers(scene)
-    shown = {layer.name: visibility.shown_objects(layer) for layer in layers}
+def _layers(shown):
+    """Objects that only some of the rendered view layers show. shown: visibility.shown_objects."""
     by_layers = {}
     for obj in sorted(set.union(*shown.values()), key=lambda obj: obj.name):
         names = tuple(layer for layer, objects in shown.items() if obj in objects)
-        if len(names) < len(layers) and obj.snowbough.occlude and obj.type in SURFACE_TYPES:
+        if len(names) < len(shown) and obj.snowbough.occlude and obj.type in SURFACE_TYPES:
             by_layers.setdefault(names, []).append(obj.name)
     for names, objects in by_layers.items():
         listed = ", ".join(f"'{name}'" for name in objects[:MOST_NAMED])
         more = f" and {len(objects) - MOST_NAMED} more" if len(objects) > MOST_NAMED else ""
         yield Issue(
             "INFO",
-            f"Only in {counted(len(names), 'view layer')} of {len(layers)} ({', '.join(names)}): {listed}{more}. Snow "
+            f"Only in {counted(len(names), 'view layer')} of {len(shown)} ({', '.join(names)}): {listed}{more}. Snow "
             "meets the objects of all layers that render",
         )
 

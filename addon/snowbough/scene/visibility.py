@@ -28,8 +28,12 @@ def excluded(layer):
     return {path for path, collection in layer_collections(layer).items() if collection.exclude}
 
 
-def shown_objects(layer):
-    """The objects in collections that a view layer renders."""
+def shown_objects(scene):
+    """{name of each rendered view layer: the objects in the collections that it shows}."""
+    return {layer.name: _shown_by(layer) for layer in rendered_layers(scene)}
+
+
+def _shown_by(layer):
     shown = set()
 
     def walk(layer_collection):
@@ -48,15 +52,20 @@ def hidden_frames(scene, obj):
     """The frames of the scene's shot on which an object is hidden in renders, or has scale 0 along an axis, by its
     properties and keys. Drivers, parents and handlers are not followed."""
     curves = {
-        (curve.data_path, curve.array_index): curve for curve in compat.curves_of(obj) if not curve.mute
+        (curve.data_path, curve.array_index): curve
+        for curve in compat.curves_of(obj)
+        if curve.data_path in ("hide_render", "scale") and not curve.mute
     }
+    frames = range(scene.snowbough.frame_start, scene.snowbough.frame_end + 1)
+    if not curves:
+        return list(frames) if obj.hide_render or 0.0 in obj.scale else []
 
     def value(path, index, own, time):
         curve = curves.get((path, index))
         return own if curve is None else curve.evaluate(time)
 
     hidden = []
-    for frame in range(scene.snowbough.frame_start, scene.snowbough.frame_end + 1):
+    for frame in frames:
         time = frame * compat.frame_length(scene)
         scales = [value("scale", axis, obj.scale[axis], time) for axis in range(3)]
         if value("hide_render", 0, obj.hide_render, time) >= 0.5 or 0.0 in scales:
