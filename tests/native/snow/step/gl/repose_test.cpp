@@ -17,7 +17,7 @@ namespace {
 constexpr int32_t kSide = 96;
 
 std::unique_ptr<Engine> gl_engine() {
-  return gl::make_engine(gpu::GpuThread::shared(), DepositMapping::kCompute);
+  return gl::make_engine(gpu::GpuThread::shared());
 }
 
 FrameStep repose_step(double degrees, double dt, double depth = 0.0) {
