@@ -330,7 +330,7 @@ def normal_length(corners):
 
 def crossings(mesh, branches):
     """(the export's own, those made here): pairs of limbs that cross, themselves included."""
-    pairs = mesh.face_branch[native.crossing_quads(mesh.vertices, mesh.quads)]
+    pairs = mesh.face_branch[testing.crossing_quads(mesh.vertices, mesh.quads)]
     least = THINNEST * np.ptp(mesh.vertices[:, 2])
     own = made = 0
     for first, second in np.unique(np.sort(pairs, axis=1), axis=0):

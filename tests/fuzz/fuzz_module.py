@@ -158,7 +158,6 @@ class Calls:
             "read_exr": (n.read_exr, {"path": path}),
             "encode_png": (n.encode_png, {"pixels": (HEIGHT * 255).astype(np.uint8)}),
             "check_mesh": (n.check_mesh, quads),
-            "crossing_quads": (n.crossing_quads, quads),
             "from_branches": (n.Skeleton.from_branches, {"branches": [limb]}),
             "read_tree": (n.read_tree, {"path": str(TREE), "tolerance": 0.5, "levels": "", "height": 0.0,
                                         "unit": 1.0}),

@@ -3,11 +3,17 @@
 
 #include <cstdint>
 #include <cstring>
+#include <glm/vec3.hpp>
+#include <numeric>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "python/numpy_arrays.h"
 #include "python/released_gil.h"
 #include "support/chart_measure.h"
+#include "tree/crossings/whole.h"
+#include "tree/mesh/mesh_check.h"
 
 namespace py = pybind11;
 
@@ -59,6 +65,28 @@ py::dict measure_uv_layout(const InputArray<float>& uv, const InputArray<float>&
 }  // namespace
 
 PYBIND11_MODULE(snowbough_testing, module) {
+  module.def(
+      "crossing_quads",
+      [](const InputArray<float>& vertices, const InputArray<int32_t>& quads) {
+        const auto points = rows_from_numpy<glm::vec3, float, 3>(vertices, "vertices");
+        const std::vector<glm::dvec3> places(points.begin(), points.end());
+        const auto faces = rows_from_numpy<tree::Quad, int32_t, 4>(quads, "quads");
+        tree::require_corners(faces, points.size());
+        std::vector<int32_t> pairs;
+        {
+          ReleasedGil release;
+          std::vector<int32_t> all(faces.size());
+          std::iota(all.begin(), all.end(), 0);
+          for (const auto& [f, g] : tree::crossing_quads(places, faces, all)) {
+            pairs.push_back(f);
+            pairs.push_back(g);
+          }
+        }
+        const auto count = static_cast<py::ssize_t>(pairs.size() / 2);
+        return to_numpy<int32_t>(std::move(pairs), {count, 2});
+      },
+      py::arg("vertices"), py::arg("quads"),
+      "(K, 2) the pairs of intersecting quads. Exact; for measurements, not fast.");
   module.def(
       "measure_uv_layout", &measure_uv_layout, py::arg("uv"), py::arg("vertices"), py::arg("faces"),
       py::arg("resolution"),
