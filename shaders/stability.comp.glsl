@@ -1,6 +1,7 @@
 // The stability pass, see texel_stability.h.
 //
 // GAIN_IN_METRES: the gain of a TexelStep is the bits of metres, negative on backs.
+// RECORD_SLID: write what slides off each texel.
 // LOCAL_SIZE: work-group size, at most kMaxLocalSize; see native/snow/step/gl/driver.h.
 #include "glsl/texel_group.glsl"
 #include "glsl/texel_place.glsl"
@@ -13,6 +14,10 @@ layout(local_size_x = LOCAL_SIZE) in;
 /// Sums per invocation, LOCAL_SIZE per group of texels, see StableTexel.
 layout(std430) writeonly buffer Partials { vec4 partials[]; };
 layout(r32f) uniform image2DArray height_map;
+#ifdef RECORD_SLID
+/// Per texel, the volume in m3 that slides off; zero before.
+layout(std430) writeonly buffer Slid { float slid[]; };
+#endif
 /// Per group of texels; kHoldsSnow is set if it holds snow after the step.
 layout(std430) buffer GroupStates { uint group_states[]; };
 /// Per texel: layer * resolution^2 + row * resolution + column, kNowhere after an object's last.
@@ -47,6 +52,9 @@ void main() {
     }
     highest = max(highest, abs(stable.height));
     sum += stable.sums;
+#ifdef RECORD_SLID
+    slid[index] = stable.sums.y;
+#endif
   }
   partials[group * LOCAL_SIZE + int(gl_LocalInvocationID.x)] = sum;
   if (highest > 0.0) {

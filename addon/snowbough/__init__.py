@@ -31,6 +31,7 @@ MODULES = (
     "bake.engine",
     "bake.outcome",
     "bake.preflight",
+    "result.surface_files",
     "result.surface_preview",
     "result.deleted_receivers",
     "preview.live",

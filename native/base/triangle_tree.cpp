@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <glm/common.hpp>
+#include <glm/vec2.hpp>
 #include <glm/geometric.hpp>
 #include <numeric>
 #include <utility>
@@ -26,24 +27,46 @@ bool meets(const glm::vec3& low, const glm::vec3& high, const glm::dvec3& from,
   const glm::dvec3 enters = glm::min(a, b), leaves = glm::max(a, b);
   const double enter = std::max({enters.x, enters.y, enters.z, 0.0});
   const double leave = std::min({leaves.x, leaves.y, leaves.z, nearest});
-  return enter <= leave;
+  // The factor covers rounding: T. Ize, "Robust BVH Ray Traversal", 2013.
+  return enter <= leave * (1.0 + 1e-12);
 }
 
-/// Distance along a ray to a triangle, or infinity.
-double meets_triangle(const glm::dvec3& from, const glm::dvec3& direction,
-                      const std::array<glm::vec3, 3>& corners) {
+/// A ray in the shape in which triangles are tested: sheared so that it runs along one axis.
+struct ShearedRay {
+  glm::dvec3 from;
+  std::array<int, 3> axis;
+  glm::dvec2 shear;
+  double scale;
+
+  ShearedRay(const glm::dvec3& origin, const glm::dvec3& direction) : from(origin) {
+    const glm::dvec3 size = glm::abs(direction);
+    const int along = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
+    axis = {(along + 1) % 3, (along + 2) % 3, along};
+    shear = glm::dvec2(direction[axis[0]], direction[axis[1]]) / direction[along];
+    scale = 1.0 / direction[along];
+  }
+  /// A corner relative to the ray, which runs along z.
+  glm::dvec3 sheared(const glm::vec3& corner) const {
+    const glm::dvec3 away = glm::dvec3(corner) - from;
+    const double along = away[axis[2]];
+    return {away[axis[0]] - shear.x * along, away[axis[1]] - shear.y * along, scale * along};
+  }
+};
+
+/// Distance along a ray to a triangle, or infinity. Triangles that share an edge get the opposite
+/// number for it, to the bit, so no ray passes between them.
+double meets_triangle(const ShearedRay& ray, const std::array<glm::vec3, 3>& corners) {
   constexpr double kMisses = std::numeric_limits<double>::infinity();
-  const glm::dvec3 a(corners[0]), ab = glm::dvec3(corners[1]) - a, ac = glm::dvec3(corners[2]) - a;
-  const glm::dvec3 across = glm::cross(direction, ac);
-  const double determinant = glm::dot(ab, across);
+  const glm::dvec3 a = ray.sheared(corners[0]);
+  const glm::dvec3 b = ray.sheared(corners[1]);
+  const glm::dvec3 c = ray.sheared(corners[2]);
+  const double u = c.x * b.y - c.y * b.x;
+  const double v = a.x * c.y - a.y * c.x;
+  const double w = b.x * a.y - b.y * a.x;
+  if ((u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0)) return kMisses;
+  const double determinant = u + v + w;
   if (determinant == 0.0) return kMisses;
-  const glm::dvec3 to_ray = from - a;
-  const double u = glm::dot(to_ray, across) / determinant;
-  if (!(u >= 0.0 && u <= 1.0)) return kMisses;
-  const glm::dvec3 normal = glm::cross(to_ray, ab);
-  const double v = glm::dot(direction, normal) / determinant;
-  if (!(v >= 0.0 && u + v <= 1.0)) return kMisses;
-  return glm::dot(ac, normal) / determinant;
+  return (u * a.z + v * b.z + w * c.z) / determinant;
 }
 
 }  // namespace
@@ -74,9 +97,7 @@ TriangleTree::TriangleTree(const std::vector<glm::vec3>& vertices,
                            const std::vector<std::array<int32_t, 3>>& triangles,
                            const std::vector<int32_t>& group_begin)
     : order_(triangles.size()) {
-  for (const std::array<int32_t, 3>& t : triangles) {
-    corners_.push_back({vertices[t[0]], vertices[t[1]], vertices[t[2]]});
-  }
+  set_corners(vertices, triangles);
   std::iota(order_.begin(), order_.end(), 0);
   for (size_t g = 0; g + 1 < group_begin.size(); ++g) {
     const bool empty = group_begin[g] == group_begin[g + 1];
@@ -85,21 +106,52 @@ TriangleTree::TriangleTree(const std::vector<glm::vec3>& vertices,
   }
 }
 
+void TriangleTree::set_corners(const std::vector<glm::vec3>& vertices,
+                               const std::vector<std::array<int32_t, 3>>& triangles) {
+  corners_.resize(triangles.size());
+  for (size_t i = 0; i < triangles.size(); ++i) {
+    const auto& [a, b, c] = triangles[i];
+    corners_[i] = {vertices[a], vertices[b], vertices[c]};
+  }
+}
+
+void TriangleTree::refit(const std::vector<glm::vec3>& vertices,
+                         const std::vector<std::array<int32_t, 3>>& triangles) {
+  set_corners(vertices, triangles);
+  // Children follow their parent.
+  for (size_t number = nodes_.size(); number-- > 0;) {
+    Node& node = nodes_[number];
+    if (node.second < 0) {
+      node.box = box_of(node.begin, node.end);
+      continue;
+    }
+    const Box& first = nodes_[number + 1].box;
+    const Box& second = nodes_[static_cast<size_t>(node.second)].box;
+    node.box = {glm::min(first.low, second.low), glm::max(first.high, second.high)};
+  }
+}
+
+TriangleTree::Box TriangleTree::box_of(int32_t begin, int32_t end) const {
+  Box box{corners_[order_[begin]][0], corners_[order_[begin]][0]};
+  for (int32_t i = begin; i < end; ++i) {
+    for (const glm::vec3& corner : corners_[order_[i]]) {
+      box = {glm::min(box.low, corner), glm::max(box.high, corner)};
+    }
+  }
+  return box;
+}
+
 void TriangleTree::build(int32_t begin, int32_t end) {
   const auto number = nodes_.size();
-  Box box{corners_[order_[begin]][0], corners_[order_[begin]][0]};
-  Box centres{box.low + box.low + box.low, box.low + box.low + box.low};
-  bool first = true;
-  for (int32_t i = begin; i < end; ++i) {
+  const auto centre_of = [&](int32_t i) {
     const auto& [a, b, c] = corners_[order_[i]];
-    box.low = glm::min(box.low, glm::min(a, glm::min(b, c)));
-    box.high = glm::max(box.high, glm::max(a, glm::max(b, c)));
-    const glm::vec3 centre = a + b + c;
-    centres.low = first ? centre : glm::min(centres.low, centre);
-    centres.high = first ? centre : glm::max(centres.high, centre);
-    first = false;
+    return a + b + c;
+  };
+  Box centres{centre_of(begin), centre_of(begin)};
+  for (int32_t i = begin; i < end; ++i) {
+    centres = {glm::min(centres.low, centre_of(i)), glm::max(centres.high, centre_of(i))};
   }
-  nodes_.push_back({box, begin, end, -1});
+  nodes_.push_back({box_of(begin, end), begin, end, -1});
   if (end - begin <= kLeafSize) return;
   const glm::vec3 extent = centres.high - centres.low;
   int axis = extent.y > extent.x ? 1 : 0;
@@ -148,10 +200,12 @@ TriangleTree::Nearest TriangleTree::nearest(int32_t group, const glm::dvec3& p) 
   return best;
 }
 
-double TriangleTree::distance_along(int32_t group, const glm::dvec3& from,
-                                    const glm::dvec3& direction, double least) const {
-  double nearest = std::numeric_limits<double>::infinity();
-  if (roots_[group] < 0) return nearest;
+TriangleTree::Hit TriangleTree::first_along(int32_t group, const glm::dvec3& from,
+                                            const glm::dvec3& direction, double least,
+                                            double most) const {
+  Hit first{-1, most};
+  if (roots_[group] < 0) return {};
+  const ShearedRay ray(from, direction);
   // A direction of 0 meets the planes of its axis at infinity, never 0 / 0.
   glm::dvec3 inverse;
   for (int axis = 0; axis < 3; ++axis) {
@@ -163,18 +217,21 @@ double TriangleTree::distance_along(int32_t group, const glm::dvec3& from,
   while (pending > 0) {
     const int32_t number = stack[--pending];
     const Node& node = nodes_[number];
-    if (!meets(node.box.low, node.box.high, from, inverse, nearest)) continue;
+    if (!meets(node.box.low, node.box.high, from, inverse, first.distance)) continue;
     if (node.second < 0) {
       for (int32_t i = node.begin; i < node.end; ++i) {
-        const double at = meets_triangle(from, direction, corners_[order_[i]]);
-        if (at > least && at < nearest) nearest = at;
+        const double at = meets_triangle(ray, corners_[order_[i]]);
+        if (!(at > least)) continue;
+        const bool is_first =
+            at < first.distance || (at == first.distance && order_[i] < first.triangle);
+        if (is_first) first = {order_[i], at};
       }
       continue;
     }
     stack[pending++] = node.second;
     stack[pending++] = number + 1;
   }
-  return nearest;
+  return first.triangle < 0 ? Hit{} : first;
 }
 
 }  // namespace snowbough::base

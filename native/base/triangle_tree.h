@@ -14,8 +14,8 @@ namespace snowbough::base {
 /// corners and edges, found by projections).
 glm::dvec3 nearest_on_triangle(const glm::dvec3& p, const std::array<glm::dvec3, 3>& triangle);
 
-/// Triangles in groups, with one bounding volume hierarchy per group, for nearest-triangle queries
-/// in a group.
+/// Triangles in groups, with one bounding volume hierarchy per group, for queries of the nearest
+/// triangle and of the first one on a ray.
 class TriangleTree {
  public:
   struct Nearest {
@@ -33,11 +33,23 @@ class TriangleTree {
   /// The nearest triangle; of equally near ones, the one with the smallest index.
   Nearest nearest(int32_t group, const glm::dvec3& p) const;
 
-  /// The distance from `from` along the unit vector `direction` to the group's first triangle, from
-  /// either side, that is farther than `least`; infinity if there is none.
-  /// Method: T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray-Triangle Intersection", 1997.
-  double distance_along(int32_t group, const glm::dvec3& from, const glm::dvec3& direction,
-                        double least) const;
+  /// Moves the vertices; the triangles stay. The tree may become slower, results stay the same.
+  /// O(triangles).
+  void refit(const std::vector<glm::vec3>& vertices,
+             const std::vector<std::array<int32_t, 3>>& triangles);
+
+  struct Hit {
+    /// Index into the triangles; -1: none.
+    int32_t triangle = -1;
+    double distance = std::numeric_limits<double>::infinity();
+  };
+
+  /// The group's first triangle, from either side, on the ray from `from` along the unit vector
+  /// `direction` at a distance over `least` and under `most`; of equally near ones, the one with
+  /// the smallest index. No ray passes between triangles that share an edge.
+  /// Method: S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", 2013.
+  Hit first_along(int32_t group, const glm::dvec3& from, const glm::dvec3& direction, double least,
+                  double most = std::numeric_limits<double>::infinity()) const;
 
  private:
   struct Box {
@@ -50,6 +62,9 @@ class TriangleTree {
     int32_t begin, end;
     int32_t second;
   };
+  void set_corners(const std::vector<glm::vec3>& vertices,
+                   const std::vector<std::array<int32_t, 3>>& triangles);
+  Box box_of(int32_t begin, int32_t end) const;
   void build(int32_t begin, int32_t end);
 
   std::vector<std::array<glm::vec3, 3>> corners_;

@@ -27,11 +27,18 @@ void check_finite(const ObjectState& saved) {
 
 }  // namespace
 
+MemoryEstimate EngineScene::memory(int32_t tile_size, bool moves_snow) {
+  const std::vector<const SceneObject*> objects = objects_.all();
+  MemoryEstimate estimate = engine().memory(objects, tile_size);
+  if (moves_snow) estimate.repose = Movement::memory(objects);
+  return estimate;
+}
+
 void EngineScene::build(const FrameStep& step) {
   const std::vector<const SceneObject*> objects = objects_.all();
-  require_memory(engine().memory(objects, step.tile_size, step.repose.is_on()),
-                 engine().free_memory());
+  require_memory(memory(step.tile_size, step.moves_snow()), engine().free_memory());
   engine().build_scene(objects);
+  movement_.lay_out(objects);
   for (const auto& [name, object] : objects_.by_name()) object->moved = true;
   is_current_ = true;
   write_state(pending_);
@@ -42,7 +49,7 @@ void EngineScene::run_on(Engine& engine, const FrameStep& step) {
     if (!is_current_) build(step);
     std::vector<SceneObject*> objects;
     for (const auto& [name, object] : objects_.by_name()) objects.push_back(object.get());
-    snow::run_step(engine, objects, step, hashes_passes_ ? &hashes_ : nullptr);
+    snow::run_step(engine, movement_, objects, step, hashes_passes_ ? &hashes_ : nullptr);
   });
   pending_ = {};
   choice_.commit();
@@ -105,6 +112,7 @@ shared::ObjectSums EngineScene::read_sums(const std::string& receiver) {
 SimulationState EngineScene::state() {
   if (!is_current_) return pending_;
   SimulationState state;
+  state.landing = movement_.state();
   engine().run([&] {
     for (const std::string& name : objects_.receivers()) {
       ObjectState saved;
@@ -121,6 +129,7 @@ SimulationState EngineScene::state() {
 }
 
 void EngineScene::write_state(const SimulationState& state) {
+  movement_.set_state(state.landing);
   for (const ObjectState& saved : state.objects) {
     const size_t at = objects_.index_of(saved.name);
     engine().write_height(at, saved.height);
@@ -137,6 +146,13 @@ void EngineScene::set_state(const SimulationState& state) {
                                   " texels per side, the object has " + std::to_string(own));
     }
     check_finite(saved);
+  }
+  for (const FallingSnow& snow : state.landing.air) {
+    const int64_t side = objects_.receiver(snow.receiver)->description.topology.resolution;
+    if (snow.place < 0 || snow.place >= side * side || snow.units < 0) {
+      throw std::invalid_argument("the checkpoint's snow in the air above '" + snow.receiver +
+                                  "' has a place outside of its map, or a negative volume");
+    }
   }
   const size_t receivers = objects_.receivers().size();
   if (state.objects.size() != receivers) {

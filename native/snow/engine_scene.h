@@ -6,6 +6,7 @@
 #include "snow/scene/object_set.h"
 #include "snow/state/checkpoint.h"
 #include "snow/step/choose_engine.h"
+#include "snow/step/frame_step.h"
 #include "snow/step/pass_hashes.h"
 
 namespace snowbough::snow {
@@ -24,6 +25,8 @@ class EngineScene {
   /// Whether the engine holds the maps.
   bool is_current() const { return is_current_; }
 
+  /// Bytes that a step will take.
+  MemoryEstimate memory(int32_t tile_size, bool moves_snow);
   /// Runs a step on the objects' positions. AUTO continues on the CPU if GL fails in its first
   /// step.
   void run_step(const FrameStep& step);
@@ -35,6 +38,7 @@ class EngineScene {
   /// A receiver's stored heights; `height` has its size.
   void read_height(const std::string& receiver, std::vector<float>& height);
   shared::ObjectSums read_sums(const std::string& receiver);
+  LandingState landing() const { return is_current_ ? movement_.state() : pending_.landing; }
   /// Without the step's number.
   SimulationState state();
   /// @throws std::invalid_argument naming the difference, or for heights or sums that are not
@@ -53,6 +57,7 @@ class EngineScene {
 
   EngineChoice choice_;
   const ObjectSet& objects_;
+  Movement movement_;
   bool is_current_ = false;
   bool hashes_passes_ = false;
   std::vector<PassHash> hashes_;

@@ -87,7 +87,7 @@ void SnowSimulation::replace_object(ObjectDescription description) {
 }
 
 void SnowSimulation::step(const PositionMap& positions, double depth, const glm::dvec3& direction,
-                          double dt) {
+                          double dt, const std::set<std::string>& hidden) {
   const std::scoped_lock lock(mutex_);
   EngineScene& scene = this->scene();
   if (!std::isfinite(depth) || depth < 0.0) {
@@ -105,10 +105,16 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
                                  .step_number = step_number_},
                         .stability = {.max_depth = static_cast<float>(settings_.max_depth),
                                       .half_life = static_cast<float>(settings_.slide_half_life)},
-                        .repose = {.angle = settings_.repose, .cohesion = settings_.cohesion},
+                        .movement = {.repose = {.angle = settings_.repose,
+                                                .cohesion = settings_.cohesion},
+                                     .landing = {.is_on = settings_.landing,
+                                                 .throw_speed = settings_.throw_speed,
+                                                 .spread = settings_.spread,
+                                                 .heap_grain = settings_.heap_grain,
+                                                 .takes_time = settings_.fall_time}},
                         .dt = dt,
                         .tile_size = settings_.tile_size};
-  objects_.set_positions(positions);
+  objects_.set_positions(positions, hidden);
   scene.run_step(frame);
   ++step_number_;
 }
@@ -203,6 +209,12 @@ SnowStatistics SnowSimulation::statistics() {
   EngineScene& scene = this->scene();
   SnowStatistics statistics;
   statistics.step_number = step_number_;
+  const LandingState landing = scene.landing();
+  for (const FallingSnow& snow : landing.air) {
+    statistics.air_volume += static_cast<double>(snow.units) * kLandingUnit;
+  }
+  statistics.floor_volume = static_cast<double>(landing.on_floors) * kLandingUnit;
+  statistics.left_volume = static_cast<double>(landing.left) * kLandingUnit;
   for (const std::string& name : objects_.receivers()) {
     const StatisticsPair pair = balance_of(scene.read_sums(name));
     statistics.objects[name] = pair;
@@ -213,8 +225,7 @@ SnowStatistics SnowSimulation::statistics() {
 
 MemoryEstimate SnowSimulation::memory_estimate() {
   const std::scoped_lock lock(mutex_);
-  return scene().engine().memory(objects_.all(), settings_.tile_size,
-                                 ReposeSettings{.angle = settings_.repose}.is_on());
+  return scene().memory(settings_.tile_size, ReposeSettings{.angle = settings_.repose}.is_on());
 }
 
 EngineInfo SnowSimulation::engine_info() {

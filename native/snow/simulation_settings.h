@@ -19,7 +19,14 @@ struct SimulationSettings {
   double repose = 65.0 / 180.0 * std::numbers::pi;
   double cohesion = 0.0;
   double blur_radius = 0.0;
+  double throw_speed = 0.3;
+  double spread = 0.12;
+  double heap_grain = 0.06;
   uint32_t seed = 0;
+  /// Whether snow that leaves a map lands on what lies below, and meets the snow of other
+  /// receivers, if repose is on; and whether its fall takes time.
+  bool landing = true;
+  bool fall_time = true;
   /// Largest edge of an occlusion tile in pixels: a power of two from 64 to 4096. It changes memory
   /// use and speed, never the result.
   int32_t tile_size = 2048;
@@ -93,6 +100,22 @@ inline constexpr NumberSetting kNumberSettings[] = {
      .range = "0 metres or more",
      .meaning = "standard deviation of the blur of output; the stored map stays unblurred",
      .can_change = false},
+    {.name = "throw_speed",
+     .field = &SimulationSettings::throw_speed,
+     .most = 100.0,
+     .range = "0 to 100 metres per second",
+     .meaning = "horizontal speed at which snow leaves an edge"},
+    {.name = "spread",
+     .field = &SimulationSettings::spread,
+     .most = 10.0,
+     .range = "0 to 10",
+     .meaning = "slope by which falling snow spreads to all sides"},
+    {.name = "heap_grain",
+     .field = &SimulationSettings::heap_grain,
+     .least = 1e-4,
+     .most = 100.0,
+     .range = "0.0001 to 100 metres",
+     .meaning = "radius over which falling snow lands"},
 };
 
 }  // namespace snowbough::snow

@@ -176,7 +176,10 @@ struct ObjectSums {
   double total_slid;
   double total_stretched;
   double total_visible_area;
-  double unused_end[6];
+  /// Volume that came onto the map through the air.
+  double landed;
+  double total_landed;
+  double unused_end[4];
 };
 SNOWBOUGH_SHARED_SIZE(ObjectSums, 128)
 

@@ -47,8 +47,11 @@ struct SnowPoint {
 
 /// Constants of a point near a rim.
 struct SnowFront {
-  /// Distance to the rim; negative beyond it, on the far face.
+  /// Distance to the rim; negative beyond it, on the far face. On a bevel: distance inwards from the line at which the
+  /// faces meet, less `below`, the distance below that line. `bevel`: width of the bevel.
   float distance;
+  float below;
+  float bevel;
   /// Width of the zone in which snow is drawn to the rim; greatest distance of the snow down the far face.
   float zone;
   float far_zone;
@@ -124,9 +127,13 @@ KERNEL_CONSTANT float kBridgedGap = 0.7f;
 KERNEL_CONSTANT float kSurelyBridged = 0.55f;
 /// A bridge lies lower than the snow by the first fraction, and lower by the second in its middle. Each side reaches
 /// beyond the middle by the third.
-KERNEL_CONSTANT float kBridgeSag = 0.04f;
-KERNEL_CONSTANT float kBridgeDip = 0.28f;
-KERNEL_CONSTANT float kBridgeOverlap = 0.2f;
+KERNEL_CONSTANT float kBridgeSag = 0.01f;
+KERNEL_CONSTANT float kBridgeDip = 0.06f;
+KERNEL_CONSTANT float kBridgeOverlap = 0.15f;
+/// Snow across the gap that is lower than the first fraction of the snow on this side carries no bridge; snow higher
+/// than the second does.
+KERNEL_CONSTANT float kBareAcross = 0.15f;
+KERNEL_CONSTANT float kSnowAcross = 0.5f;
 KERNEL_CONSTANT float kUpperExponent = 2.3f;
 KERNEL_CONSTANT float kLowerExponent = 2.1f;
 KERNEL_CONSTANT float kEaveExponent = 3.0f;
@@ -209,12 +216,19 @@ SNOWBOUGH_SHARED_FUNCTION vec3 quarter(vec3 centre, vec3 from, vec3 to, float tu
          (to - centre) * pow(max(sin(angle), 0.0f), power);
 }
 
-/// Fraction, 0 to 1, to which snow of height `inland` behind a rim bridges the gap beyond the rim.
+/// Heights of the snow behind a rim, and behind the rim across its gap.
+struct SnowBehind {
+  float inland;
+  float across;
+};
+
+/// Fraction, 0 to 1, to which snow bridges the gap beyond a rim.
 SNOWBOUGH_SHARED_FUNCTION float bridged_part(KERNEL_CONST_REF(SnowFront) front, KERNEL_CONST_REF(SnowStyle) style,
-                                             float inland) {
-  const float height = max(inland, 1e-5f);
+                                             KERNEL_CONST_REF(SnowBehind) behind) {
+  const float height = max(behind.inland, 1e-5f);
   return clamp(front.bridged * style.bridging, 0.0f, 1.0f) *
-         eased(2.0f * front.half_gap, kBridgedGap * height, kSurelyBridged * height);
+         eased(2.0f * front.half_gap, kBridgedGap * height, kSurelyBridged * height) *
+         eased(behind.across, kBareAcross * height, kSnowAcross * height);
 }
 
 /// Lengths of a front with snow of height `height`.
@@ -226,13 +240,15 @@ struct SnowProfile {
 };
 
 SNOWBOUGH_SHARED_FUNCTION SnowProfile front_profile(KERNEL_CONST_REF(SnowFront) front,
-                                                    KERNEL_CONST_REF(SnowStyle) style, float inland) {
+                                                    KERNEL_CONST_REF(SnowStyle) style,
+                                                    KERNEL_CONST_REF(SnowBehind) behind) {
+  const float inland = behind.inland;
   const float slow = clamp(front.noise_slow * style.hem_variation, -1.3f, 1.3f);
   const float fast = clamp(front.noise_fast * style.hem_variation, -1.3f, 1.3f);
   const float shoulder_noise = clamp(front.noise_shoulder * style.hem_variation, -1.3f, 1.3f);
-  const float bridged = bridged_part(front, style, inland);
+  const float bridged = bridged_part(front, style, behind);
   const float height = inland * (1.0f - kBridgeSag * bridged);
-  // Each side reaches beyond the middle, so that the two cross at a small angle and no edge shows between them.
+  // Each side is level up to the middle and dives below the other one beyond it, so that no edge shows between them.
   const float reach = front.half_gap + kBridgeOverlap * inland;
   const float eaves = 0.1f * max(slow, -0.5f) * front.eave;
   const float leaning = style.overhang * (max(0.10f + 0.14f * slow + 0.12f * fast, 0.02f) + eaves + front.lee);
@@ -240,30 +256,30 @@ SNOWBOUGH_SHARED_FUNCTION SnowProfile front_profile(KERNEL_CONST_REF(SnowFront) 
   const float hang = max(0.10f + 0.33f * fast * (1.0f + 0.8f * front.eave), 0.005f);
   const float drop = min(height * hang * (1.0f - 0.7f * bridged), 0.9f * front.far_zone);
   const float round = min(kShoulder * height * (1.0f + 0.25f * shoulder_noise), 0.62f * front.zone);
-  return KERNEL_MAKE4(SnowProfile, height, overhang, drop, mix(round, -reach, bridged));
+  return KERNEL_MAKE4(SnowProfile, height, overhang, drop, mix(round, -front.half_gap, bridged));
 }
 
-/// Offset from the carrier to a point of the front. `inland`: height of the snow behind the rim; `normal` and `height`:
-/// values of the point as if away from rims; `bumps`: noise; `sink`: depth of bare places.
+/// Offset from the carrier to a point of the front. `normal` and `height`: values of the point as if away from rims; `bumps`: noise; `sink`: depth of bare places.
 SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, KERNEL_CONST_REF(SnowStyle) style,
-                                            float inland, vec3 normal, float height, float bumps, float sink) {
+                                            KERNEL_CONST_REF(SnowBehind) behind, vec3 normal, float height,
+                                            float bumps, float sink) {
   const vec3 up = vec3(0.0f, 0.0f, 1.0f);
-  const SnowProfile profile = front_profile(front, style, inland);
-  const float bridged = bridged_part(front, style, inland);
-  // A bridge sinks towards its middle, where the two sides cross.
-  const vec3 lift =
-      front.lift * (profile.height * (1.0f - kBridgeDip * bridged)) + up * (front.half_step * bridged);
+  const SnowProfile profile = front_profile(front, style, behind);
+  const float bridged = bridged_part(front, style, behind);
+  // A bridge sinks towards its middle, where the two sides cross at one height.
+  const float to_middle = front.half_step + 0.5f * (behind.across - behind.inland);
+  const vec3 lift = front.lift * (profile.height * (1.0f - kBridgeDip * bridged)) + up * (to_middle * bridged);
   const vec3 belly = up * (kBelly * profile.height);
   const vec3 farthest = front.level_out * profile.overhang + belly;
   const float rough = style.relief * kBumps * bumps * profile.height;
   // On a slope, lifted points move up the slope. They must not pass the points behind them.
-  const float behind = max(-dot(lift, front.outward), 0.0f);
-  const float shoulder = min(profile.shoulder, max(0.75f * front.zone - behind, 0.1f * front.zone));
+  const float upslope = max(-dot(lift, front.outward), 0.0f);
+  const float shoulder = min(profile.shoulder, max(0.75f * front.zone - upslope, 0.1f * front.zone));
   const float along = clamp(front.distance / front.zone, 0.0f, 1.0f);
   // At bare rims the front sinks below the receiver, so that nothing protrudes.
   const vec3 sunk = normal * (-sink * eased(profile.height, 0.008f, 0.0f));
   // From the carrier to the rim.
-  const vec3 to_rim = front.outward * max(front.distance, 0.0f) - front.down * max(-front.distance, 0.0f);
+  const vec3 to_rim = front.outward * (front.distance + front.below) - front.down * front.below;
 
   if (along >= kFrontPart) {
     const float part = (along - kFrontPart) / (1.0f - kFrontPart);
@@ -272,7 +288,7 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
     const float own = mix(profile.height, height, eased(along, 0.8f, 1.0f));
     const vec3 offset = mix(lift, normal * own, easing);
     const vec3 lifted = front.lift * (rough * (1.0f - easing));
-    return front.outward * (front.distance - inwards) + offset + lifted + sunk;
+    return to_rim - front.outward * inwards + offset + lifted + sunk;
   }
   // Without a far face, the lower part of the front also lies on the supporting face.
   const float lower = (1.0f - front.has_far) * 0.3f;

@@ -388,7 +388,7 @@ def test_a_receiver_that_the_render_does_not_show_is_named(tmp_path):
     s.receive(ground)
     ground.hide_render = True
     s.settings(tmp_path)
-    refused("'Ground' is on the list of receivers, but not rendered at frame 1")
+    refused("'Ground' is on the list of receivers, but not rendered on any frame of the shot")
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no EGL")

@@ -24,18 +24,18 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   plan.seed = input.take<uint16_t>();
   plan.wind = {static_cast<float>(input.take<int8_t>()) / 128.0f, 0.0f};
   const std::vector<float> last = fuzz::take_heights(input, mesh.topology.resolution);
-  const snow::SnowSurface surface(source, last, last, plan);
+  const snow::SnowSurface surface = snow::plan_surface(source, last, last, plan);
   const auto points = static_cast<int32_t>(surface.point_count());
-  fuzz::require(static_cast<size_t>(surface.faces().begin.back()) == surface.faces().corner.size(),
+  fuzz::require(static_cast<size_t>(surface.faces.begin.back()) == surface.faces.corner.size(),
                 "the last face does not end with the last corner");
-  for (const int32_t corner : surface.faces().corner) {
+  for (const int32_t corner : surface.faces.corner) {
     fuzz::require(corner >= 0 && corner < points, "a face has no point");
   }
   snow::SurfaceFrame frame;
   frame.height = last.data();
   frame.open_depth = plan.density.depth;
   if (input.range(0, 1) == 1) frame.positions = mesh.positions.data();
-  for (const glm::vec3& point : surface.points(frame)) {
+  for (const glm::vec3& point : snow::surface_points(surface, {1.0f, 1.0f, 1.0f, 1.0f}, frame)) {
     fuzz::require(!mesh.is_moderate || (std::abs(point.x) < 200.0f && std::abs(point.y) < 200.0f &&
                                         std::abs(point.z) < 200.0f),
                   "a point is not near the receiver");

@@ -23,7 +23,7 @@ FLOORS = {
 # like a room; otherwise it is above all rooms. In unlisted folders, rooms need only be free of cycles.
 ROOMS = {
     "native/render": "data draw tree snow",
-    "native/snow": "state texels seams scene repose output surface step",
+    "native/snow": "state texels seams scene movement output surface step",
     "native/snow/step": "engine cpu gl",
     "native/tree": "skeleton obj rings welded read surface crossings mesh tubes rims detail uv leaves original",
 }

@@ -2,7 +2,7 @@
 """A receiver of a bake: its size, its settings, its manifest and its checkpoints. No ``bpy``."""
 
 import contextlib
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +28,7 @@ from ..scene.uv_overlap import outside_share
 from ..surface.compute import damaged as damaged_surface
 from ..surface.compute import update as update_surface
 from ..surface.recording import ReceiverRecorder
+from ..surface.style import WantedPoints
 from . import plan
 
 # How snow is deposited. A bake is only resumed with the same method; the first one (scattering) stored no name.
@@ -54,8 +55,8 @@ class BakedReceiver:
     """cache.lock.FolderLock of the folder; required for writing."""
     frames: list = field(default_factory=list)
     covered: Coverage = None
-    share: float = 1.0
-    """Its share of the surface points of the scene, 0 to 1."""
+    wanted: WantedPoints = WantedPoints()
+    """Its part in the surface points of the scene."""
     recorder: ReceiverRecorder = None
     """Records its poses if the bake ends with a surface."""
 
@@ -119,7 +120,7 @@ class BakedReceiver:
             "cache": self.cache,
             "hash": digest(own),
             "settings": own,
-            "share": self.share,
+            "wanted": astuple(self.wanted),
         }
 
     def write_manifest(self, shot, complete):
@@ -157,7 +158,7 @@ class BakedReceiver:
         if self.recorder is None:
             self.recorder = ReceiverRecorder(self.folder)
         with self._writing():
-            self.recorder.add(frame, pose.objects[self.key])
+            self.recorder.add(frame, pose.known_at(self.key))
 
     def make_surface(self, shot, native, progress):
         """Computes the snow surface of all baked frames. Returns False if progress(0 to 1) asked to stop."""
@@ -175,17 +176,19 @@ class BakedReceiver:
         if self.recorder is not None:
             self.recorder.close()
 
-    def write_checkpoint(self, native, frame, shot, state, driver, inputs):
+    def write_checkpoint(self, native, frame, shot, state, driver, inputs, beside=()):
         """Writes the checkpoint of ``frame``, the last frame whose maps were written. state: from simulation_state;
-        driver: the engine and driver that ran (snow_engine.driver_text); inputs: all poses so far (scene.inputs)."""
+        driver: the engine and driver that ran (snow_engine.driver_text); inputs: all poses so far (scene.inputs);
+        beside: keys of other receivers whose state to include."""
         sidecar = {
+            "beside": list(beside),
             "covered": self.covered.pack(),
             "driver": driver,
             "frames": self.frames,
             "inputs": inputs,
             "manifest": self._described(shot),
         }
-        own = {"step_number": state["step_number"], "objects": {self.key: state["objects"][self.key]}}
+        own = {**state, "objects": {key: state["objects"][key] for key in (self.key, *beside)}}
         with self._writing():
             receiver_folder.write_sidecar(self.folder, frame, sidecar)
         with self._writing():
@@ -195,15 +198,26 @@ class BakedReceiver:
         with self._writing():
             self._remove_passed_checkpoints(shot, frame)
 
-    def read_checkpoint(self, native, frame):
-        """Restores coverage and frames from a checkpoint; returns (step number, state, driver, inputs)."""
+    def read_checkpoint(self, native, frame, sizes):
+        """Restores coverage and frames from a checkpoint; returns (state, driver, inputs). sizes: {key: resolution} of
+        the receivers that it may hold."""
         receiver_folder.remove_stray_files(self.folder)
-        sidecar = receiver_folder.read_sidecar(self.folder, frame)
+        sidecar, state = self._read_checkpoint(native, frame, sizes)
         self.frames = sidecar["frames"]
+        return state, sidecar["driver"], sidecar["inputs"]
+
+    def peek_checkpoint(self, native, frame, sizes):
+        """The same without changing anything, for a receiver that another bake may be writing."""
+        sidecar, state = self._read_checkpoint(native, frame, sizes)
+        return state, sidecar["driver"], sidecar["inputs"]
+
+    def _read_checkpoint(self, native, frame, sizes):
+        sidecar = receiver_folder.read_sidecar(self.folder, frame)
         try:
             self.covered = Coverage.unpack(self.resolution, sidecar["covered"])
-            state = native.read_checkpoint(str(self.folder / state_file(frame)), {self.key: self.resolution})
-            own = state["objects"][self.key]
+            state = native.read_checkpoint(str(self.folder / state_file(frame)), sizes)
+            state["objects"][self.key]  # raises if it is missing
+            return sidecar, state
         except KeyError:
             raise CacheError(
                 f"{self.folder / state_file(frame)} belongs to another receiver: free the bake, then bake again"
@@ -213,12 +227,15 @@ class BakedReceiver:
                 f"{self.folder / state_file(frame)} is damaged ({error}): delete it to resume from the checkpoint "
                 "before it, or free the bake and bake again"
             ) from error
-        return state["step_number"], own, sidecar["driver"], sidecar["inputs"]
 
     def checkpoints(self):
         """Frames of the checkpoints that it can be resumed from: none while its files are being removed."""
         is_bake = (self.folder / MANIFEST).is_file()
         return receiver_folder.checkpoints(self.folder) if is_bake else []
+
+    def beside(self, frame):
+        """Keys of the other receivers whose state its checkpoint of ``frame`` holds."""
+        return receiver_folder.read_sidecar(self.folder, frame).get("beside", [])
 
     def forget_after(self, frame, shot):
         """Removes everything that was baked after a checkpoint, which read_checkpoint has read."""

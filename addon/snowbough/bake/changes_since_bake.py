@@ -79,8 +79,8 @@ def settings_changes(scene):
         return []
     texts = []
     for entry, manifest in entries:
-        before = manifest["settings"]["snowfall"]
-        for name, now in request.shot().items():
+        before = {"time_stretching": 1.0, **manifest["settings"]["snowfall"]}
+        for name, now in {"time_stretching": 1.0, **request.shot()}.items():
             if before.get(name) != now:
                 texts.append(_change(scene, name, now, before.get(name)))
         if request.pixel_size and request.pixel_size != before["pixel_size"]:

@@ -1,14 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The receivers that a bake writes: those of the list that can carry snow in the shot's first pose. No ``bpy``.
+"""The receivers that a bake writes: those of the list that can carry snow on the first frame that shows them.
+No ``bpy``.
 
-A receiver that cannot (it is hidden, has no UV map, or exists only as scattered instances) is left out with a reason,
-and the others are baked. The reason is an error if no receiver remains, if it was asked for by name, or in a strict
-bake.
+A receiver that cannot (it is hidden on all frames, has no UV map, or exists only as scattered instances) is left out
+with a reason, and the others are baked. The reason is an error if no receiver remains, if it was asked for by name, or
+in a strict bake.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from . import baked_receiver
+
+# Growth from frame to frame, as a factor, below which a receiver counts as full-grown.
+GROWTH = 1.001
 
 
 @dataclass
@@ -17,6 +23,8 @@ class Choice:
 
     receivers: list
     """BakedReceiver of those to bake now."""
+    others: list
+    """BakedReceiver of the shot's other receivers."""
     texels: list
     """Texel sizes in metres of all receivers of the shot: they determine the grid, whichever receivers are baked."""
     refused: dict
@@ -24,17 +32,15 @@ class Choice:
 
 
 def choose_receivers(pose, request):
-    """The Choice for the first pose of a BakeRequest's shot. Raises ValueError if no receiver remains."""
-    choice = Choice([], [], dict(pose.refused))
+    """The Choice for the complete_pose of a BakeRequest's shot. Raises ValueError if no receiver remains."""
+    choice = Choice([], [], [], dict(pose.refused))
     wanted, known = set(request.objects), set()
-    seen = {(o.receiver.name, o.receiver.library) for o in pose.objects.values() if o.receiver}
-    for spec in request.receivers:
-        if spec.enabled and (spec.name, spec.library) not in seen and spec.name not in choice.refused:
-            choice.refused[spec.name] = (
-                f"'{spec.name}' is on the list of receivers, but not rendered at frame {request.frame_start}: make it "
-                "renderable, or remove it from the list"
-            )
-    for obj in pose.objects.values():
+    for spec in _missing(pose, request):
+        choice.refused[spec.name] = pose.reasons.get(spec.name) or (
+            f"'{spec.name}' is on the list of receivers, but not rendered on any frame of the shot: make it "
+            "renderable, or remove it from the list"
+        )
+    for obj in pose.known.values():
         if obj.receiver is None or not obj.receiver.enabled:
             continue
         names = {obj.receiver.name, obj.receiver.shown(obj.label), obj.key}
@@ -45,11 +51,57 @@ def choose_receivers(pose, request):
             choice.refused[obj.receiver.shown(obj.label)] = str(error)
             continue
         choice.texels.append(receiver.texel)
-        if not request.objects or names & set(request.objects):
-            choice.receivers.append(receiver)
+        is_wanted = not request.objects or names & set(request.objects)
+        (choice.receivers if is_wanted else choice.others).append(receiver)
         wanted -= names
     _check(choice, request, wanted, known)
     return choice
+
+
+def _missing(pose, request):
+    """The enabled receivers of a BakeRequest that no object of a pose belongs to."""
+    seen = {(obj.receiver.name, obj.receiver.library) for obj in pose.known.values() if obj.receiver}
+    return [
+        spec
+        for spec in request.receivers
+        if spec.enabled and (spec.name, spec.library) not in seen and spec.name not in pose.refused
+    ]
+
+
+def complete_pose(evaluate, request):
+    """The pose of the shot's first frame. Receivers that it does not show are hidden in it, as they are at the first
+    frame that shows them, or when they have stopped growing: one that is scaled up from 0 must not get tiny texels.
+    evaluate: see BakeJob.run."""
+    pose, is_growing = evaluate(request.frame_start, 0.0), False
+    for frame in range(request.frame_start + 1, request.frame_end + 1):
+        if not (is_growing or _missing(pose, request) or _hides_members(pose, request)):
+            break
+        later = evaluate(frame, 0.0)
+        larger = {
+            key: obj
+            for key, obj in later.objects.items()
+            if obj.receives
+            and key not in pose.objects
+            and (key not in pose.hidden or _size(obj) > GROWTH * _size(pose.hidden[key]))
+        }
+        is_growing = bool(larger)
+        pose = replace(pose, hidden={**pose.hidden, **larger}, refused=later.refused)
+    return pose
+
+
+def _hides_members(pose, request):
+    """Whether a pose lacks objects of a collection that a receiver of a BakeRequest instances."""
+    return any(
+        (spec.known_as, *member) not in shown and f"{spec.name} / {member[0]}" not in pose.refused
+        for shown in [{(o.receiver.known_as, o.name, o.library) for o in pose.known.values() if o.receiver}]
+        for spec in request.receivers
+        if spec.enabled
+        for member in spec.members
+    )
+
+
+def _size(obj):
+    return float(np.ptp(obj.positions, axis=0).sum())
 
 
 def _check(choice, request, wanted, known):

@@ -7,9 +7,10 @@ nothing: its ``render()`` goes through the frames with ``self.frame_set`` and pa
 holds plain data only.
 
 Settings that the render needs are changed before and restored after: engine, size, a temporary camera if there is none,
-the other view layers, and Snowbough's own displacement, or a second bake would snow on the snow of the first. They are
-stored by name, since an undo would make references invalid. The engine's class is registered only during a bake, so it
-appears in no menu.
+the view layers, and Snowbough's own displacement, or a second bake would snow on the snow of the first. A bake renders
+one view layer with all that the rendered layers show, whichever is active: one of them, or a temporary one if they
+differ. The settings are stored by name, since an undo would make references invalid. The engine's class is registered
+only during a bake, so it appears in no menu.
 """
 
 import os
@@ -20,11 +21,13 @@ import bpy
 
 from ..base import session
 from ..result.displacement import Muted
+from ..scene import visibility
 from ..scene.reader import SceneReader
 from .request import BakeCancelled
 
 ENGINE = "SNOWBOUGH_BAKE"
 CAMERA = "Snowbough Bake Camera"
+LAYER = "Snowbough Bake"
 
 POLL_SECONDS = 0.1
 
@@ -182,10 +185,25 @@ def _class_is_registered():
     return "bl_rna" in SNOWBOUGH_BAKE.__dict__
 
 
+def _common_layer(scene):
+    """A view layer with the collections of all rendered ones: one of them if they agree, else a new one."""
+    layers = visibility.rendered_layers(scene)
+    excluded = [visibility.excluded(layer) for layer in layers]
+    if all(paths == excluded[0] for paths in excluded):
+        return layers[0]
+    made = scene.view_layers.new(LAYER)
+    nowhere = set.intersection(*excluded)
+    for path, collection in visibility.layer_collections(
+        made
+    ).items():  # parents first: they change their children
+        collection.exclude = path in nowhere
+    return made
+
+
 class _PreparedScene:
     """The settings that were changed for the bake, by name. restore() reverts them."""
 
-    def __init__(self, scene, view_layer):
+    def __init__(self, scene):
         self._scene_name = scene.name
         render = scene.render
         self._settings = {name: getattr(render, name) for name in RENDER_SETTINGS if hasattr(render, name)}
@@ -201,8 +219,9 @@ class _PreparedScene:
         self._muted.__enter__()
         for name in self._settings:
             setattr(render, name, RENDER_SETTINGS[name])
+        baked = _common_layer(scene)
         for layer in scene.view_layers:
-            layer.use = layer.name == view_layer.name
+            layer.use = layer.name == baked.name
         if self._temporary_camera:
             scene.camera = bpy.data.objects.new(CAMERA, bpy.data.cameras.new(CAMERA))
         preferences.render_display_type = "NONE"
@@ -213,8 +232,11 @@ class _PreparedScene:
         if scene is not None:
             for name, value in self._settings.items():
                 setattr(scene.render, name, value)
-            for layer in scene.view_layers:
-                layer.use = self._layers.get(layer.name, layer.use)
+            for layer in list(scene.view_layers):
+                if layer.name in self._layers:
+                    layer.use = self._layers[layer.name]
+                elif layer.name.startswith(LAYER):
+                    scene.view_layers.remove(layer)
             self._muted.__exit__()
             if self._temporary_camera:
                 self._remove_camera(scene)
@@ -236,7 +258,7 @@ def _begin(context, running):
     global _prepared
     if session.bake is not None:
         raise RuntimeError("A bake is already running")
-    _prepared = _PreparedScene(context.scene, context.view_layer)
+    _prepared = _PreparedScene(context.scene)
     session.bake = running
 
 

@@ -3,11 +3,29 @@
 
 import os
 import time
+from dataclasses import dataclass
 
 from ..cache.folder import checkpoints
 from . import memory
 from .request import FrameResult
 from .snow_engine import driver_text, other_engine
+
+
+@dataclass
+class FrameWork:
+    """All that FrameBaker.bake needs for a frame."""
+
+    frame: int
+    poses: list
+    """(scene.tracker.Changes, direction of the fall, [plan.Step, ...]) of each pose."""
+    inputs: list
+    """Fingerprints of the poses up to this frame (scene.inputs)."""
+    depth: float
+    """Metres on open, level ground after the frame."""
+    places: dict
+    """{key: (4, 4) from a receiver's space to metres in the world}."""
+    hidden: frozenset
+    """Keys of the receivers that are not shown."""
 
 
 class FrameBaker:
@@ -54,38 +72,40 @@ class FrameBaker:
         self.inputs = []
         """Fingerprints of the poses up to the last frame (scene.inputs)."""
 
-    def bake(self, frame, work, inputs, depth, places):
-        """Simulates the steps of one frame. The writer makes its maps and, at the interval, a checkpoint.
-
-        work: [(added, changed positions, direction, [plan.Step, ...]) of each pose]. depth: metres on open, level
-        ground after the frame. places: {key: (4, 4) from a receiver's space to metres in the world}. Returns a
+    def bake(self, work):
+        """Simulates the steps of a FrameWork. The writer makes its maps and, at the interval, a checkpoint. Returns a
         FrameResult."""
-        request, clock = self._request, time.perf_counter
+        request, clock, frame = self._request, time.perf_counter, work.frame
         begun = clock()
         if not self._between_frames:
             raise RuntimeError("The previous frame failed: start the bake again")
         self._between_frames = False
-        for added, changed, direction, steps in work:
-            self._registry.register_changes(added)
-            self._positions.update(changed)
+        for changes, direction, steps in work.poses:
+            self._registry.register_changes(changes.added)
+            self._positions.update(changes.moved)
             for step in steps:
-                self._simulation.step(self._positions, depth=step.depth, direction=direction, dt=step.dt)
+                self._simulation.step(
+                    self._positions,
+                    depth=step.depth,
+                    direction=direction,
+                    dt=step.dt,
+                    hidden=changes.hidden,
+                )
                 self._positions = {}
         self._follow_engine()
         if self._hash_file:
             self._write_hashes(frame)
         snowing = clock() - begun
         reading = -clock()
-        volume, slid = self._take_snapshots(frame, depth, work[-1][2], places)
+        volume, slid = self._take_snapshots(work)
         reading += clock()
-        self.inputs = inputs
+        self.inputs = work.inputs
         saving = clock()
-        regular = (frame - request.frame_start + 1) % request.checkpoint_interval == 0
-        if regular and frame < request.frame_end:
+        if request.is_checkpoint(frame):
             self._checkpoint(frame)
         self._between_frames = True
         saving = clock() - saving
-        result = FrameResult(frame, request.first, request.last, depth, volume, slid)
+        result = FrameResult(frame, request.first, request.last, work.depth, volume, slid)
         result.seconds = {"snow": snowing, "maps": reading, "gpu": snowing + reading + saving}
         return result
 
@@ -116,7 +136,7 @@ class FrameBaker:
         if self._resumed and not self._request.allow_other_driver:
             raise other_engine(meant, ran)
 
-    def _take_snapshots(self, frame, depth, direction, places):
+    def _take_snapshots(self, work):
         """Passes the snow of each receiver to the writer; returns the volumes of held and of slid snow in m3."""
         volume = slid = 0.0
         balance = self._simulation.statistics()["objects"]
@@ -126,13 +146,16 @@ class FrameBaker:
             own_volume, own_slid = float(total["held_volume"]), float(total["slid_volume"])
             volume, slid = volume + own_volume, slid + own_slid
             entry = {
-                "frame": frame,
-                "depth": depth,
+                "frame": work.frame,
+                "depth": work.depth,
                 "volume": own_volume,
                 "slid": own_slid,
-                "direction": list(direction),
-                "to_world": self._place(receiver.key, places[receiver.key]),
+                "landed": float(total["landed_volume"]),
+                "direction": list(work.poses[-1][1]),
+                "to_world": self._place(receiver.key, work.places[receiver.key]),
             }
+            if receiver.key in work.hidden:
+                entry["hidden"] = True
             self._writer.call(
                 lambda output, receiver=receiver, entry=entry: receiver.write_maps(
                     self._native, output, entry
@@ -153,9 +176,13 @@ class FrameBaker:
         """Reads the state back. The writer packs and writes it, after the maps before it."""
         state = self._native.simulation_state(self._simulation)
         inputs, driver = self.inputs, driver_text(self._simulation.engine)
+        beside = []
+        if not self._request.is_checkpoint(frame):
+            # The bakes of other receivers may have no checkpoint of this frame.
+            beside = sorted(state["objects"].keys() - {receiver.key for receiver in self._receivers})
         for receiver in self._receivers:
             self._writer.call(
                 lambda receiver=receiver: receiver.write_checkpoint(
-                    self._native, frame, self._settings, state, driver, inputs
+                    self._native, frame, self._settings, state, driver, inputs, beside
                 )
             )

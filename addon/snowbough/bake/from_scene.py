@@ -8,6 +8,7 @@ import bpy
 from ..base import compat, native
 from ..base.map_kinds import ON_REQUEST
 from ..base.names import unit_of
+from ..result import displacement
 from ..scene import physics_caches
 from ..scene.pose import metres_per_unit
 from ..scene.receivers import note_baked_names, receiver_specs
@@ -38,7 +39,7 @@ def constant_values(scene, name, frame_start, frame_end):
             return None
         for curve in compat.curves_of(scene):
             if curve.data_path == f"snowbough.{name}" and not curve.mute:
-                return tuple(curve.evaluate(frame) for frame in frames)
+                return tuple(curve.evaluate(frame * compat.frame_length(scene)) for frame in frames)
     return (getattr(settings, name),) * len(frames)
 
 
@@ -72,6 +73,7 @@ def make_request(scene, resume=False, first=None, last=None, objects=(), directo
         first=first,
         last=frame_end if last is None else last,
         fps=render.fps / render.fps_base,
+        time_stretching=compat.frame_length(scene),
         rates=constant_rates(scene, frame_start, frame_end),
         snow=snow_of(settings),
         maps={kind.name: getattr(settings, kind.setting) for kind in ON_REQUEST},
@@ -88,8 +90,9 @@ def make_request(scene, resume=False, first=None, last=None, objects=(), directo
 
 def prepare_bake(scene, request, on_frame=None):
     """A RunningBake for engine.run or start. Raises the errors of make_request and native.load, and ValueError for a
-    physics simulation that is not baked and would not move."""
+    physics simulation that is not baked and would not move, and for Time Stretching that materials do not follow."""
     physics_caches.require_cached(scene)
+    displacement.require_frames(scene)
     note_baked_names(scene, request.receivers)
     scene.snowbough.cache_scene = request.baked_as
     job = BakeJob(request, native.load())

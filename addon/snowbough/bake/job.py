@@ -8,7 +8,8 @@ depend on the scheduling of the threads.
 
 The steps of a job are:
 
-1. Read the first pose of the shot. It determines the resolutions and the occlusion grid, even if a part is baked.
+1. Read the first pose of the shot, and of receivers that it does not show a later one. They determine the resolutions
+   and the occlusion grid, even if a part is baked.
 2. Choose and lock the version.
 3. Start, or resume: evaluate the frames up to the checkpoint again, compare them with its inputs, and restore it.
 4. For each frame: simulate its steps, write the maps and the manifest, and write a checkpoint at each interval or when
@@ -18,7 +19,9 @@ The steps of a job are:
 import collections
 import contextlib
 import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import partial
 
 from ..cache import owner, versions
@@ -29,15 +32,30 @@ from ..cache.lock import drop_dead_lock, lock_folder
 from ..cache.versions import is_finished
 from ..scene.tracker import SceneTracker
 from ..surface.side_by_side import run_side_by_side
+from ..surface.style import WantedPoints, shared_out
 from . import memory, plan, resuming, simulation
-from .choice import choose_receivers
-from .frames import FrameBaker
+from .choice import choose_receivers, complete_pose
+from .frames import FrameBaker, FrameWork
 from .log import open_log
 from .map_writer import MapWriter, WriteFailed
 from .request import BakeCancelled
 from .snow_engine import driver_text, engine_info
 
 STOPPING_SECONDS = 4.0
+
+
+@dataclass
+class _Run:
+    """The arguments of BakeJob.run, and the shot as it is known after its first pose."""
+
+    evaluate: Callable
+    report: Callable
+    cancelled: Callable
+    shaping: Callable
+    first_pose: object
+    snowfall: plan.Snowfall
+    settings: dict = None
+    log: Callable = None
 
 
 class BakeJob:
@@ -53,6 +71,8 @@ class BakeJob:
         self.receivers = []
         self.baked = []
         """The requested receivers, including those that were finished before."""
+        self.others = []
+        """With landing, the shot's other receivers: their snow is simulated, too, but not written."""
         self.refused = {}
         """Label -> reason why no snow is baked on it; known after the first pose."""
         self.pixel_size = 0.0
@@ -82,11 +102,11 @@ class BakeJob:
         request = self.request
         with contextlib.ExitStack() as stack:
             stack.enter_context(self._engine)
-            first_pose = evaluate(request.frame_start, 0.0)
-            snowfall = self._plan(evaluate)
+            first_pose = complete_pose(evaluate, request)
+            run = _Run(evaluate, report, cancelled, shaping, first_pose, self._plan(evaluate))
             self._identify(first_pose)
-            settings = self._settings(snowfall)
-            added, self._positions = self._tracker.register_changes(first_pose, request.frame_start, 0.0)
+            settings = run.settings = self._settings(run.snowfall)
+            added, self._positions, _ = self._tracker.register_changes(first_pose, request.frame_start, 0.0)
             stack.callback(self._close_simulation)
             stack.callback(lambda: [receiver.close() for receiver in self.receivers])
             if not self._may_resume():
@@ -99,14 +119,14 @@ class BakeJob:
             stack.callback(lambda: versions.remove_empty_folders(self.root, self.folders.values()))
             self._open_version(settings, stack)
             if not self.receivers:
-                self._compare_finished(evaluate, snowfall, first_pose, cancelled)
+                self._compare_finished(run)
                 return
             rest = self._checkpoint_to_resume()
             if request.blend:
                 owner.claim(self.root, request.blend)
             if self._may_resume():  # finished receivers, which need no map, are known only now
                 self._make_simulation(added)
-            log = stack.enter_context(open_log(self.root))
+            log = run.log = stack.enter_context(open_log(self.root))
             log(f"engine {self._driver}: {engine['reason']}")
             log(f"{self.version.name}; {', '.join(r.shown for r in self.receivers)}")
             for reason in self.refused.values():
@@ -119,7 +139,7 @@ class BakeJob:
                     receiver.start(settings)
                 begin = request.frame_start
             else:
-                self._resume_from(rest, evaluate, snowfall, first_pose, settings, log, cancelled)
+                self._resume_from(run, rest)
                 begin = rest + 1
             writer = stack.enter_context(MapWriter())
             baker = FrameBaker(
@@ -136,7 +156,7 @@ class BakeJob:
                 log=log,
             )
             try:
-                self._bake(begin, evaluate, snowfall, baker, writer, report, cancelled, log)
+                self._bake(run, begin, baker, writer)
             except BakeCancelled:
                 # Make surfaces of the finished frames while the user waits; Update Surface makes the rest.
                 with contextlib.suppress(BakeCancelled):
@@ -172,23 +192,26 @@ class BakeJob:
         )
 
     def _identify(self, pose):
-        """Finds the receivers in the shot's first pose and determines resolutions and grid."""
+        """Finds the receivers in the shot's complete_pose and determines resolutions and grid."""
         choice = choose_receivers(pose, self.request)
         self.receivers, self.refused = choice.receivers, choice.refused
+        if self.request.snow["landing"]:
+            self.others = choice.others
         self.pixel_size = simulation.pixel_size(pose, choice.texels, self.request.pixel_size)
         # Computed from all receivers, even if only some are baked, so that machines that share a shot agree.
         wanted = {
             key: self.native.wanted_surface_points(
                 obj.topology.triangles, obj.positions, max(self.request.end_depth, 1e-4), obj.topology.shading
             )
-            for key, obj in pose.objects.items()
-            if obj.receiver is not None and obj.receiver.enabled and obj.receiver.surface is not None
+            for key, obj in pose.known.items()
+            if obj.receives and obj.receiver.surface is not None
         }
+        shares = shared_out(wanted)
         for receiver in self.receivers:
-            receiver.share = wanted.get(receiver.key, 0.0) / max(sum(wanted.values()), 1.0)
+            receiver.wanted = shares.get(receiver.key, WantedPoints())
         sizes = [
-            memory.MapSize(own.resolution, len(pose.objects[own.key].topology.triangles))
-            for own in self.receivers
+            memory.MapSize(own.resolution, len(pose.known[own.key].topology.triangles))
+            for own in [*self.receivers, *self.others]
         ]
         shortage = memory.shortage(sizes, self.request.snow["repose"], self.request.maps["normal"])
         if shortage:
@@ -212,6 +235,8 @@ class BakeJob:
             number = versions.choose_version(self.root, keys, digest(settings))
         self.version = versions.version_folder(self.root, number)
         self.baked = list(self.receivers)
+        for other in self.others:
+            other.folder = self.version / other.key
         for receiver in self.receivers:
             receiver.folder = self.version / receiver.key
             receiver.cache = self.request.cache_id
@@ -237,36 +262,40 @@ class BakeJob:
     def _checkpoint_to_resume(self):
         """The frame of the checkpoint that this bake continues, None for a fresh start."""
         damage = resuming.find_damage(self.receivers) if self._may_resume() else {}
-        rest = resuming.checkpoint_frame(self.request, self.receivers, self.version, damage)
+        rest = resuming.checkpoint_frame(self.request, self.receivers, self._beside(), self.version, damage)
         begin = self.request.frame_start if rest is None else rest + 1
         for _, path in damage.values():
             self.repaired.append(f"{path} was missing or damaged: frames from {begin} on are baked again")
         return rest
 
-    def _resume_from(self, frame, evaluate, snowfall, first_pose, settings, log, cancelled):
+    def _resume_from(self, run, frame):
         """Compares scene and settings with the checkpoint of ``frame`` and restores it."""
         request = self.request
         for receiver in self.receivers:
-            receiver.compare_settings(settings, self.request.units)
+            receiver.compare_settings(run.settings, self.request.units)
         driver = None if request.allow_other_driver else self._driver
-        state, before = resuming.read_checkpoints(self.native, self.receivers, frame, driver)
-        log(f"comparing frames {request.frame_start} to {frame} with the checkpoint")
-        added, moved = self._replay_frames(evaluate, snowfall, first_pose, frame, cancelled)
+        for other in self._beside():
+            other.compare_settings(run.settings, request.units)
+        state, before = resuming.read_checkpoints(
+            self.native, self.receivers, self._beside(), frame, driver
+        )
+        run.log(f"comparing frames {request.frame_start} to {frame} with the checkpoint")
+        added, moved = self._replay_frames(run, frame)
         self._registry.register_changes(added)
         self._positions.update(moved)
         recorded = {**resuming.finished_inputs(self.baked, self.receivers), **before}
         resuming.compare_scenes(recorded, self._tracker.inputs, "was baked from", "bake again from the start")
         for receiver in self.receivers:
-            receiver.forget_after(frame, settings)
+            receiver.forget_after(frame, run.settings)
         self.native.set_simulation_state(self._simulation, state)
-        log(f"restored the checkpoint of frame {frame}")
+        run.log(f"restored the checkpoint of frame {frame}")
 
-    def _compare_finished(self, evaluate, snowfall, first_pose, cancelled):
+    def _compare_finished(self, run):
         """Compares the scene, frame by frame, with the inputs of the finished receivers."""
         recorded = resuming.finished_inputs(self.baked, self.receivers)
         if not recorded:
             return
-        self._replay_frames(evaluate, snowfall, first_pose, self.request.last, cancelled)
+        self._replay_frames(run, self.request.last)
         resuming.compare_scenes(
             recorded,
             self._tracker.inputs,
@@ -274,19 +303,19 @@ class BakeJob:
             "bake again; the finished version is kept until it is freed",
         )
 
-    def _replay_frames(self, evaluate, snowfall, first_pose, last, cancelled):
-        """Evaluates all poses up to frame ``last`` without snow; returns the combined changes, as the tracker's
-        register_changes() does."""
+    def _replay_frames(self, run, last):
+        """Evaluates all poses up to frame ``last`` without snow; returns the combined scene.tracker.Changes.added and
+        moved."""
         start = (self.request.frame_start, 0.0)
-        added, positions = self._tracker.register_changes(first_pose, *start)
-        pose = first_pose
+        added, positions, _ = self._tracker.register_changes(run.first_pose, *start)
+        pose = run.first_pose
         for frame in range(start[0], last + 1):
-            if cancelled():
+            if run.cancelled():
                 raise BakeCancelled
-            for at, _ in self._poses(snowfall, frame):
+            for at, _ in self._poses(run.snowfall, frame):
                 if at != start:
-                    pose = evaluate(*at)
-                    more, moved = self._tracker.register_changes(pose, *at)
+                    pose = run.evaluate(*at)
+                    more, moved, _ = self._tracker.register_changes(pose, *at)
                     added.update(more)  # if an object's mesh changed again, the last mesh
                     positions.update(moved)
             self._record(frame, pose)
@@ -305,13 +334,21 @@ class BakeJob:
         self._simulation = simulation.make_simulation(
             self.native, request.snow, self.pixel_size, request.engine, wait_for_gpu=False
         )
-        # Only the receivers of this bake have maps; all other objects only block snow.
+        # All other objects only block snow.
         maps = {
             own.key: (own.resolution, request.blur_radius * own.texel, own.spec.sides)
-            for own in self.receivers
+            for own in [*self.receivers, *self._beside()]
         }
         self._registry = simulation.Registry(self._simulation, maps)
         self._registry.register_changes(added)
+
+    def _beside(self):
+        """The receivers that are simulated beside those that this bake writes: with landing all that are left, because
+        snow falls from one onto another."""
+        if not self.request.snow["landing"]:
+            return []
+        writes = {receiver.key for receiver in self.receivers}
+        return [own for own in [*self.baked, *self.others] if own.key not in writes]
 
     def _poses(self, snowfall, frame):
         """[((frame, subframe), [Step, ...]), ...]: the poses and steps that lead to the map of ``frame``."""
@@ -329,7 +366,7 @@ class BakeJob:
             poses[-1][1].append(step)
         return poses
 
-    def _bake(self, begin, evaluate, snowfall, baker, writer, report, cancelled, log):
+    def _bake(self, run, begin, baker, writer):
         """Evaluates the poses in order, each while the baker's thread simulates the frame before."""
         request = self.request
         clock = time.perf_counter
@@ -345,24 +382,19 @@ class BakeJob:
                 result.seconds["total"], started = clock() - started, clock()
                 result.seconds["files"] = writer.busy_since_last_call()
                 self.results.append(result)
-                log(
+                run.log(
                     f"frame {result.frame} "
                     + " ".join(f"{name} {value:.4f}" for name, value in sorted(result.seconds.items()))
                 )
-                report(result)
+                run.report(result)
 
             try:
                 for frame in range(begin, request.last + 1):
-                    if cancelled():
+                    if run.cancelled():
                         raise BakeCancelled
                     evaluating = clock()
-                    work, places = self._evaluate_frame(frame, evaluate, snowfall)
-                    evaluating = clock() - evaluating
-                    inputs = [list(entry) for entry in self._tracker.inputs.poses]
-                    depth = snowfall.totals[frame - request.frame_start]
-                    pending.append(
-                        (worker.submit(baker.bake, frame, work, inputs, depth, places), evaluating)
-                    )
+                    work = self._evaluate_frame(run, frame)
+                    pending.append((worker.submit(baker.bake, work), clock() - evaluating))
                     # Finish the frame before only after submitting this one, so that the worker need not wait.
                     if len(pending) > 1:
                         finish()
@@ -385,15 +417,22 @@ class BakeJob:
                         baker.stop()
                 raise
 
-    def _evaluate_frame(self, frame, evaluate, snowfall):
-        """The arguments `work` and `places` of FrameBaker.bake for a frame."""
-        work = []
-        for at, steps in self._poses(snowfall, frame):
-            pose = evaluate(*at)
+    def _evaluate_frame(self, run, frame):
+        """The FrameWork of a frame."""
+        poses = []
+        for at, steps in self._poses(run.snowfall, frame):
+            pose = run.evaluate(*at)
             direction = plan.fall_direction(pose.fall_angle, pose.bearing)
-            work.append((*self._tracker.register_changes(pose, *at), direction, steps))
+            poses.append((self._tracker.register_changes(pose, *at), direction, steps))
         self._record(frame, pose)
-        return work, {receiver.key: pose.objects[receiver.key].to_world for receiver in self.receivers}
+        return FrameWork(
+            frame,
+            poses,
+            [list(entry) for entry in self._tracker.inputs.poses],
+            run.snowfall.totals[frame - self.request.frame_start],
+            {receiver.key: pose.known_at(receiver.key).to_world for receiver in self.receivers},
+            frozenset(pose.hidden),
+        )
 
     def _close_simulation(self):
         if self._simulation is not None:

@@ -12,7 +12,7 @@ from ..cache.folder import baked_frames
 from ..cache.manifest import read_manifest
 from ..result import displacement
 from ..result.snow_surface import blend_path
-from ..scene.pose import library_path
+from ..scene.libraries import library_name
 from .cache_place import note_baked_name
 
 
@@ -53,7 +53,7 @@ def after_bake(scene, running):
     for entry in scene.snowbough.receivers:
         if entry.object is None:
             continue
-        folder = by_object.get((entry.object.name, library_path(entry.object)))
+        folder = by_object.get((entry.object.name, library_name(entry.object)))
         if folder is not None and baked_frames(folder):
             entry.folder = blend_path(folder)
             try:

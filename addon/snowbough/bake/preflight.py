@@ -16,9 +16,11 @@ import numpy as np
 from ..base import compat, native, session
 from ..base.names import FARTHEST, counted, sized
 from ..cache import versions
-from ..result import displacement
-from ..scene import material_alpha, mesh_record, physics_caches, receivers, uv_maps, uv_overlap
-from ..scene.pose import Topology, library_path, metres_per_unit, outliers, world_positions
+from ..result import displacement, surface_files
+from ..scene import material_alpha, mesh_record, physics_caches, receivers, uv_maps, uv_overlap, visibility
+from ..scene.libraries import library_name
+from ..scene.pose import Topology, metres_per_unit, outliers, world_positions
+from ..scene.reader import SURFACE_TYPES
 from ..settings.preferences import preferred_engine
 from . import baked_receiver, changes_since_bake, memory, plan
 from .cache_place import cache_directory, existing_cache
@@ -26,6 +28,8 @@ from .from_scene import constant_rates
 from .outcome import one_line
 from .snow_engine import driver_text, probe_engine
 
+# Names of objects in one message.
+MOST_NAMED = 5
 # Measured: packed size of smooth float maps as a share of their raw size.
 PACKED_SHARE = 0.5
 
@@ -43,6 +47,7 @@ class Issue:
 def check(scene, depsgraph):
     """All issues of the scene, the worst first."""
     issues = [*_environment(scene), *of_bake(scene, depsgraph)]
+    issues += [Issue("WARNING", text) for text in surface_files.problems(scene)]
     for text in [
         *changes_since_bake.settings_changes(scene),
         *changes_since_bake.scene_changes(scene, depsgraph),
@@ -65,7 +70,7 @@ def of_bake(scene, depsgraph):
             issues += own
             if size:
                 sizes.append(memory.MapSize(size, _triangle_count(entry.object, depsgraph)))
-    issues += [*_amounts(scene, sizes), *_alpha(depsgraph), *_outliers(scene, depsgraph)]
+    issues += [*_amounts(scene, sizes), *_alpha(depsgraph), *_outliers(scene, depsgraph), *_layers(scene)]
     return issues + [Issue(*issue) for issue in physics_caches.issues(scene)]
 
 
@@ -102,7 +107,7 @@ def _alpha(depsgraph):
         for material in mesh_record.materials_of(obj, obj.data):
             if material is None:
                 continue
-            known = (material.name, library_path(material))
+            known = (material.name, library_name(material))
             try:
                 if known not in alphas:
                     alphas[known] = None  # report each material once
@@ -139,6 +144,7 @@ def _settings(scene):
         plan.plan_snowfall(
             settings.frame_start, settings.frame_end, settings.start_depth, settings.end_depth, rates
         )
+        displacement.require_frames(scene)
     except ValueError as error:
         yield Issue("ERROR", str(error))
 
@@ -174,8 +180,7 @@ def _receiver(scene, entry, depsgraph):
     obj = entry.object
     name = obj.name
     issues = []
-    if obj.hide_render:
-        issues.append(Issue("ERROR", f"'{name}' is hidden in renders", name, "SHOW_IN_RENDER"))
+    issues += _hidden(scene, obj)
     if obj.type != "MESH":
         return issues, entry.resolution or None
     evaluated = obj.evaluated_get(depsgraph)
@@ -231,6 +236,44 @@ def _receiver(scene, entry, depsgraph):
             )
             issues.append(Issue("WARNING", text, name))
     return issues, size
+
+
+def _hidden(scene, obj):
+    """The frames on which a receiver is hidden."""
+    name, frames = obj.name, visibility.hidden_frames(scene, obj)
+    if not any(obj in visibility.shown_objects(layer) for layer in visibility.rendered_layers(scene)):
+        text = f"'{name}' is in no collection that a view layer renders: it keeps its snow and gets none"
+        yield Issue("WARNING", text, name)
+    if len(frames) == scene.snowbough.frame_end - scene.snowbough.frame_start + 1:
+        if obj.hide_render:
+            yield Issue("ERROR", f"'{name}' is hidden in renders", name, "SHOW_IN_RENDER")
+        else:
+            yield Issue("ERROR", f"'{name}' has scale 0 along an axis: apply the scale (Ctrl+A)", name)
+    elif frames:
+        text = (
+            f"'{name}' is hidden, or its scale is 0, in frames {visibility.frames_text(frames)}: there it keeps its "
+            "snow, gets none, and its surface is empty"
+        )
+        yield Issue("INFO", text, name)
+
+
+def _layers(scene):
+    """Objects that only some of the rendered view layers show."""
+    layers = visibility.rendered_layers(scene)
+    shown = {layer.name: visibility.shown_objects(layer) for layer in layers}
+    by_layers = {}
+    for obj in sorted(set.union(*shown.values()), key=lambda obj: obj.name):
+        names = tuple(layer for layer, objects in shown.items() if obj in objects)
+        if len(names) < len(layers) and obj.snowbough.occlude and obj.type in SURFACE_TYPES:
+            by_layers.setdefault(names, []).append(obj.name)
+    for names, objects in by_layers.items():
+        listed = ", ".join(f"'{name}'" for name in objects[:MOST_NAMED])
+        more = f" and {len(objects) - MOST_NAMED} more" if len(objects) > MOST_NAMED else ""
+        yield Issue(
+            "INFO",
+            f"Only in {counted(len(names), 'view layer')} of {len(layers)} ({', '.join(names)}): {listed}{more}. Snow "
+            "meets the objects of all layers that render",
+        )
 
 
 def _triangle_count(obj, depsgraph):

@@ -55,6 +55,8 @@ class BakeRequest:
     """{name: bool} of the maps on request (map_kinds)."""
     receivers: tuple
     """scene.pose.ReceiverSpec of the scene's list, disabled ones included."""
+    time_stretching: float = 1.0
+    """Frames of animation per rendered frame."""
     baked_as: str = ""
     """The scene's name at its first bake, which its folder keeps; empty for its current name."""
     cache_id: str = ""
@@ -76,10 +78,16 @@ class BakeRequest:
     def known_as(self):
         return self.baked_as or self.scene_name
 
+    def is_checkpoint(self, frame):
+        """Whether the bake of the shot writes a checkpoint after this frame, stopped or not."""
+        return (frame - self.frame_start + 1) % self.checkpoint_interval == 0 and frame < self.frame_end
+
     def shot(self):
         """{name: value} of all that affects all maps of the shot, except the depth of each frame and the size of an
         occlusion pixel, which may be automatic."""
         own = {one.name: getattr(self, one.name) for one in fields(self) if "for_all_maps" in one.metadata}
+        if self.time_stretching != 1.0:  # bakes of earlier versions lack it
+            own["time_stretching"] = self.time_stretching
         return {**own, **{kind.setting: self.maps[kind.name] for kind in ON_REQUEST}, **self.snow}
 
 

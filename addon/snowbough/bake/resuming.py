@@ -18,12 +18,23 @@ def find_damage(receivers):
         return {receiver.key: place for receiver, place in zip(receivers, found) if place}
 
 
-def checkpoint_frame(request, receivers, version, damage):
-    """The frame of the checkpoint that the receivers of a BakeRequest resume from, None for a fresh start.
+def checkpoint_frame(request, receivers, beside, version, damage):
+    """The frame of the checkpoint that the receivers of a BakeRequest resume from, None for a fresh start. beside: the
+    BakedReceivers that are simulated but not written. Their state is needed, too: it is in their own checkpoints, or in
+    those that a stopped bake has written out of turn.
 
     damage: from find_damage. Raises NoCheckpoint, naming the existing ones, if the requested frames need another
     checkpoint, and CacheError if the damage cannot be repaired."""
     common = set.intersection(*(set(receiver.checkpoints()) for receiver in receivers))
+    theirs = {receiver.key: set(receiver.checkpoints()) for receiver in beside}
+
+    def is_whole(frame):
+        missing = {key for key, frames in theirs.items() if frame not in frames}
+        if missing and not request.is_checkpoint(frame):
+            missing -= {key for receiver in receivers for key in receiver.beside(frame)}
+        return not missing
+
+    common = {frame for frame in common if is_whole(frame)}
     at, path = min(damage.values(), default=(request.last + 1, None))
     if request.resume:
         usable = [frame for frame in common if request.first - 1 <= frame < at and frame <= request.last]
@@ -49,15 +60,24 @@ def checkpoint_frame(request, receivers, version, damage):
     return None
 
 
-def read_checkpoints(native, receivers, frame, driver):
+def read_checkpoints(native, receivers, beside, frame, driver):
     """Reads each BakedReceiver's checkpoint of ``frame``: (state for set_simulation_state, {receiver's label: the poses
-    that it was baked from, as in scene.inputs}). driver: the required engine and driver, None for any.
+    that it was baked from, as in scene.inputs}). beside: as in checkpoint_frame; their bakes stay as they are. driver:
+    the required engine and driver, None for any.
 
     Raises InputsChanged if another driver made them, or if they are from different bakes."""
-    numbers, states, inputs = set(), {}, {}
-    for receiver in receivers:
-        number, states[receiver.key], made_with, poses = receiver.read_checkpoint(native, frame)
-        numbers.add(number)
+    numbers, states, inputs, landing = set(), {}, {}, None
+    sizes = {receiver.key: receiver.resolution for receiver in [*receivers, *beside]}
+    for receiver in [*receivers, *beside]:
+        is_beside = receiver in beside
+        if is_beside and receiver.key in states:
+            continue
+        read = receiver.peek_checkpoint if is_beside else receiver.read_checkpoint
+        state, made_with, poses = read(native, frame, sizes)
+        numbers.add(state["step_number"])
+        states.update(state["objects"])
+        # All hold the same.
+        landing = state["landing"]
         # Thousands of receivers may have equal lists: keep one of them.
         inputs[receiver.shown] = next((known for known in inputs.values() if known == poses), poses)
         if driver is not None and made_with != driver:
@@ -67,7 +87,7 @@ def read_checkpoints(native, receivers, frame, driver):
             f"The receivers' checkpoints of frame {frame} do not belong together (steps "
             f"{', '.join(map(str, sorted(numbers)))}): bake again from the start"
         )
-    return {"step_number": numbers.pop(), "objects": states}, inputs
+    return {"step_number": numbers.pop(), "objects": states, "landing": landing}, inputs
 
 
 def finished_inputs(receivers, writing):

@@ -16,7 +16,7 @@ def pixel_size(pose, texel_sizes, wanted=0.0):
     the extent of a scene.pose.ScenePose."""
     if wanted:
         return wanted
-    filled = [obj.positions for obj in pose.objects.values() if len(obj.positions)]
+    filled = [obj.positions for obj in pose.known.values() if len(obj.positions)]
     low = np.min([positions.min(axis=0) for positions in filled], axis=0).tolist()
     high = np.max([positions.max(axis=0) for positions in filled], axis=0).tolist()
     return plan.automatic_pixel_size(texel_sizes, low, high)

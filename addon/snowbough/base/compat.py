@@ -121,6 +121,19 @@ def curves_of(datablock):
     return [curve for bag in bags if bag is not None for curve in bag.fcurves]
 
 
+def frame_length(scene):
+    """Frames of animation per rendered frame: other than 1 with Render > Time Stretching."""
+    return scene.render.frame_map_old / scene.render.frame_map_new
+
+
+def strips_of(scene):
+    """All strips of a scene's sequencer, in meta strips, too."""
+    editor = scene.sequence_editor
+    if editor is None:
+        return []
+    return list(editor.strips_all if hasattr(editor, "strips_all") else editor.sequences_all)
+
+
 # --------------------------------------------------------------------------------------------------
 # Materials
 

@@ -62,6 +62,9 @@ OWN_MODIFIERS = (SUBDIVISION_MODIFIER, DISPLACE_MODIFIER)
 # The modifier that reads the points of a snow surface.
 SURFACE_MODIFIER = "Snowbough Surface"
 
+# On the points of a snow surface: their positions in the last frame.
+SURFACE_POSITION_ATTRIBUTE = "snow_position"
+
 # Exit codes of the command line (see bake.cli and tree.cli).
 EXIT_OK = 0
 EXIT_FAILED = 1

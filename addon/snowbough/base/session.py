@@ -40,5 +40,8 @@ unfinished_bakes = _persistent("unfinished_bakes", {})
 # Receiver's folder -> (inputs of its surface, surface.compute.Surface), for sliders.
 surfaces = _persistent("surfaces", {})
 
+# Scene name -> its compat.frame_length that the modifiers of its surfaces have.
+frame_lengths = _persistent("frame_lengths", {})
+
 # Name of a surface whose modifier reads a single frame, made for a slider -> its receiver's folder.
 shown_surfaces = _persistent("shown_surfaces", {})

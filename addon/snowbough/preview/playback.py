@@ -156,6 +156,7 @@ class Playback:
         }
         self._registry = simulation.Registry(self.simulation, maps)
         self._tracker = SceneTracker()
+        self._hidden = frozenset()
         self.pose, self.frame = pose, scene.frame_current
         self._set_pose(pose)
         self._accumulate([(self.frame, pose)], STEPS)
@@ -180,17 +181,19 @@ class Playback:
     # -- steps ---------------------------------------------------------------------------------------
 
     def _set_pose(self, pose):
-        """Passes new meshes to the simulation. Stores the moved positions for the next step and returns them."""
-        added, moved = self._tracker.register_changes(pose, self.frame, 0.0)
-        self._registry.register_changes(added)
+        """Passes new meshes to the simulation. Stores the moved positions and hidden objects for the next step; returns
+        whether there are others than before."""
+        changes = self._tracker.register_changes(pose, self.frame, 0.0)
+        self._registry.register_changes(changes.added)
         self._registry.prepare()
-        self._moved = moved
-        return moved
+        has_changed = bool(changes.moved) or changes.hidden != self._hidden
+        self._moved, self._hidden = changes.moved, changes.hidden
+        return has_changed
 
     def _step(self, pose, depth, dt):
         moved, self._moved = self._moved, {}
         direction = plan.fall_direction(pose.fall_angle, pose.bearing)
-        self.simulation.step(moved, depth=depth, direction=direction, dt=dt)
+        self.simulation.step(moved, depth=depth, direction=direction, dt=dt, hidden=self._hidden)
 
     def _settle_pose(self, pose):
         """Applies the pose in a step without snow, if anything has moved."""

@@ -11,6 +11,7 @@ import bpy
 from ..base import compat, native, session
 from ..base.names import FARTHEST
 from ..base.names import REALTIME_ENGINE as ENGINE
+from ..result import surface_files
 from . import lights, viewport
 from .final import FinalRenderer
 from .flakes import flakes_of
@@ -50,6 +51,7 @@ class SNOWBOUGH_REALTIME(bpy.types.RenderEngine):
             return
         try:
             self.update_stats("Snowbough", "Drawing")
+            surface_files.require_files(depsgraph.scene)
             renderer = _final_renderer()
             picture = renderer.render(depsgraph, camera.evaluated_get(depsgraph))
         except Exception as error:  # Blender only prints an exception that leaves render()

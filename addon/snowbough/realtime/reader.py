@@ -13,7 +13,8 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from ..scene.pose import library_path, outliers
+from ..scene.libraries import library_name
+from ..scene.pose import outliers
 from . import materials, meshes, trees
 from .lights import Lamp, light_of
 from .records import Mesh, Scene, Shape
@@ -122,7 +123,7 @@ class Reader:
         if is_leaves:
             slot["leaves"] = (obj, place)
             return True
-        named = (original.name, library_path(original), rig.name, library_path(rig))
+        named = (original.name, library_name(original), rig.name, library_name(rig))
         if named not in self._poses:
             self._poses[named] = trees.pose_of(obj, rig.evaluated_get(depsgraph))
         pose = self._poses[named]
@@ -137,7 +138,7 @@ class Reader:
         """The LyingSnow on a tree's base; None if there is none, or if its map does not fit the base."""
         if receiver is None:
             return None
-        key = (original.data.name, library_path(original.data), print_)
+        key = (original.data.name, library_name(original.data), print_)
         if key not in self._places:
             self._places[key] = trees.SnowPlaces(original.data, arrays)
         return self._snow.of(receiver, self._places[key])
@@ -154,12 +155,12 @@ class Reader:
             if leaves is not None:
                 tree.leaves, tree.leaves_print = self._leaves_of(leaves[0])
             rig = slot["rig"]
-            grown.append((f"{rig.name} {library_path(rig)}", key, tree))
+            grown.append((f"{rig.name} {library_name(rig)}", key, tree))
         return trees.joined(grown)
 
     def _bark_images_of(self, original, rig, arrays, print_, looks):
         """(BarkImages or None, its print) of a tree's bark. looks: the Look of each material."""
-        key = (original.data.name, library_path(original.data), print_)
+        key = (original.data.name, library_name(original.data), print_)
         if key not in self._bark_images:
             images = trees.bark_images_of(original, rig, arrays, looks)
             self._bark_images[key] = (images, "" if images is None else images.print)
@@ -167,7 +168,7 @@ class Reader:
 
     def _leaves_of(self, obj):
         original = obj.original
-        key = (original.data.name, library_path(original.data))
+        key = (original.data.name, library_name(original.data))
         if key not in self._leaves:
             looks = meshes.looks_of(obj, original.data, self._look, materials.PLAIN)
             leaves = trees.leaves_of(original, looks)
@@ -186,7 +187,7 @@ class Reader:
         # Mesh instances of geometry nodes share their object but not their mesh.
         key = (
             original.name,
-            library_path(original),
+            library_name(original),
             data,
             obj.data.as_pointer() if obj.type == "MESH" else 0,
         )
@@ -228,7 +229,7 @@ class Reader:
                 obj.to_mesh_clear()
 
     def _look(self, material):
-        key = (material.name, library_path(material)) if material is not None else None
+        key = (material.name, library_name(material)) if material is not None else None
         if key not in self._looks:
             self._looks[key] = materials.look_of(material)
         return self._looks[key]
@@ -236,7 +237,7 @@ class Reader:
 
 def _drop(kept, block):
     """Removes the entries of a data-block, by its name and library."""
-    name = (block.name, library_path(block))
+    name = (block.name, library_name(block))
     for key in [key for key in kept if key[:2] == name]:
         del kept[key]
 
@@ -253,7 +254,7 @@ class _KeptUvs:
 
 def _instance_name(instance, obj):
     """A name of an object's instance that is the same in every frame."""
-    name = f"{obj.name} {library_path(obj)}"
+    name = f"{obj.name} {library_name(obj)}"
     if not instance.is_instance:
         return name
     parent = instance.parent.original.name if instance.parent else ""

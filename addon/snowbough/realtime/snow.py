@@ -12,7 +12,8 @@ from ..cache.files import frame_file
 from ..cache.manifest import read_manifest
 from ..result import snow_surface
 from ..result.baked_images import baked_uv_map, folders_of_members, frames_on_disk
-from ..scene.pose import library_path, member_key, metres_per_unit, own_key
+from ..scene.libraries import library_name
+from ..scene.pose import member_key, metres_per_unit, own_key
 from . import materials
 from .records import LyingSnow, Shape
 
@@ -45,12 +46,12 @@ def receiver_of(instance, original):
     """The ReceiverId of a depsgraph instance of an original object. None for instances made by geometry nodes,
     particles or faces, which cannot have their own map."""
     if not instance.is_instance:
-        return ReceiverId(original.name, library_path(original))
+        return ReceiverId(original.name, library_name(original))
     parent = instance.parent.original if instance.parent else None
     if parent is None or parent.instance_type != "COLLECTION":
         return None
     order = tuple(index for index in instance.persistent_id if index != NO_INDEX)
-    return ReceiverId(original.name, library_path(original), parent.name, library_path(parent), order)
+    return ReceiverId(original.name, library_name(original), parent.name, library_name(parent), order)
 
 
 class SceneSnow:
@@ -180,7 +181,7 @@ class BakedSnow:
 
     def _folders_of(self, entry):
         """{fields of a ReceiverId except its order: (folder, UV map)} of a baked entry of the list of receivers."""
-        obj, library = entry.object, library_path(entry.object)
+        obj, library = entry.object, library_name(entry.object)
         if obj.type == "MESH":
             return {(obj.name, library, "", ""): (entry.folder, entry.uv_map)}
         beside = Path(bpy.path.abspath(entry.folder)).parent

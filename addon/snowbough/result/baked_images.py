@@ -15,6 +15,7 @@ import bpy
 
 from ..base.map_kinds import BY_NAME
 from ..cache.manifest import read_manifest
+from ..scene.libraries import stored_name
 
 HEADER_BYTES = 4096
 # Name, type and size of the attribute with the first and last pixels (OpenEXR File Layout).
@@ -111,5 +112,5 @@ def folders_of_members(folder, instancer):
     for beside in sorted(Path(bpy.path.abspath(folder)).parent.iterdir()) if folder else ():
         manifest = read_manifest(beside) if beside.is_dir() else None
         if manifest and manifest["label"].startswith(f"{instancer} / "):
-            found[manifest["object"], manifest["library"]] = str(beside)
+            found[manifest["object"], stored_name(manifest["library"])] = str(beside)
     return found

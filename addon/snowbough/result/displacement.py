@@ -186,6 +186,21 @@ def remove(scene, receiver):
     snow_material.remove(receiver)
 
 
+def require_frames(scene):
+    """Raises ValueError if Render > Time Stretching is on and a receiver shows maps in its material or by modifiers:
+    Blender then takes the images of other frames, in EEVEE and for modifiers, but not in Cycles."""
+    names = [
+        f"'{entry.object.name}'"
+        for entry in scene.snowbough.receivers
+        if entry.object is not None and entry.enabled and mode_of(entry) not in (None, "SHELL")
+    ]
+    if names and compat.frame_length(scene) != 1.0:
+        raise ValueError(
+            f"Time Stretching (Output properties, Frame Range) is on, and Blender does not show image sequences by it: "
+            f"choose Displacement > Snow Surface for {', '.join(names)}, or set Old and New to the same number"
+        )
+
+
 class Muted:
     """A context that disables our own displacement, so that snow does not fall on displaced snow, and the modifiers of
     surfaces, so that they read no files.

@@ -6,11 +6,14 @@ original surface and is used in an OBJECT-linked slot. So the original material 
 for their other users.
 """
 
+from pathlib import Path
+
 import bpy
 
 from ..base import compat, compat_nodes
 from ..base.map_kinds import BY_NAME, MAP_KINDS
 from ..base.names import REST_ATTRIBUTE, SNOW_UV
+from ..scene.libraries import library_name, stored_name
 from ..scene.pose import metres_per_unit
 from . import baked_images, look, original_state, rest_position, snow_nodes
 
@@ -197,9 +200,25 @@ def _snowy_copy(obj, original):
     return material
 
 
-def _note_slots(obj, record):
-    """Records the object's slots, once, and keeps their materials from being lost. Adds a slot if there is none."""
+def _record_elsewhere(receiver):
+    """The record of the same object in another scene that has changed its materials; empty if there is none."""
+    for scene in bpy.data.scenes:
+        for other in scene.snowbough.receivers:
+            record = original_state.read(other)
+            if scene != receiver.id_data.original and other.object == receiver.object and "slots" in record:
+                return record
+    return {}
+
+
+def _note_slots(receiver, record):
+    """Records the object's slots, once, and keeps their materials from being lost. Adds a slot if there is none. If
+    another scene has added snow to the object, its record is the one."""
+    obj = receiver.object
     if "slots" in record:
+        return
+    shared = _record_elsewhere(receiver)
+    if shared:
+        record.update({name: shared[name] for name in ("slots", "added_slot", "copies") if name in shared})
         return
     record["added_slot"] = not obj.material_slots
     if record["added_slot"]:
@@ -214,7 +233,7 @@ def _note_slots(obj, record):
             {
                 "link": slot.link,
                 "material": original.name_full if original else None,
-                "library": original.library.filepath if original and original.library else None,
+                "library": library_name(original) if original and original.library else None,
                 "fake_user": kept,
             }
         )
@@ -222,8 +241,9 @@ def _note_slots(obj, record):
 
 def _find_material(entry):
     for material in bpy.data.materials:
-        library = material.library.filepath if material.library else None
-        if material.name_full == entry["material"] and library == entry["library"]:
+        library = library_name(material) if material.library else None
+        stored = None if entry["library"] is None else stored_name(entry["library"])
+        if material.name_full == entry["material"] and library == stored:
             return material
     return None
 
@@ -257,7 +277,7 @@ def add(scene, receiver, displace):
     metres = [abs(axis) * metres_per_unit(scene) for axis in obj.matrix_world.to_scale()]
 
     record = original_state.read(receiver)
-    _note_slots(obj, record)
+    _note_slots(receiver, record)
     _drop_copies(obj, record)
     rest = rest_position.keep(obj, record)
     record["copies"] = []
@@ -269,6 +289,27 @@ def add(scene, receiver, displace):
         slot.material = material
         record["copies"].append(material.name)
     original_state.write(receiver, record)
+
+
+def foreign_scene(receiver):
+    """The name of the other scene whose maps the material of a shared receiver shows; empty if it shows its own."""
+    images = {
+        Path(bpy.path.abspath(node.image.filepath)).parent
+        for slot in (receiver.object.material_slots if receiver.object is not None else ())
+        if slot.material is not None and look.group_nodes(slot.material)
+        for node in slot.material.node_tree.nodes
+        if node.type == "TEX_IMAGE"
+        and node.image is not None
+        and node.parent
+        and node.parent.label == FRAME_LABEL
+    }
+    for scene in bpy.data.scenes:
+        for entry in scene.snowbough.receivers:
+            is_other = scene != receiver.id_data.original and entry.folder != receiver.folder
+            if is_other and entry.object == receiver.object and entry.folder:
+                if Path(bpy.path.abspath(entry.folder)) in images:
+                    return scene.name
+    return ""
 
 
 def remove(receiver):

@@ -2,21 +2,29 @@
 """The snow surface in the scene: a mesh object, child of its receiver (for an instance: of the instancer). A Mesh Cache
 modifier reads its points from the bake's files, so nothing is computed when the frame changes.
 
-The mesh data has the points of the last frame, and its texture space is one Blender unit. So the Generated coordinates
-of a material are fixed to the snow while it grows.
+The mesh data has the points without snow, so that nothing shows if the file is lost. An attribute has the points of the
+last frame, which are coordinates of the material: they are fixed to the snow while it grows.
+
+Scenes that share a receiver have a surface each, in a collection that no other scene shows. A copy of a baked scene
+shares the surface until it bakes.
 """
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
 import numpy as np
 
-from ..base.names import SNOW_UV, SURFACE_MODIFIER
+from ..base import compat
+from ..base.names import SNOW_UV, SURFACE_MODIFIER, SURFACE_POSITION_ATTRIBUTE
+from ..cache.errors import CacheError
 from ..cache.files import SURFACE_FACES, SURFACE_POINTS
+from ..scene.libraries import library_name
 from ..scene.pose import metres_per_unit
 from ..surface.compute import read_summary
 from ..surface.mesh_file import read_mesh
+from ..surface.point_cache import read_point_cache
 from . import baked_images, original_state, surface_material
 
 
@@ -29,9 +37,16 @@ class _Member:
     parent: bpy.types.Object
 
 
+def _is_in(scene, collection):
+    return collection == scene.collection or collection in scene.collection.children_recursive
+
+
 def _collection_of(scene, obj):
-    local = [collection for collection in obj.users_collection if collection.library is None]
-    return local[0] if local else scene.collection
+    """The collection for an object's surface: one of its own, unless other scenes show it, too."""
+    for collection in obj.users_collection:
+        if collection.library is None and [s for s in bpy.data.scenes if _is_in(s, collection)] == [scene]:
+            return collection
+    return scene.collection
 
 
 def _members(receiver):
@@ -44,16 +59,16 @@ def _members(receiver):
     found = []
     for (name, library), folder in baked_images.folders_of_members(receiver.folder, obj.name).items():
         for member in obj.instance_collection.all_objects if obj.instance_collection else ():
-            if (member.name, member.library.filepath if member.library else "") == (name, library):
+            if (member.name, library_name(member)) == (name, library):
                 found.append(_Member(member, Path(folder), obj))
     return found
 
 
-def _fill_mesh(mesh, file):
-    """Fills an empty mesh with the data of a surface.mesh_file.FileMesh."""
+def _fill_mesh(mesh, file, bare):
+    """Fills an empty mesh with the data of a surface.mesh_file.FileMesh, and with the points (V, 3) without snow."""
     corners, sides = file.corners, file.sides
-    mesh.vertices.add(len(file.positions))
-    mesh.vertices.foreach_set("co", np.ascontiguousarray(file.positions, np.float32).ravel())
+    mesh.vertices.add(len(bare))
+    mesh.vertices.foreach_set("co", np.ascontiguousarray(bare, np.float32).ravel())
     mesh.loops.add(len(corners))
     mesh.loops.foreach_set("vertex_index", np.ascontiguousarray(corners, np.int32))
     mesh.polygons.add(len(sides))
@@ -64,8 +79,8 @@ def _fill_mesh(mesh, file):
     mesh.update(calc_edges=True)
     layer = mesh.uv_layers.new(name=SNOW_UV, do_init=False)
     layer.data.foreach_set("uv", np.ascontiguousarray(file.corner_uv, np.float32).ravel())
-    mesh.use_auto_texspace = False
-    mesh.texspace_location, mesh.texspace_size = (0.0,) * 3, (1.0,) * 3
+    positions = mesh.attributes.new(SURFACE_POSITION_ATTRIBUTE, "FLOAT_VECTOR", "POINT")
+    positions.data.foreach_set("vector", np.ascontiguousarray(file.positions, np.float32).ravel())
 
 
 def blend_path(path):
@@ -78,11 +93,12 @@ def blend_path(path):
     return str(path)
 
 
-def show_points(obj, path, first):
-    """Sets the point cache of a surface's modifier. Its second sample belongs to frame `first`."""
+def show_points(scene, obj, path, first):
+    """Sets the point cache of a surface's modifier. Its second sample belongs to frame `first` of the scene."""
     modifier = obj.modifiers[SURFACE_MODIFIER]
     modifier.filepath = blend_path(path)
     modifier.frame_start = first - 1
+    modifier.frame_scale = 1.0 / compat.frame_length(scene)
     obj.update_tag()
 
 
@@ -94,20 +110,24 @@ def _make_one(scene, member):
     file = read_mesh(member.folder / SURFACE_FACES)
     name = f"{member.obj.name} Snow"
     mesh = bpy.data.meshes.new(name)
-    _fill_mesh(mesh, file)
+    points = read_point_cache(member.folder / SURFACE_POINTS)
+    if points.shape[1] != len(file.positions):
+        raise CacheError(f"{member.folder / SURFACE_POINTS} does not match its faces: use Update Surface")
+    _fill_mesh(mesh, file, points[0])
     sequence = baked_images.load_sequence(str(member.folder), "height")
     mesh.materials.append(
         surface_material.make_material(scene, name, sequence, SNOW_UV, metres_per_unit(scene))
     )
     obj = bpy.data.objects.new(name, mesh)
     obj.snowbough.is_shell = True
+    obj.snowbough.is_coarsened = summary.get("coarsened", False)
     obj.snowbough.occlude = False
     obj.parent = member.parent
     obj.lock_location = obj.lock_rotation = obj.lock_scale = (True,) * 3
     modifier = obj.modifiers.new(SURFACE_MODIFIER, "MESH_CACHE")
     modifier.cache_format = "PC2"
     modifier.interpolation = "LINEAR"
-    show_points(obj, member.folder / SURFACE_POINTS, summary["first"])
+    show_points(scene, obj, member.folder / SURFACE_POINTS, summary["first"])
     _collection_of(scene, member.parent).objects.link(obj)
     return obj
 
@@ -126,20 +146,43 @@ def make(scene, receiver, materials=None):
     return surfaces
 
 
-def find(receiver):
-    """The receiver's existing surfaces, including shells of earlier versions."""
+def _listed(receiver):
+    """The names of the surfaces that a receiver lists."""
     record = original_state.read(receiver)
-    names = [*record.get("shells", ()), *([record["shell"]] if "shell" in record else [])]
-    named = [bpy.data.objects[name] for name in names if name in bpy.data.objects]
-    parents = [receiver.object] if receiver.object is not None else []
-    # Surfaces that were renamed by the artist, or restored by undo.
-    children = [
-        child
-        for parent in parents
-        for child in parent.children
-        if child.snowbough.is_shell and not child.library
+    return [*record.get("shells", ()), *([record["shell"]] if "shell" in record else [])]
+
+
+def _other_scenes(receiver, surface):
+    """The other scenes with the same object whose lists name a surface."""
+    own = receiver.id_data.original
+    return [
+        scene
+        for scene in bpy.data.scenes
+        if scene != own
+        and any(
+            entry.object == receiver.object and surface.name in _listed(entry)
+            for entry in scene.snowbough.receivers
+        )
     ]
-    return list(dict.fromkeys(obj for obj in named + children if obj.snowbough.is_shell))
+
+
+def find(receiver):
+    """The receiver's existing surfaces in its scene, including shells of earlier versions."""
+    scene, obj = receiver.id_data.original, receiver.object
+    listed = [bpy.data.objects[name] for name in _listed(receiver) if name in bpy.data.objects]
+    # A copy of the scene lists the surfaces of the objects that it copied.
+    own = [surface for surface in listed if obj is None or surface.parent in (None, obj)]
+    # Surfaces that were renamed by the artist, or restored by undo.
+    others = [
+        child
+        for child in (obj.children if obj is not None else ())
+        if child not in own and child.library is None and not _other_scenes(receiver, child)
+    ]
+    return [
+        surface
+        for surface in dict.fromkeys(own + others)
+        if surface.snowbough.is_shell and (surface.name in scene.objects or not surface.users_scene)
+    ]
 
 
 def touched_materials(receiver):
@@ -168,14 +211,28 @@ def delete_object(surface):
 
 
 def remove(receiver):
-    """Deletes the receiver's surfaces."""
+    """Deletes the receiver's surfaces, or leaves them to the other scenes that show them."""
     surfaces = find(receiver)
     record = original_state.read(receiver)
     for key in ("shell", "shells"):
         record.pop(key, None)
     original_state.write(receiver, record)
     for surface in surfaces:
-        delete_object(surface)
+        others = _other_scenes(receiver, surface)
+        if others:
+            _leave_to(others, receiver.id_data.original, surface)
+        else:
+            delete_object(surface)
+
+
+def _leave_to(others, scene, surface):
+    """Takes a surface out of a scene and keeps it in others."""
+    for collection in surface.users_collection:
+        if _is_in(scene, collection):
+            collection.objects.unlink(surface)
+    for other in others:
+        if surface.name not in other.objects:
+            other.collection.objects.link(surface)
 
 
 def freeze(scene, receiver, depsgraph):
@@ -192,6 +249,8 @@ def freeze(scene, receiver, depsgraph):
         mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
         mesh.name = name
         mesh.transform(evaluated.matrix_world)
+        if evaluated.matrix_world.determinant() < 0:
+            mesh.flip_normals()
         plain = bpy.data.objects.new(name, mesh)
         for collection in surface.users_collection:
             collection.objects.link(plain)
@@ -201,11 +260,21 @@ def freeze(scene, receiver, depsgraph):
     return frozen
 
 
+def coarsened(scene):
+    """Names of the receivers whose surfaces had too few points for their hems."""
+    return [
+        receiver.object.name
+        for receiver in scene.snowbough.receivers
+        if receiver.object is not None and any(obj.snowbough.is_coarsened for obj in find(receiver))
+    ]
+
+
 def folders(scene):
     """Yields (receiver, surface object or None, folder) for all baked meshes of a scene's receivers."""
     for receiver in scene.snowbough.receivers:
         if receiver.object is None:
             continue
-        objects = {obj.name.removesuffix(" Snow"): obj for obj in find(receiver)}
+        # Several scenes may have a surface of one receiver: "Ground Snow", "Ground Snow.001".
+        objects = {re.sub(r" Snow(\.\d+)?$", "", obj.name): obj for obj in find(receiver)}
         for member in _members(receiver):
             yield receiver, objects.get(member.obj.name), member.folder

@@ -6,6 +6,7 @@ import json
 import bpy
 
 from ..base import compat
+from ..base.names import SURFACE_POSITION_ATTRIBUTE
 from ..base.node_builder import NodeBuilder
 from . import look, snow_nodes
 
@@ -33,9 +34,7 @@ def make_material(scene, name, sequence, uv_map, metres_per_unit):
         sequence.configure(texture.image_user)
         builder.feed(texture, Vector=place)
         depth = builder.math("MAXIMUM", builder.absolute(texture.outputs["Color"]), LEAST_DEPTH)
-    # Generated coordinates come from the mesh data, which has the last frame: see snow_surface.
-    place = builder.node("ShaderNodeTexCoord").outputs["Generated"]
-    place = builder.vector("MULTIPLY_ADD", place, (2.0,) * 3, (-1.0,) * 3)
+    place = builder.node("ShaderNodeAttribute", attribute_name=SURFACE_POSITION_ATTRIBUTE).outputs["Vector"]
     group = builder.node("ShaderNodeGroup", node_tree=snow_nodes.ensure_group())
     look.set_group_inputs(group, look.of(scene))
     builder.feed(

@@ -51,7 +51,7 @@ def _show_now(scene, obj, folder, style):
     with PointCacheWriter(path, len(points)) as cache:
         cache.add(points)
         cache.publish()
-    snow_surface.show_points(obj, path, summary["first"])
+    snow_surface.show_points(scene, obj, path, summary["first"])
     session.shown_surfaces[obj.name] = str(folder)
 
 
@@ -78,7 +78,8 @@ def _put_back(*_):
         obj = bpy.data.objects.get(name)
         summary = compute.read_summary(folder) if obj is not None else None
         if summary is not None:
-            snow_surface.show_points(obj, Path(folder) / SURFACE_POINTS, summary["first"])
+            scene = (*obj.users_scene, bpy.context.scene)[0]
+            snow_surface.show_points(scene, obj, Path(folder) / SURFACE_POINTS, summary["first"])
 
 
 def tasks(scene, objects=()):

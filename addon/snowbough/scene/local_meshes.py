@@ -6,8 +6,8 @@ The mesh of an object that nothing deforms is read once, and again if it was edi
 
 from ..base.names import OWN_MODIFIERS
 from . import material_alpha
+from .libraries import library_name
 from .mesh_record import MeshRecord, materials_of
-from .pose import library_path
 from .updates import Updates
 
 # These modifiers only move vertices: an object that has no others keeps its topology.
@@ -53,14 +53,17 @@ class LocalMeshes:
         self._shared = {}
         self._updates = None
         self._switch = ""
-        # Material's (name, library) -> material_alpha.AlphaImage or None; images are read once.
+        # Material's (name, library) -> material_alpha.AlphaImage or None; images are read once while it is unchanged.
         self._alphas = {}
+        # (object's name, library, whether it receives) -> the alphas of its materials at the last pose.
+        self._painted = {}
 
     def begin(self, depsgraph):
         """Starts the pose that a depsgraph has now."""
         self._switch = "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
         self._updates = Updates(depsgraph)
         self._shared = {}
+        self._current_alphas = {}
 
     def read(self, obj, receives):
         """(positions in the object's space, MeshRecord). Instances of one evaluated mesh share both within a pose, and
@@ -70,11 +73,18 @@ class LocalMeshes:
         if pointer in self._shared:
             return self._shared[pointer]
         temporary = obj.type != "MESH"
-        own = (obj.original.name, library_path(obj.original), receives)
+        own = (obj.original.name, library_name(obj.original), receives)
         rigid = self._rigid.get(own)
-        is_still = rigid is not None and self._updates.is_still(own[0])
+        alphas = [] if temporary else [self._alpha_of(material) for material in materials_of(obj, obj.data)]
+        is_repainted = self._is_repainted(own, alphas)
+        is_still = rigid is not None and not is_repainted and self._updates.is_still(own[0])
         swapped = not temporary and not is_still and self._has_another_mesh(own, obj)
-        if is_still or (rigid is not None and not swapped and self._updates.is_unchanged(obj, rigid[1])):
+        if is_still or (
+            rigid is not None
+            and not is_repainted
+            and not swapped
+            and self._updates.is_unchanged(obj, rigid[1])
+        ):
             rigid[1].may_change = rigid[1].is_edited = rigid[1].is_another = False
             self._shared[pointer] = rigid
             return rigid
@@ -84,10 +94,15 @@ class LocalMeshes:
             self._shared[pointer] = (None, None)
             return self._shared[pointer]
         try:
-            record = MeshRecord(mesh, [self._alpha_of(material) for material in materials_of(obj, mesh)])
+            if temporary:
+                alphas = [self._alpha_of(material) for material in materials_of(obj, mesh)]
+            record = MeshRecord(mesh, alphas)
             record.is_another, record.is_edited = swapped, self._updates.is_edited(obj)
             record.may_change = (
-                temporary or not _is_deforming_only(obj.original) or self._updates.may_be_edited(obj)
+                temporary
+                or is_repainted
+                or not _is_deforming_only(obj.original)
+                or self._updates.may_be_edited(obj)
             )
             if temporary:
                 record.detach(receives)
@@ -104,18 +119,30 @@ class LocalMeshes:
     def _has_another_mesh(self, own, obj):
         """Whether an object has another mesh than at the pose before."""
         data = obj.original.data
-        mesh = (data.name, library_path(data), data.as_pointer())
+        mesh = (data.name, library_name(data), data.as_pointer())
         before = self._identities.get(own, mesh)
         self._identities[own] = mesh
         return mesh != before
 
+    def _is_repainted(self, own, alphas):
+        """Whether the alphas of an object's materials are others than at the pose before."""
+        before = self._painted.get(own, alphas)
+        self._painted[own] = alphas
+        return len(before) != len(alphas) or any(a is not b for a, b in zip(before, alphas))
+
     def _alpha_of(self, material):
+        """The alpha of a material at this pose: the same object while it is the same."""
         if material is None:
             return None
-        known = (material.name, library_path(material))
-        if known not in self._alphas:
-            try:
-                self._alphas[known] = material_alpha.of_material(material)
-            except material_alpha.UnknownAlpha:  # treated as opaque; preflight reports it
-                self._alphas[known] = None
-        return self._alphas[known]
+        known = (material.name, library_name(material))
+        if known not in self._current_alphas:
+            before = self._alphas.get(known)
+            if known not in self._alphas or self._updates.is_repainted(material.name):
+                try:
+                    now = material_alpha.of_material(material)
+                except material_alpha.UnknownAlpha:  # treated as opaque; preflight reports it
+                    now = None
+                is_same = before is not None and now is not None and before.print == now.print
+                self._alphas[known] = before if is_same else now
+            self._current_alphas[known] = self._alphas[known]
+        return self._current_alphas[known]

@@ -13,6 +13,7 @@ outlives the mesh.
 import numpy as np
 
 from ..base import compat
+from .inputs import fingerprint
 from .pose import SceneError, TopologyAlpha
 from .uv_maps import choose_uv_map
 
@@ -170,6 +171,14 @@ class MeshRecord:
             image[own] = len(images)
             images.append(alpha)
         return (uv, image, tuple(images)) if images else (None, count, ())
+
+    @property
+    def holes_print(self):
+        """Fingerprint of all that decides where snow falls through; empty for opaque meshes."""
+        if not any(self._alphas):
+            return ""
+        prints = " ".join(alpha.print if alpha else "-" for alpha in self._alphas)
+        return fingerprint(np.frombuffer(prints.encode(), np.uint8), self.triangle_materials())
 
     def _rendered_name(self):
         return _rendered_uv_map(self._mesh) if self._mesh is not None else self._rendered

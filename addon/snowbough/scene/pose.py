@@ -16,6 +16,10 @@ class SceneError(ValueError):
     """The scene cannot be baked as it is; the message names the object, the frame and what to do."""
 
 
+class NotShown(SceneError):
+    """A receiver has no surface at this moment; the message says why and what to do."""
+
+
 class TopologyChanged(ValueError):
     """An object's vertices or triangles have changed, and its snow cannot follow."""
 
@@ -61,6 +65,8 @@ class ReceiverSpec:
     """Sides that receive snow: AUTO, FRONT or BOTH, as in the native add_object."""
     surface: object = None
     """surface.style.SurfaceStyle of the snow surface at the end of its bake; None for no surface."""
+    members: tuple = ()
+    """(name, library) of the objects that an instancer may show on some frame."""
     baked_as: str = ""
     """Its name at its first bake, which its folder, fingerprints and manifest keep; empty for its current name."""
 
@@ -128,6 +134,11 @@ class ObjectPose:
     to_world: np.ndarray = None
     """(4, 4) float64 from there to metres in the world."""
 
+    @property
+    def receives(self):
+        """Whether it is an enabled receiver."""
+        return self.receiver is not None and self.receiver.enabled
+
 
 @dataclass(frozen=True)
 class ScenePose:
@@ -140,11 +151,20 @@ class ScenePose:
     rate: float
     refused: dict = field(default_factory=dict)
     """Receiver's label -> reason why it cannot carry snow; it only blocks snow."""
+    hidden: dict = field(default_factory=dict)
+    """key -> ObjectPose of enabled receivers that are not shown now, at another moment. They keep their snow, get none
+    and block none."""
+    reasons: dict = field(default_factory=dict)
+    """Receiver's label -> reason why it is not shown, if it is in the scene."""
 
+    @property
+    def known(self):
+        """key -> ObjectPose of all objects, hidden ones included, sorted by key."""
+        return dict(sorted({**self.hidden, **self.objects}.items()))
 
-def library_path(id_block):
-    """The library file of a linked ID, as written in the .blend; empty for local ones."""
-    return id_block.library.filepath if id_block.library else ""
+    def known_at(self, key):
+        """The ObjectPose of a key in `known`."""
+        return self.objects.get(key) or self.hidden[key]
 
 
 def own_key(name, library):
@@ -161,6 +181,12 @@ def member_key(name, library, instancer, instancer_library, order):
 def metres_per_unit(scene):
     """Metres of a Blender unit."""
     return scene.unit_settings.scale_length
+
+
+def is_flat(matrix):
+    """Whether a matrix (4, 4) scales an axis to 0, or nearly: a millionth of the largest."""
+    scales = np.linalg.svd(matrix[:3, :3], compute_uv=False)
+    return bool(scales[2] <= 1e-6 * scales[0])
 
 
 def outliers(positions):

@@ -14,6 +14,8 @@ nothing that Blender could free.
 - Triangles of mirrored objects (negative scale) are reversed, so that the outside stays outside.
 - Vertices that are not finite or beyond names.FARTHEST are left out with their triangles, since one of them would
   stretch the grid.
+- An enabled receiver that has no surface at a moment (it is hidden or deleted, has no faces, is collapsed, or has scale
+  0) is hidden there: it keeps its snow, gets none and blocks none.
 - An object that stands still is not read again; its topology is read once, and again when it changes. A receiver keeps
   the UV map of its first pose, and is refused if it loses that map.
 - Frame handlers may edit or replace meshes: an object with another mesh, or whose geometry Blender has updated
@@ -28,21 +30,24 @@ import numpy as np
 
 from ..base.names import FARTHEST, UV_TOLERANCE, receiver_key
 from .inputs import fingerprint
+from .libraries import library_name
 from .local_meshes import LocalMeshes
 from .mesh_record import join_alphas, join_shadings
 from .pose import (
+    NotShown,
     ObjectPose,
     ReceiverSpec,
     SceneError,
     ScenePose,
     Topology,
     TopologyAlpha,
-    library_path,
+    is_flat,
     member_key,
     outliers,
     own_key,
     world_positions,
 )
+from .updates import SwitchedModifiers
 
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
@@ -67,6 +72,8 @@ class _Known:
     uv_map: str = ""
     layers: list = field(default_factory=list)
     """Fingerprints of a receiver's UV map, one per record."""
+    holes: list = field(default_factory=list)
+    """MeshRecord.holes_print, one per record."""
     in_parent: tuple = None
     """(positions, matrix, positions in the parent's space) of an instance."""
 
@@ -89,6 +96,11 @@ class _Group:
         """The label for the user."""
         return self.receiver.shown(self.label) if self.receiver is not None else self.label
 
+    @property
+    def receives(self):
+        """Whether it is an enabled receiver."""
+        return self.receiver is not None and self.receiver.enabled
+
 
 class SceneReader:
     """Reads the poses of one scene, and keeps what does not change between them.
@@ -102,8 +114,11 @@ class SceneReader:
         self._scale = scale_length
         self._known = {}
         self._meshes = LocalMeshes()
+        self._switched = SwitchedModifiers()
         # Receivers that cannot carry snow, from their first pose on: label -> reason.
         self._refused = {}
+        # Key -> the last ObjectPose of an enabled receiver.
+        self._last = {}
         # Objects shown as instances: (name, library) -> [name of the object that scatters them, their number].
         self._scattered = {}
 
@@ -114,23 +129,41 @@ class SceneReader:
         reason. Raises SceneError for a receiver that loses them later.
         """
         self._scattered = {}
+        self._switched.update(depsgraph)
         self._meshes.begin(depsgraph)
         groups = self._gather(depsgraph)
-        objects = {}
+        objects, reasons = {}, {}
         for key in sorted(groups):
-            objects[key] = self._pose_or_refusal(key, groups[key], frame)
+            group = groups[key]
+            try:
+                objects[key] = self._pose_or_refusal(key, group, frame)
+            except NotShown as error:
+                reasons[group.shown] = str(error)
         self._refuse_scattered(objects)
+        hidden = {key: last for key, last in self._last.items() if key not in objects}
+        self._last.update((key, obj) for key, obj in objects.items() if obj.receives)
         settings = depsgraph.scene_eval.snowbough
-        return ScenePose(objects, settings.fall_angle, settings.bearing, settings.rate, dict(self._refused))
+        return ScenePose(
+            objects,
+            settings.fall_angle,
+            settings.bearing,
+            settings.rate,
+            dict(self._refused),
+            hidden,
+            reasons,
+        )
 
     def _pose_or_refusal(self, key, group, frame):
         """The pose of a group; as an occluder if it is a receiver that cannot carry snow."""
         if group.shown in self._refused:
             group.receiver = None
-        if group.receiver is None or not group.receiver.enabled or key in self._known:
+        if not group.receives or key in self._last:
             return self._pose(key, group, frame)
         try:
             return self._pose(key, group, frame)
+        except NotShown:
+            self._known.pop(key, None)
+            raise
         except SceneError as error:
             self._known.pop(key, None)
             self._refused[group.shown] = str(error)
@@ -139,7 +172,8 @@ class SceneReader:
 
     def _refuse_scattered(self, objects):
         """Refuses receivers that exist only as instances, with what to do."""
-        seen = {(o.receiver.name, o.receiver.library) for o in objects.values() if o.receiver}
+        shown = [*objects.values(), *self._last.values()]
+        seen = {(o.receiver.name, o.receiver.library) for o in shown if o.receiver}
         for (name, library), (scatterer, count) in self._scattered.items():
             spec = self._receivers.get((name, library))
             if spec is not None and spec.enabled and (name, library) not in seen:
@@ -176,7 +210,7 @@ class SceneReader:
         return groups
 
     def _group_of(self, instance, obj, original, groups):
-        name, library = original.name, library_path(original)
+        name, library = original.name, library_name(original)
         if not instance.is_instance:
             receiver = self._receivers.get((name, library))
             if receiver is not None:
@@ -190,7 +224,7 @@ class SceneReader:
         if parent is not None and (parent.snowbough.is_shell or not parent.snowbough.occlude):
             return None, None
         parent_name = parent.name if parent else ""
-        parent_library = library_path(parent) if parent else ""
+        parent_library = library_name(parent) if parent else ""
         order = tuple(index for index in instance.persistent_id if index != 0x7FFFFFFF)
         receiver = self._receivers.get((parent_name, parent_library))
         if receiver is not None and parent.instance_type == "COLLECTION":
@@ -207,10 +241,12 @@ class SceneReader:
         group.instances.sort(key=lambda item: item[0])
         records = [item[3] for item in group.instances]
         if not records:
-            if group.receiver is not None:
-                raise SceneError(f"'{group.shown}' has no faces at frame {frame}, so it cannot carry snow")
+            if group.receives:
+                raise NotShown(f"'{group.shown}' has no faces, so it cannot carry snow")
             return _empty_pose(key, group)
         matrices = np.stack([item[1] for item in group.instances])
+        if group.receives and (is_flat(group.parent) or all(map(is_flat, matrices))):
+            raise NotShown(f"'{group.shown}' has scale 0 along an axis: apply the scale (Ctrl+A)")
         flips = tuple(bool(np.linalg.det(matrix[:3, :3]) < 0) for matrix in matrices)
 
         locals_ = [item[2] for item in group.instances]
@@ -230,9 +266,11 @@ class SceneReader:
                 known.positions[known.lost] = known.positions[~known.lost][0]
             known.positions.flags.writeable = False
         if known.lost is not None and known.lost.all():
-            if group.receiver is not None:
+            if group.receives:
                 raise SceneError(f"'{group.shown}' is beyond {FARTHEST:g} m at frame {frame}: move it closer")
             return _empty_pose(key, group)
+        if group.receives and not np.ptp(known.positions, axis=0).any():
+            raise NotShown(f"All vertices of '{group.shown}' are in one place")
         self._update_topology(known, group, records, flips, frame)
         prints = (
             known.transform_print, known.shape_print, known.topology.print, *known.topology.alpha_prints
@@ -270,7 +308,7 @@ class SceneReader:
                     return
         receiver = group.receiver is not None
         triangles, uvs, alphas, shadings, offset = [], [], [], [], 0
-        known.layers = []
+        known.layers, known.holes = [], [record.holes_print for record in records]
         for record, flip in zip(records, flips):
             corner_triangles = record.triangle_corners()
             if flip:
@@ -308,8 +346,10 @@ class SceneReader:
 
     @staticmethod
     def _has_same_faces(known, group, records, frame):
-        """Whether all meshes have the same corners as before, and edited meshes of a receiver the same UVs."""
+        """Whether all meshes have the same corners and holes as before, and edited ones of a receiver the same UVs."""
         if not _same_arrays(known.corners, [record.corners() for record in records]):
+            return False
+        if known.holes != [record.holes_print for record in records]:
             return False
         if group.receiver is None:
             return True

@@ -7,9 +7,10 @@ from dataclasses import replace
 from mathutils import Vector
 
 from ..base.names import MAX_RESOLUTION, SNOW_RESOLUTION_PROPERTY, SNOW_UV, counted
-from ..surface.style import SurfaceStyle
+from ..surface.style import SLIDERS, SurfaceStyle
 from . import uv_maps
-from .pose import ReceiverSpec, library_path
+from .libraries import library_name
+from .pose import ReceiverSpec
 
 
 def find(scene, obj):
@@ -120,22 +121,17 @@ def surface_style(scene, entry):
         return None
     settings = scene.snowbough
     source = entry if entry.own_surface else settings
-    return SurfaceStyle(
-        settings.surface_detail,
-        source.surface_overhang,
-        source.surface_hem_variation,
-        source.surface_bridging,
-        source.surface_relief,
-    )
+    sliders = {name: getattr(source, f"surface_{name}") for name in SLIDERS}
+    return SurfaceStyle(settings.surface_detail, **sliders)
 
 
 def receiver_specs(scene, as_baked=False):
-    """The scene's list as ReceiverSpec, without empty and repeated entries. as_baked: receivers keep the names of their
-    first bake, and no other receiver gets one of these."""
+    """The scene's list as ReceiverSpec, without empty and repeated entries. as_baked: with members; receivers keep the
+    names of their first bake, and no other receiver gets one of these."""
     entries = {}
     for entry in scene.snowbough.receivers:
         if entry.object is not None:
-            entries.setdefault((entry.object.name, library_path(entry.object)), entry)
+            entries.setdefault((entry.object.name, library_name(entry.object)), entry)
     taken = {(entry.baked_as, library) for (_, library), entry in entries.items() if entry.baked_as}
     specs = []
     for (name, library), entry in entries.items():
@@ -149,9 +145,20 @@ def receiver_specs(scene, as_baked=False):
             surface_style(scene, entry),
         )
         if as_baked:
-            spec = replace(spec, baked_as=entry.baked_as or _free_name(scene, name, library, taken))
+            known_as = entry.baked_as or _free_name(scene, name, library, taken)
+            spec = replace(spec, baked_as=known_as, members=tuple(_members(entry.object)))
         specs.append(spec)
     return specs
+
+
+def _members(obj):
+    """(name, library) of the meshes of the collection that an object instances, except those that are always hidden."""
+    for member in (
+        obj.instance_collection.all_objects if obj.type == "EMPTY" and obj.instance_collection else ()
+    ):
+        is_always_hidden = member.hide_render and member.animation_data is None
+        if member.type == "MESH" and member.snowbough.occlude and not is_always_hidden:
+            yield member.name, library_name(member)
 
 
 def _free_name(scene, name, library, taken):
@@ -169,7 +176,7 @@ def note_baked_names(scene, specs):
     names = {(spec.name, spec.library): spec.known_as for spec in specs}
     for entry in scene.snowbough.receivers:
         if entry.object is not None and not entry.baked_as:
-            entry.baked_as = names.get((entry.object.name, library_path(entry.object)), "")
+            entry.baked_as = names.get((entry.object.name, library_name(entry.object)), "")
 
 
 def bounds(scene):

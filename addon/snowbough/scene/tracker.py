@@ -2,6 +2,7 @@
 """Changes from pose to pose, for a simulation that takes only changes. No ``bpy``."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,9 +23,20 @@ class Registration:
     """(V, 3) metres at its first pose, where a receiver's output measures distances."""
 
 
+class Changes(NamedTuple):
+    """What a simulation needs for a pose."""
+
+    added: dict
+    """{key: Registration} of objects that are new or have a new mesh."""
+    moved: dict
+    """{key: (V, 3)} of moved positions."""
+    hidden: frozenset
+    """Keys of all objects that are not shown in this pose."""
+
+
 class SceneTracker:
-    """Follows the poses. The mesh of an object, and the place of an object that has left, depend on the poses alone, so
-    a resumed bake that evaluates them again arrives at the same scene."""
+    """Follows the poses. The mesh of an object, and its place while it is hidden, depend on the poses alone, so a
+    resumed bake that evaluates them again arrives at the same scene."""
 
     def __init__(self):
         self.inputs = SceneInputs()
@@ -37,39 +49,30 @@ class SceneTracker:
         self._pose_recorded = None
 
     def register_changes(self, pose, frame, subframe):
-        """Adds a pose to the inputs; returns, for the simulation, ({key: Registration} of objects that are new or have
-        a new mesh, {key: (V, 3)} of moved positions).
-
-        An object that leaves the render is collapsed into one point, where it blocks nothing.
-        """
+        """Adds a pose to the inputs; returns its Changes."""
         name = pose_name(frame, subframe)
-        added, changed = {}, {}
-        for key, obj in pose.objects.items():
+        added, moved = {}, {}
+        for key, obj in pose.known.items():
             known = self._topologies.get(key)
-            if known is None and obj.receiver is not None and self._complete:
+            if known is None and obj.receives and self._complete:
                 raise TopologyChanged(
-                    f"'{obj.label}' is a receiver that appears at frame {name}, after the shot's first: "
-                    "render it from the start, outside the picture"
+                    f"'{obj.label}' is a receiver that appears at frame {name} for the first time: show it on a whole "
+                    "frame of the shot before its snow is baked"
                 )
+            if key in pose.hidden and known is not None:
+                continue
             if known is None or not known.is_same(obj.topology):
                 self._topologies[key] = obj.topology
                 added[key] = Registration(obj.label, name, obj.topology, obj.positions)
-                if len(obj.positions):
-                    changed[key] = self._sent[key] = obj.positions
-                else:
-                    self._sent.pop(key, None)
-            elif len(obj.positions) and self._sent.get(key) is not obj.positions:
-                changed[key] = self._sent[key] = obj.positions
-        for key in sorted(self._sent.keys() - pose.objects.keys()):
-            last = self._sent[key]
-            if not (last == last[0]).all():
-                changed[key] = self._sent[key] = np.repeat(last[:1], len(last), axis=0)
+                self._sent.pop(key, None)
+            if len(obj.positions) and self._sent.get(key) is not obj.positions:
+                moved[key] = self._sent[key] = obj.positions
         self._complete = True
         if name != self._pose_recorded:
             sky = fingerprint(np.array([pose.fall_angle, pose.bearing], dtype=np.float64))
             self.inputs.add(name, {**dict(_unique_labels(pose.objects)), SNOWFALL: (sky, "", "")})
             self._pose_recorded = name
-        return added, changed
+        return Changes(added, moved, frozenset(self._topologies.keys() - pose.objects.keys()))
 
 
 def _unique_labels(objects):

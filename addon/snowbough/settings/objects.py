@@ -85,6 +85,11 @@ class SnowboughObjectSettings(bpy.types.PropertyGroup):
         description="Let this object block snow from objects below it",
         default=True,
     )
+    is_coarsened: BoolProperty(
+        name="Coarsened Surface",
+        description="This snow surface had too few points for its hems",
+        options={"HIDDEN"},
+    )
     is_shell: BoolProperty(
         name="Is Snow",
         description="This object is a snow surface made by Snowbough. Bakes ignore it",

@@ -6,7 +6,7 @@ labels and messages, too.
 
 import math
 
-from bpy.props import EnumProperty, FloatProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
 MAPPINGS = (
     ("COMPUTE", "Compute", "Texels gather their snow: smooth, and identical in every run"),
@@ -60,6 +60,43 @@ class SnowProperties:
         min=0.0,
         soft_max=0.1,
     )
+    landing: BoolProperty(
+        name="Landing",
+        description="Snow that slides or falls off lands on what lies below, and meets the snow of other receivers. "
+        "Off: it disappears, and each receiver's snow depends on its own only. Needs Repose below 90 degrees",
+        default=True,
+    )
+    throw_speed: FloatProperty(
+        name="Throw",
+        description="Speed at which snow leaves an edge. Higher values move heaps away from the wall "
+        "(metres per second)",
+        default=0.3,
+        min=0.0,
+        max=100.0,
+        soft_max=5.0,
+    )
+    spread: FloatProperty(
+        name="Spread",
+        description="Slope by which falling snow spreads to all sides. Higher values make wider, lower heaps below "
+        "high edges",
+        default=0.12,
+        min=0.0,
+        max=10.0,
+        soft_max=1.0,
+    )
+    heap_grain: FloatProperty(
+        name="Heap Grain",
+        description="Radius over which falling snow lands. Higher values make smoother heaps (metres)",
+        default=0.06,
+        min=1e-4,
+        max=100.0,
+        soft_max=1.0,
+    )
+    fall_time: BoolProperty(
+        name="Fall Time",
+        description="Falling takes time: snow lands as many frames later as it needs to fall. Off: it lands at once",
+        default=True,
+    )
     seed: IntProperty(
         name="Seed",
         description="Random seed of the flakes",
@@ -82,8 +119,13 @@ class SnowProperties:
 
 
 # Their places in the panels: rows of fields that align. A setting that is not named here has no field.
-STABILITY_ROWS = (("max_depth", "slide_half_life"), ("repose", "cohesion"))
-ADVANCED_ROWS = (("seed", "noise_density"), ("mapping",))
+STABILITY_ROWS = (("max_depth", "slide_half_life"), ("repose", "cohesion"), ("landing",))
+ADVANCED_ROWS = (
+    ("seed", "noise_density"),
+    ("throw_speed", "spread"),
+    ("heap_grain", "fall_time"),
+    ("mapping",),
+)
 
 SNOW_SETTINGS = tuple(SnowProperties.__annotations__)
 

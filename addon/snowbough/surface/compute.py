@@ -3,7 +3,7 @@
 
 Reads only the manifest, the maps, ``receiver.ply`` and ``positions.pc2``: no scene is evaluated and nothing is
 simulated. Writes ``surface.ply`` (faces), ``surface.pc2`` (points: one sample without snow, then one per frame) and
-``surface.json`` (the style and the counts).
+``surface.json`` (the style, the counts, and whether it lacks points).
 """
 
 import hashlib
@@ -19,6 +19,7 @@ from ..cache.manifest import read_manifest
 from ..cache.sealed import FORMAT, dict_of, read_sealed, whole, write_sealed
 from .mesh_file import FileMesh, read_mesh, write_mesh
 from .point_cache import PointCacheWriter, read_point_cache
+from .style import WantedPoints
 
 # Number of frames, besides the last, whose maps determine the snow-covered area. They are spread over the shot.
 LOOKED_AT = 8
@@ -28,6 +29,9 @@ MOST_KEPT_BYTES = 256 << 20
 AHEAD = 3
 # Tolerance within which a matrix counts as a rotation.
 SAME_SCALE = 1e-4
+
+# Hems that are coarser than the detail asks for by more than this factor are worth a word.
+COARSENED = 1.25
 
 _SHAPE = {"style": dict_of(lambda value: True), "first": whole, "frames": whole, "points": whole}
 
@@ -101,6 +105,11 @@ class SurfaceInputs:
         matrix = self._matrices[index]
         return (local @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
 
+    @property
+    def is_mirrored(self):
+        """Whether the space of the receiver is mirrored in the last frame."""
+        return bool(np.linalg.det(self._matrices[-1][:3, :3]) < 0)
+
     def wind(self):
         """Mean horizontal component (x, y) of the direction of snowfall."""
         ways = np.array([entry["direction"] for entry in self.frames], dtype=np.float64)
@@ -139,19 +148,30 @@ class Surface:
             max(max(entry["depth"] for entry in inputs.frames), 1e-4),
             shading=inputs.mesh.smooth,
             scale=style.scale,
-            most_points=style.most_points(inputs.manifest.get("share", 1.0)),
+            most_points=WantedPoints(*inputs.manifest.get("wanted", ())).most(style.detail),
             seed=seed_of(inputs.label),
             wind=inputs.wind(),
         )
         self.set_style(style)
+
+    @property
+    def is_coarsened(self):
+        """Whether its hems are clearly coarser than its detail, for lack of points."""
+        return self._native.coarsened > COARSENED
 
     def set_style(self, style):
         self.style = style
         self._native.set_style(**style.sliders())
 
     def points(self, index, height=None):
-        """(P, 3) float32 points of the frame with that index, in the space of the receiver or its instancer. height:
-        its map, if it was read already."""
+        """(P, 3) float32 points of the frame with that index, in the space of the receiver or its instancer; all in one
+        place where the receiver is hidden. height: its map, if it was read already."""
+        if self.inputs.frames[index].get("hidden"):
+            bare = self.bare_points()
+            return np.repeat(bare[:1], len(bare), axis=0)
+        return self._shown_points(index, height)
+
+    def _shown_points(self, index, height=None):
         inputs = self.inputs
         height = inputs.height(index) if height is None else height
         return self._native.points(height, inputs.depth(index), **inputs.pose(index))
@@ -163,14 +183,16 @@ class Surface:
         return self._native.points(nothing, 0.0, **self.inputs.pose(0))
 
     def mesh(self):
-        """The FileMesh of the last frame."""
+        """The FileMesh of the last frame, with faces anticlockwise in the space of the points."""
         begin, corners, uv = self._native.faces()
         sides = np.diff(begin)
         quads, triangles = np.flatnonzero(sides == 4), np.flatnonzero(sides == 3)
-        of_quads = begin[quads][:, None] + np.arange(4)
-        of_triangles = begin[triangles][:, None] + np.arange(3)
+        # Faces run anticlockwise in the world, so clockwise in a mirrored receiver's own space.
+        onward = -1 if self.inputs.is_mirrored else 1
+        of_quads = begin[quads][:, None] + np.arange(4)[::onward]
+        of_triangles = begin[triangles][:, None] + np.arange(3)[::onward]
         return FileMesh(
-            self.points(len(self.inputs.frames) - 1),
+            self._shown_points(len(self.inputs.frames) - 1),
             corners[of_quads],
             corners[of_triangles],
             uv[of_quads],
@@ -217,6 +239,7 @@ def update(native, folder, style, progress=lambda share: True, check=lambda: Non
                 "first": inputs.first,
                 "frames": count,
                 "points": len(mesh.positions),
+                "coarsened": surface.is_coarsened,
                 "checksums": integrity.checksums_of(folder, (SURFACE_FACES, SURFACE_POINTS)),
             },
         )
@@ -233,6 +256,7 @@ def damaged(folder):
 
 
 def read_summary(folder):
-    """{style, first, frames, points} of the surface in a folder, or None. Raises CacheError for a damaged file."""
+    """{style, first, frames, points, coarsened} of the surface in a folder, or None. Raises CacheError for a damaged
+    file."""
     shapes = {FORMAT: _SHAPE}
     return read_sealed(Path(folder) / SURFACE, "Use Update Surface", shapes.get)

@@ -1,13 +1,41 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The look and the detail of a snow surface, as plain data. No ``bpy``."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 
 # Detail: (factor on edge lengths, maximum number of points in a scene).
 DETAILS = {"DRAFT": (1.7, 60_000), "DEFAULT": (1.0, 250_000), "FILM": (0.6, 1_000_000)}
 
-# Every receiver may have this many points, however small its share.
+# Every receiver may have this many points, however few it needs.
 LEAST_POINTS = 400
+# Level places need at least this share of the points that they want, with edges of two depths.
+LEAST_LEVEL = 0.05
+
+
+@dataclass(frozen=True)
+class WantedPoints:
+    """Numbers of points that a receiver wants, and those that all receivers of its scene want, at the default detail:
+    at hems, and on level places."""
+
+    hems: float = 1.0
+    level: float = 0.0
+    all_hems: float = 1.0
+    all_level: float = 0.0
+
+    def most(self, detail):
+        """Maximum number of points of the receiver: hems first, then level places in proportion. Points that no
+        receiver wants are handed out, too."""
+        scale, budget = DETAILS[detail]
+        left = budget * scale**2 - self.all_hems
+        level = min(max(left / max(self.all_level, 1.0), LEAST_LEVEL), 1.0)
+        part = (self.hems + level * self.level) / max(self.all_hems + level * self.all_level, 1.0)
+        return max(LEAST_POINTS, int(part * budget))
+
+
+def shared_out(wanted):
+    """{key: WantedPoints} from {key: (hems, level)} of all receivers of a scene."""
+    hems, level = (sum(one[k] for one in wanted.values()) for k in (0, 1))
+    return {key: WantedPoints(*own, hems, level) for key, own in wanted.items()}
 
 
 @dataclass(frozen=True)
@@ -25,13 +53,12 @@ class SurfaceStyle:
         """Factor on edge lengths."""
         return DETAILS[self.detail][0]
 
-    def most_points(self, share):
-        """Maximum number of points. share: the receiver's share of the points of the scene, 0 to 1."""
-        return max(LEAST_POINTS, int(share * DETAILS[self.detail][1]))
-
     def sliders(self):
         """Keyword arguments of the native SnowSurface.set_style."""
-        return {name: value for name, value in asdict(self).items() if name != "detail"}
+        return {name: getattr(self, name) for name in SLIDERS}
 
     def as_dict(self):
         return asdict(self)
+
+
+SLIDERS = tuple(field.name for field in fields(SurfaceStyle) if field.name != "detail")

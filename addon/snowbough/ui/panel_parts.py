@@ -8,7 +8,7 @@ from ..bake import changes_since_bake
 from ..bake import state as bake_state
 from ..base import compat, native, session
 from ..base.names import unit_of
-from ..result import displacement
+from ..result import displacement, snow_material
 from ..settings.surface import SurfaceProperties
 from .text import wrapped
 
@@ -147,6 +147,9 @@ def draw_receiver(layout, entry):
             name.alignment = "RIGHT"
             name.label(text="Shown With")
             split.label(text=MODE_NAMES[mode], icon="MATERIAL")
+        foreign = snow_material.foreign_scene(entry)
+        if foreign:
+            column.label(text=f"Its material shows the maps of scene '{foreign}'", icon="INFO")
         if mode == "SHELL":
             column.prop(entry, "own_surface")
             sliders = column.column(align=True)

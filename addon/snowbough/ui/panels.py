@@ -10,9 +10,11 @@ import bpy
 from ..bake import state
 from ..base import session
 from ..base.map_kinds import ON_REQUEST
+from ..result import snow_surface
 from ..scene import receivers
 from ..scene.reader import SURFACE_TYPES
 from ..settings import simulation
+from ..settings.surface import SurfaceProperties
 from . import panel_parts
 
 
@@ -177,12 +179,14 @@ class SNOWBOUGH_PT_surface(_Settings, bpy.types.Panel):
     bl_label = "Surface"
     names = (
         ("surface_detail",),
-        ("surface_overhang", "surface_hem_variation", "surface_bridging", "surface_relief"),
+        tuple(SurfaceProperties.__annotations__),
     )
 
     def draw(self, context):
         super().draw(context)
         self.layout.operator("snowbough.update_surface", icon="FILE_REFRESH")
+        for name in snow_surface.coarsened(context.scene):
+            self.layout.label(text=f"Too few points for '{name}': raise Detail", icon="INFO")
 
 
 class SNOWBOUGH_PT_sidebar_result(_SidebarPanel, bpy.types.Panel):

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -47,9 +48,11 @@ snow::SimulationSettings with_numbers(snow::SimulationSettings settings, const p
 
 Holder make_simulation(int64_t seed, const std::string& mapping, int32_t tile_size,
                        const std::string& device, const std::string& engine, bool wait_for_gpu,
-                       const py::kwargs& numbers) {
+                       bool landing, bool fall_time, const py::kwargs& numbers) {
   const snow::SimulationSettings settings =
       with_numbers({.seed = static_cast<uint32_t>(seed),
+                    .landing = landing,
+                    .fall_time = fall_time,
                     .tile_size = tile_size,
                     .engine = {snow::engine_kind(engine), snow::deposit_mapping(mapping), device},
                     .wait_for_gpu = wait_for_gpu},
@@ -84,7 +87,7 @@ void give_object(SnowSimulation& simulation, const std::string& name,
 }
 
 void step(SnowSimulation& simulation, const py::dict& positions, double depth,
-          const std::array<double, 3>& direction, double dt) {
+          const std::array<double, 3>& direction, double dt, const std::set<std::string>& hidden) {
   std::vector<InputArray<float>> arrays;  // keeps converted copies alive
   snow::PositionMap map;
   for (const auto& [key, value] : positions) {
@@ -100,14 +103,17 @@ void step(SnowSimulation& simulation, const py::dict& positions, double depth,
     arrays.push_back(std::move(array));
   }
   const ReleasedGil release;
-  simulation.step(map, depth, {direction[0], direction[1], direction[2]}, dt);
+  simulation.step(map, depth, {direction[0], direction[1], direction[2]}, dt, hidden);
 }
 
 /// Applies the given settings; the others stay.
 void change_settings(SnowSimulation& simulation, std::optional<int64_t> seed,
+                     std::optional<bool> landing, std::optional<bool> fall_time,
                      const py::kwargs& numbers) {
   snow::SimulationSettings settings = with_numbers(simulation.settings(), numbers, true);
   settings.seed = static_cast<uint32_t>(seed.value_or(settings.seed));
+  settings.landing = landing.value_or(settings.landing);
+  settings.fall_time = fall_time.value_or(settings.fall_time);
   const ReleasedGil release;
   simulation.change_settings(settings);
 }
@@ -165,6 +171,7 @@ py::dict output(SnowSimulation& simulation, const std::string& name, const py::k
 void put_balance(py::dict& dict, const snow::SnowBalance& balance) {
   dict["deposited_volume"] = balance.deposited_volume;
   dict["slid_volume"] = balance.slid_volume;
+  dict["landed_volume"] = balance.landed_volume;
   dict["held_volume"] = balance.held_volume;
   dict["stretched_volume"] = balance.stretched_volume;
   dict["visible_area"] = balance.visible_area;
@@ -210,6 +217,9 @@ py::dict statistics(SnowSimulation& simulation) {
     objects[py::str(name)] = balance_dict(pair);
   }
   dict["objects"] = objects;
+  dict["air_volume"] = statistics.air_volume;
+  dict["floor_volume"] = statistics.floor_volume;
+  dict["left_volume"] = statistics.left_volume;
   return dict;
 }
 
@@ -252,10 +262,15 @@ change the result; if a device is named, AUTO means GL. wait_for_gpu: True raise
 here if engine GL is requested and not available; False lets objects be added while the driver
 loads, and the first call that needs the engine raises.
 
+landing: snow that leaves a map falls onto what lies below, and meets the snow of other receivers;
+False, or with repose at pi / 2: it is gone, and a receiver's snow depends on its own only.
+fall_time: whether a fall takes time.
+
 A context manager: leaving it closes the simulation.)";
   py::class_<SnowSimulation, Holder>(module, "SnowSimulation", simulation_doc.c_str())
       .def(py::init(&make_simulation), py::kw_only(), "seed"_a = 0, "mapping"_a = "COMPUTE",
-           "tile_size"_a = 2048, "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true)
+           "tile_size"_a = 2048, "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true,
+           "landing"_a = true, "fall_time"_a = true)
       .def_property_readonly(
           "engine",
           [](SnowSimulation& simulation) {
@@ -291,11 +306,13 @@ inside (cards, leaves, flags, bowls, by the rest pose), FRONT for the others.)")
 receiver keeps its map wherever the new mesh has a surface in UV space; other snow is removed and
 counts as stretched_volume. Resolution and receive stay. Arguments as in add_object.)")
       .def("step", &step, "positions"_a, "depth"_a, "direction"_a = std::array<double, 3>{0, 0, -1},
-           "dt"_a = 1.0 / 24.0,
+           "dt"_a = 1.0 / 24.0, "hidden"_a = std::set<std::string>(),
            R"(Simulates one step of snowfall: depth in metres on open level ground, along direction,
 within dt seconds (0: nothing slides or moves). positions: {name: (N, 3) metres} of the objects
-that moved; each object must be given in its first step.)")
+that moved; each object must be given in its first step. hidden: names of objects that keep their
+snow, gain none and block none in this step.)")
       .def("change_settings", &change_settings, py::kw_only(), "seed"_a = py::none(),
+           "landing"_a = py::none(), "fall_time"_a = py::none(),
            R"(Applies other settings, except pixel_size and blur_radius, from the next step on, in
 the constructor's units; the snow and all settings that are not given stay. Raises ValueError for
 values out of range.)")

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <map>
 #include <optional>
+#include <tuple>
 
 #include "python/bindings.h"
 #include "python/numpy_arrays.h"
@@ -28,6 +29,16 @@ py::dict to_dict(snow::SimulationState&& state) {
   py::dict result;
   result["step_number"] = state.step_number;
   result["objects"] = objects;
+  py::list air;
+  for (const snow::FallingSnow& snow : state.landing.air) {
+    air.append(py::make_tuple(snow.time, snow.receiver, snow.place, snow.is_back, snow.units));
+  }
+  py::dict landing;
+  landing["air"] = air;
+  landing["clock"] = state.landing.clock;
+  landing["on_floors"] = state.landing.on_floors;
+  landing["left"] = state.landing.left;
+  result["landing"] = landing;
   return result;
 }
 
@@ -54,6 +65,17 @@ snow::SimulationState from_dict(const py::dict& given) {
   state.step_number = py::cast<uint32_t>(given["step_number"]);
   for (const auto& [key, own] : py::cast<py::dict>(given["objects"])) {
     state.objects.push_back(object_of(py::cast<std::string>(key), py::cast<py::dict>(own)));
+  }
+  if (given.contains("landing")) {
+    const auto landing = py::cast<py::dict>(given["landing"]);
+    state.landing.clock = py::cast<int64_t>(landing["clock"]);
+    state.landing.on_floors = py::cast<int64_t>(landing["on_floors"]);
+    state.landing.left = py::cast<int64_t>(landing["left"]);
+    for (const py::handle& one : py::cast<py::list>(landing["air"])) {
+      const auto [time, receiver, place, is_back, units] =
+          py::cast<std::tuple<int64_t, std::string, int32_t, bool, int64_t>>(one);
+      state.landing.air.push_back({time, receiver, place, is_back, units});
+    }
   }
   std::sort(state.objects.begin(), state.objects.end(),
             [](const auto& a, const auto& b) { return a.name < b.name; });
@@ -104,7 +126,10 @@ void bind_snow_state(py::module_& module) {
   module.def(
       "simulation_state", &state_of, "simulation"_a,
       R"(The content of a checkpoint of a SnowSimulation, as plain arrays: {'step_number': int,
-'objects': {receiver: {'height': (H, H) float32 metres, 'sums': (16,) float64}}}.)");
+'objects': {receiver: {'height': (H, H) float32 metres, 'sums': (16,) float64}}, 'landing': {'clock':
+time, 'air': [(time when it lands, receiver, row * resolution + column, on its back, volume)],
+'on_floors': volume, 'left': volume}}. Times are in microseconds, these volumes in units of
+2^-44 m3.)");
   module.def(
       "set_simulation_state", &set_state, "simulation"_a, "state"_a,
       R"(Restores a state from simulation_state, for a simulation with the same receivers; parts of

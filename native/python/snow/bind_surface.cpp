@@ -46,11 +46,10 @@ void require_positive(double value, const char* name) {
   }
 }
 
-/// A surface with the sizes of its maps and positions.
+/// A surface and its style.
 struct BoundSurface {
   snow::SnowSurface surface;
-  int32_t resolution;
-  py::ssize_t vertices;
+  shared::SnowStyle style{1.0f, 1.0f, 1.0f, 1.0f};
 };
 
 std::unique_ptr<BoundSurface> make_surface(const InputArray<int32_t>& triangles,
@@ -72,23 +71,43 @@ std::unique_ptr<BoundSurface> make_surface(const InputArray<int32_t>& triangles,
   const snow::SurfacePlan plan{{depth, scale, most_points}, seed, {wind[0], wind[1]}};
   return without_gil([&] {
     return std::make_unique<BoundSurface>(
-        BoundSurface{snow::SnowSurface(source, heights, most, plan), source.topology.resolution,
-                     source.topology.vertex_count});
+        BoundSurface{snow::plan_surface(source, heights, most, plan)});
   });
 }
 
-double wanted_points(const InputArray<int32_t>& triangles, const InputArray<float>& positions,
-                     float depth, const std::optional<InputArray<int32_t>>& shading) {
+std::pair<double, double> wanted_points(const InputArray<int32_t>& triangles,
+                                        const InputArray<float>& positions, float depth,
+                                        const std::optional<InputArray<int32_t>>& shading) {
   require_positive(depth, "depth");
   InputArray<float> no_uv(std::vector<py::ssize_t>{triangles.size() / 3, 3, 2});
   std::fill_n(no_uv.mutable_data(), no_uv.size(), 0.0f);
   const snow::SurfaceSource source =
       surface_source(map_topology(triangles, no_uv, 2), positions, shading);
-  return without_gil([&] { return snow::wanted_points(source, depth); });
+  const snow::PointCounts counts = without_gil([&] { return snow::wanted_points(source, depth); });
+  return {counts.hems, counts.level};
+}
+
+/// The sliders of a style by name. Another slider is another row here.
+constexpr std::pair<const char*, float shared::SnowStyle::*> kSliders[]{
+    {"overhang", &shared::SnowStyle::overhang},
+    {"hem_variation", &shared::SnowStyle::hem_variation},
+    {"bridging", &shared::SnowStyle::bridging},
+    {"relief", &shared::SnowStyle::relief},
+};
+
+void set_style(BoundSurface& self, const py::kwargs& sliders) {
+  shared::SnowStyle style{};
+  size_t known = 0;
+  for (const auto& [name, field] : kSliders) {
+    style.*field = sliders.contains(name) ? py::cast<float>(sliders[name]) : 1.0f;
+    known += sliders.contains(name) ? 1 : 0;
+  }
+  if (known != sliders.size()) throw py::type_error("set_style: there is no such slider");
+  self.style = style;
 }
 
 py::tuple faces(const BoundSurface& self) {
-  const snow::SurfaceFaces& faces = self.surface.faces();
+  const snow::SurfaceFaces& faces = self.surface.faces;
   std::vector<int32_t> begin = faces.begin, corner = faces.corner;
   std::vector<glm::vec2> uv = faces.uv;
   const auto count = static_cast<py::ssize_t>(begin.size());
@@ -103,16 +122,17 @@ py::array_t<float> points(const BoundSurface& self, const InputArray<float>& hei
                           const std::array<float, 3>& up,
                           const std::optional<InputArray<float>>& to_result) {
   const std::vector<float> heights = square_map(height, "height");
-  if (height.shape(0) != self.resolution) {
-    const std::string size = std::to_string(self.resolution);
+  if (height.shape(0) != self.surface.samples.resolution) {
+    const std::string size = std::to_string(self.surface.samples.resolution);
     throw std::invalid_argument("height must have shape (" + size + ", " + size + ")");
   }
   std::vector<glm::vec3> places;
   snow::SurfaceFrame frame{
       heights.data(), open_depth, nullptr, {up[0], up[1], up[2]}, glm::mat4(1.0f)};
   if (positions) {
-    if (positions->ndim() < 1 || positions->shape(0) != self.vertices) {
-      throw std::invalid_argument("positions must have " + std::to_string(self.vertices) + " rows");
+    const size_t vertices = self.surface.positions.size();
+    if (positions->ndim() < 1 || static_cast<size_t>(positions->shape(0)) != vertices) {
+      throw std::invalid_argument("positions must have " + std::to_string(vertices) + " rows");
     }
     places = rows_from_numpy<glm::vec3, float, 3>(*positions, "positions");
     frame.positions = places.data();
@@ -122,7 +142,8 @@ py::array_t<float> points(const BoundSurface& self, const InputArray<float>& hei
     throw std::invalid_argument("to_result must have shape (4, 4)");
   }
   if (to_result) frame.to_result = glm::transpose(glm::make_mat4(to_result->data()));
-  std::vector<glm::vec3> result = without_gil([&] { return self.surface.points(frame); });
+  std::vector<glm::vec3> result =
+      without_gil([&] { return snow::surface_points(self.surface, self.style, frame); });
   const auto count = static_cast<py::ssize_t>(result.size());
   return to_numpy<float>(std::move(result), {count, 3});
 }
@@ -142,9 +163,9 @@ void bind_surface(py::module_& module) {
   module.def(
       "wanted_surface_points", &wanted_points, py::arg("triangles"), py::arg("positions"),
       py::arg("depth"), py::arg("shading") = py::none(),
-      R"(Approximate number of points that a SnowSurface of a receiver needs at the default detail
-under `depth` metres of snow, from triangles (T, 3), positions (V, 3) and shading (T, 3) or None:
-receivers share a scene's points in proportion to it.)");
+      R"(Approximate numbers of points that a SnowSurface of a receiver needs at the default detail
+under `depth` metres of snow, (at hems and curved places, on level places), from triangles (T, 3),
+positions (V, 3) and shading (T, 3) or None.)");
   module.def(
       "point_normals", &point_normals, py::arg("points"), py::arg("triangles"),
       R"(Unit normals (P, 3) of points (P, 3): the mean over their triangles (T, 3), by area. Raises
@@ -156,14 +177,14 @@ ValueError for triangles with invalid indices.)");
            py::arg("wind") = std::array<float, 2>{0.0f, 0.0f})
       .def("faces", &faces)
       .def(
-          "set_style",
-          [](BoundSurface& self, float overhang, float hem, float bridging, float relief) {
-            self.surface.set_style({overhang, hem, bridging, relief});
-          },
-          py::arg("overhang") = 1.0f, py::arg("hem_variation") = 1.0f, py::arg("bridging") = 1.0f,
-          py::arg("relief") = 1.0f)
+          "set_style", &set_style,
+          R"(Sets the artist's sliders by name: overhang, hem_variation, bridging, relief. Those that
+are not given are 1. Raises TypeError for other names.)")
       .def_property_readonly("point_count",
                              [](const BoundSurface& self) { return self.surface.point_count(); })
+      .def_property_readonly(
+          "coarsened", [](const BoundSurface& self) { return self.surface.coarsened; },
+          "Factor by which hems are coarser than `scale` asks for, for lack of points: 1 if not.")
       .def("points", &points, py::arg("height"), py::arg("open_depth"),
            py::arg("positions") = py::none(),
            py::arg("up") = std::array<float, 3>{0.0f, 0.0f, 1.0f},

@@ -25,7 +25,7 @@ struct MemoryEstimate {
   /// here.
   int64_t seams = 0;
 
-  /// Repose, if snow moves, where the heights are.
+  /// Repose, if snow moves, in main memory.
   int64_t repose = 0;
 
   int64_t total() const { return maps + texels + geometry + tile + output + seams + repose; }

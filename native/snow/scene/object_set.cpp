@@ -174,7 +174,7 @@ std::vector<const SceneObject*> ObjectSet::all() const {
   return result;
 }
 
-void ObjectSet::set_positions(const PositionMap& positions) {
+void ObjectSet::set_positions(const PositionMap& positions, const std::set<std::string>& hidden) {
   // Checks everything before changing anything.
   for (const auto& [name, points] : positions) {
     const auto found = objects_.find(name);
@@ -196,11 +196,19 @@ void ObjectSet::set_positions(const PositionMap& positions) {
       }
     }
   }
+  for (const std::string& name : hidden) {
+    if (!objects_.contains(name)) refuse("step: there is no object named '" + name + "' to hide");
+  }
   for (const auto& [name, object] : objects_) {
     if (object->positions.empty() && !positions.contains(name) &&
         object->description.topology.vertex_count > 0) {
       refuse("step: object '" + name + "' has no positions yet: give them in its first step");
     }
+  }
+  for (const auto& [name, object] : objects_) {
+    const bool is_hidden = hidden.contains(name);
+    object->moved |= object->hidden != is_hidden;
+    object->hidden = is_hidden;
   }
   for (const auto& [name, points] : positions) {
     SceneObject& object = *objects_.at(name);

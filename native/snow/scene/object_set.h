@@ -4,6 +4,7 @@
 #include <glm/vec3.hpp>
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,10 +30,11 @@ class ObjectSet {
   /// Adds an object, or replaces the one of its name.
   void put(std::shared_ptr<SceneObject> object);
 
-  /// Sets positions of objects that moved. @throws std::invalid_argument with the object's name for
-  /// an unknown name, a vertex count that is too small or differs from the step before, positions
-  /// that are not finite, or an object that has none yet; then nothing changes.
-  void set_positions(const PositionMap& positions);
+  /// Sets positions of objects that moved, and which objects are hidden. @throws
+  /// std::invalid_argument with the object's name for an unknown name, a vertex count that is too
+  /// small or differs from the step before, positions that are not finite, or an object that has
+  /// none yet; then nothing changes.
+  void set_positions(const PositionMap& positions, const std::set<std::string>& hidden = {});
 
   /// @throws std::invalid_argument for a name that is no receiver.
   const std::shared_ptr<SceneObject>& receiver(const std::string& name) const;

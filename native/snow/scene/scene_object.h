@@ -59,7 +59,10 @@ struct SceneObject {
   /// Current world positions in metres; empty before the object's first step.
   std::vector<glm::vec3> positions;
   Bounds bounds;
-  /// Positions changed since the last step.
+  /// Keeps its snow, gains none and blocks none, as if it were not in the scene. Its output stays
+  /// that of its positions.
+  bool hidden = false;
+  /// Positions or visibility changed since the last step.
   bool moved = true;
   /// Receivers only: layer_terms of the current positions; null: not computed yet.
   std::shared_ptr<const std::vector<glm::vec3>> layers;

@@ -7,6 +7,7 @@ void add(SnowBalance& sum, const SnowBalance& other) {
   sum.deposited_volume += other.deposited_volume;
   sum.slid_volume += other.slid_volume;
   sum.held_volume += other.held_volume;
+  sum.landed_volume += other.landed_volume;
   sum.stretched_volume += other.stretched_volume;
   sum.visible_area += other.visible_area;
   sum.back_face_area += other.back_face_area;
@@ -20,7 +21,9 @@ StatisticsPair balance_of(const shared::ObjectSums& sums) {
   step.deposited_volume = sums.deposited;
   step.slid_volume = sums.slid;
   step.held_volume = sums.held;
-  step.stretched_volume = sums.held - (sums.held_before + sums.deposited - sums.slid);
+  step.landed_volume = sums.landed;
+  step.stretched_volume = 
+      sums.held - (sums.held_before + sums.deposited + sums.landed - sums.slid);
   step.visible_area = sums.visible_area;
   step.back_face_area = sums.back_face_area;
 
@@ -28,6 +31,7 @@ StatisticsPair balance_of(const shared::ObjectSums& sums) {
   total.deposited_volume = sums.total_deposited;
   total.slid_volume = sums.total_slid;
   total.held_volume = sums.held;
+  total.landed_volume = sums.total_landed;
   total.stretched_volume = sums.total_stretched;
   total.visible_area = sums.total_visible_area;
   // Back faces have no total: only the current value matters.

@@ -12,6 +12,8 @@ struct SnowBalance {
   /// Volume deposited on maps, and slid off them.
   double deposited_volume = 0.0;
   double slid_volume = 0.0;
+  /// Volume that has fallen off a map and landed on this one.
+  double landed_volume = 0.0;
   /// Volume on the maps now.
   double held_volume = 0.0;
   /// Change of volume because surfaces stretched or shrank under the snow.
@@ -38,6 +40,11 @@ struct SnowStatistics {
   StatisticsPair all;
   /// Receivers only, by name.
   std::map<std::string, StatisticsPair> objects;
+  /// Of what has fallen off maps: volume in the air now, on objects without a map, and outside of
+  /// the scene, in m3. Deposited snow is held, stretched, or one of these.
+  double air_volume = 0.0;
+  double floor_volume = 0.0;
+  double left_volume = 0.0;
   uint32_t step_number = 0;
 };
 

@@ -14,7 +14,7 @@ namespace snowbough::snow {
 namespace {
 
 constexpr std::string_view kMagic{"SNOWBOUGH-STATE\n", 16};
-constexpr uint32_t kVersion = 3;
+constexpr uint32_t kVersion = 4;
 constexpr int32_t kLargestResolution = 8192;
 /// Magic, version, length of the body, and its check sum.
 constexpr size_t kHeaderBytes = 16 + 4 + 8 + 4;
@@ -128,6 +128,37 @@ void write_object(Writer& body, const ObjectState& object) {
   }
 }
 
+void write_landing(Writer& body, const LandingState& landing) {
+  body.number(std::bit_cast<uint64_t>(landing.clock));
+  body.number(std::bit_cast<uint64_t>(landing.on_floors));
+  body.number(std::bit_cast<uint64_t>(landing.left));
+  body.number(static_cast<uint32_t>(landing.air.size()));
+  for (const FallingSnow& snow : landing.air) {
+    body.number(std::bit_cast<uint64_t>(snow.time));
+    body.text(snow.receiver);
+    body.number(static_cast<uint32_t>(snow.place));
+    body.number(static_cast<uint8_t>(snow.is_back ? 1 : 0));
+    body.number(std::bit_cast<uint64_t>(snow.units));
+  }
+}
+
+LandingState read_landing(Reader& reader) {
+  LandingState landing;
+  landing.clock = std::bit_cast<int64_t>(reader.number<uint64_t>());
+  landing.on_floors = std::bit_cast<int64_t>(reader.number<uint64_t>());
+  landing.left = std::bit_cast<int64_t>(reader.number<uint64_t>());
+  for (auto count = reader.number<uint32_t>(); count > 0; --count) {
+    FallingSnow snow;
+    snow.time = std::bit_cast<int64_t>(reader.number<uint64_t>());
+    snow.receiver = reader.text();
+    snow.place = static_cast<int32_t>(reader.number<uint32_t>());
+    snow.is_back = reader.number<uint8_t>() != 0;
+    snow.units = std::bit_cast<int64_t>(reader.number<uint64_t>());
+    landing.air.push_back(std::move(snow));
+  }
+  return landing;
+}
+
 /// A map as stored in the file.
 struct PackedObject {
   ObjectState object;  // without its heights
@@ -181,6 +212,7 @@ Checkpoint parse(std::string_view body,
     }
     outline.maps.emplace_back(object.name, object.resolution);
   }
+  checkpoint.state.landing = read_landing(reader);
   if (!reader.at_end()) throw std::runtime_error("it has bytes after its end");
   if (check) check(outline);
   for (PackedObject& packed : objects) {
@@ -232,6 +264,7 @@ void save_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
     }
     write_object(body, object);
   }
+  write_landing(body, checkpoint.state.landing);
   Writer file;
   file.raw(kMagic);
   file.number(kVersion);

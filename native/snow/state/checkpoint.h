@@ -19,12 +19,37 @@ struct ObjectState {
   std::array<double, 16> sums{};
 };
 
+/// Snow in the air.
+struct FallingSnow {
+  /// When it lands, by LandingState::clock.
+  int64_t time = 0;
+  /// The receiver's name.
+  std::string receiver;
+  /// row * resolution + column.
+  int32_t place = 0;
+  bool is_back = false;
+  /// Of 2^-44 m3.
+  int64_t units = 0;
+};
+
+/// What landing keeps between steps. Volumes in units of 2^-44 m3.
+struct LandingState {
+  /// Sum of the steps' durations in microseconds.
+  int64_t clock = 0;
+  /// Sorted.
+  std::vector<FallingSnow> air;
+  /// Volume that has fallen onto objects without a map, and out of the scene.
+  int64_t on_floors = 0;
+  int64_t left = 0;
+};
+
 /// Everything that a simulation needs to continue exactly, except the objects themselves.
 struct SimulationState {
   /// Number of steps done: noise and jitter depend on it.
   uint32_t step_number = 0;
   /// By name, ascending.
   std::vector<ObjectState> objects;
+  LandingState landing;
 };
 
 /// A state as a file: of all receivers (SnowSimulation::save), or of the receivers that a bake can

@@ -9,13 +9,38 @@ bool overlap(const PixelRect& a, const PixelRect& b) {
   return a.low.x < b.high.x && b.low.x < a.high.x && a.low.y < b.high.y && b.low.y < a.high.y;
 }
 
-void hand_over_moved(Engine& engine, const std::vector<SceneObject*>& objects) {
+void hand_over_moved(Engine& engine, Movement& movement, const std::vector<SceneObject*>& objects) {
   for (size_t i = 0; i < objects.size(); ++i) {
     if (objects[i]->moved) {
-      engine.set_positions(i, objects[i]->positions);
+      const std::vector<glm::vec3>& points = objects[i]->positions;
+      // A surface without extent gains and blocks nothing.
+      const bool collapses = objects[i]->hidden && !points.empty();
+      engine.set_positions(
+          i, collapses ? std::vector<glm::vec3>(points.size(), points.front()) : points);
+      movement.forget_pose(i);
       objects[i]->moved = false;
     }
   }
+}
+
+/// The snow of a hidden receiver.
+struct KeptSnow {
+  size_t object = 0;
+  std::vector<float> height;
+  shared::ObjectSums sums;
+};
+
+/// Reads the snow of hidden receivers: the passes would move it, since it has no slope.
+std::vector<KeptSnow> keep_hidden(Engine& engine, const std::vector<SceneObject*>& objects) {
+  std::vector<KeptSnow> kept;
+  for (size_t i = 0; i < objects.size(); ++i) {
+    if (!objects[i]->hidden || !objects[i]->description.receive) continue;
+    KeptSnow& one = kept.emplace_back(KeptSnow{i, {}, engine.read_sums(i)});
+    engine.read_height(i, one.height);
+    one.sums.deposited = one.sums.slid = one.sums.visible_area = one.sums.back_face_area = 0.0;
+    one.sums.held_before = one.sums.held;
+  }
+  return kept;
 }
 
 /// Triangles of the objects that may show in `shown`; adjacent ranges are merged.
@@ -48,20 +73,21 @@ std::vector<TriangleRange> ranges_in(const std::vector<SceneObject*>& objects,
 
 }  // namespace
 
-void run_step(Engine& engine, const std::vector<SceneObject*>& objects, const FrameStep& step,
-              std::vector<PassHash>* hashes) {
-  hand_over_moved(engine, objects);
+void run_step(Engine& engine, Movement& movement, const std::vector<SceneObject*>& objects,
+              const FrameStep& step, std::vector<PassHash>* hashes) {
+  hand_over_moved(engine, movement, objects);
   // Extents and grid come from all objects, so that leaving out a receiver changes nothing.
   Bounds bounds;
   for (const SceneObject* object : objects) {
     bounds.include(object->bounds);
   }
+  const std::vector<KeptSnow> kept = keep_hidden(engine, objects);
   const shared::ProjectionFrame frame = make_projection_frame(step.fall, bounds);
   std::vector<PixelRect> rects;
   std::vector<PixelRect> receivers;
   for (const SceneObject* object : objects) {
     rects.push_back(pixels_of(object->bounds, frame));
-    if (object->description.receive) {
+    if (object->description.receive && !object->hidden) {
       receivers.push_back(rects.back());
     }
   }
@@ -72,8 +98,14 @@ void run_step(Engine& engine, const std::vector<SceneObject*>& objects, const Fr
   hash.inputs(frame);
   engine.set_up_triangles(frame);
   hash.triangles();
-  engine.choose_texels();
   engine.open_statistics();
+  // What lands in a step without movement would not be shaped.
+  if (step.moves_snow() && step.dt > 0.0 && movement.has_arrivals(step.dt)) {
+    engine.move_snow([&](std::vector<MovingMap>& maps) {
+      movement.before(step.movement, step.dt, maps);
+    });
+  }
+  engine.choose_texels();
   if (tiles.empty()) {
     engine.evaluate_texels();
   }
@@ -83,14 +115,24 @@ void run_step(Engine& engine, const std::vector<SceneObject*>& objects, const Fr
     engine.count_back_faces(tile);
     engine.gather_deposit(tile, &tile == &tiles.front());
   }
+  StabilitySettings stability = step.stability;
+  stability.records_slid = step.moves_snow() && step.movement.landing.is_on;
   const double density = std::min(1.0, step.fall.noise_density);
-  engine.apply_stability(step.stability, static_cast<float>(shared::snow_depth(frame) / density),
+  engine.apply_stability(stability, static_cast<float>(shared::snow_depth(frame) / density),
                          static_cast<float>(step.dt));
   hash.deposit();
   hash.heights("stability");
-  engine.apply_repose(step.repose, static_cast<float>(step.dt));
+  if (step.moves_snow()) {
+    engine.move_snow([&](std::vector<MovingMap>& maps) {
+      movement.after(step.movement, step.fall.step_number, step.dt, maps);
+    });
+  }
   hash.heights("repose");
   engine.close_statistics(static_cast<float>(step.fall.pixel_size * step.fall.pixel_size));
+  for (const KeptSnow& one : kept) {
+    engine.write_height(one.object, one.height);
+    engine.write_sums(one.object, one.sums);
+  }
   hash.statistics();
 }
 

@@ -24,6 +24,8 @@ constexpr float kCore = 1.02f;
 constexpr float kSurface = 0.6f;
 constexpr float kRaised = 0.75f;
 constexpr float kCellsPerRadius = 2.5f;
+/// Greatest size of a cell as a fraction of the radius.
+constexpr float kCoarsest = 0.7f;
 /// Snow thinner than this fraction of the depth does not bridge gaps.
 constexpr float kThinnest = 0.02f;
 /// Limit on the number of cells; a larger grid gets larger cells.
@@ -313,6 +315,32 @@ void relax(Net& net, int rounds) {
   }
 }
 
+/// The net of cushions of a radius, with cells of at least `cell` metres. Empty if the cells would
+/// be too coarse for any shape.
+Net cushion_net(std::vector<glm::vec3> places, float radius, float& cell) {
+  glm::vec3 low = places.front();
+  glm::vec3 high = places.front();
+  for (const glm::vec3& place : places) {
+    low = glm::min(low, place);
+    high = glm::max(high, place);
+  }
+  const size_t count = places.size();
+  for (size_t i = 0; i < count; ++i) {
+    places.push_back(places[i] + glm::vec3(0.0f, 0.0f, kRaised * radius));
+  }
+  low -= 1.5f * radius;
+  high += 2.5f * radius;
+  const glm::dvec3 extent(high - low);
+  cell = std::max(cell, static_cast<float>(std::cbrt(extent.x * extent.y * extent.z / kMostCells)));
+  if (cell > kCoarsest * radius) return {};
+  const Grid grid(low, high, cell);
+  const float cells = radius / cell;
+  std::vector<float> inside = depth_in_grown(grid, places, radius, kCore * cells + 1.5f);
+  open_bodies(grid, inside, kCore * cells, (kCore - kSurface) * cells + 0.5f);
+  blur(grid, inside);
+  return surface_net(grid, inside, kSurface * cells);
+}
+
 }  // namespace
 
 bool are_needles(const SurfaceMesh& mesh, float depth) {
@@ -346,34 +374,25 @@ bool are_needles(const SurfaceMesh& mesh, float depth) {
 }
 
 Cushions find_cushions(const SurfaceMesh& mesh, const std::vector<glm::vec3>& shown,
-                       const std::vector<float>& height, float depth) {
+                       const std::vector<float>& height, float depth, int32_t most_points) {
   Cushions cushions;
-  const float radius = std::clamp(kRadius * depth, kLeastRadius, kMostRadius);
+  float radius = std::clamp(kRadius * depth, kLeastRadius, kMostRadius);
   const float least = kThinnest * depth;
-  std::vector<glm::vec3> places = snow_places(mesh, shown, height, least, radius / kCellsPerRadius);
-  if (places.empty()) return cushions;
-  glm::vec3 low = places.front();
-  glm::vec3 high = places.front();
-  for (const glm::vec3& place : places) {
-    low = glm::min(low, place);
-    high = glm::max(high, place);
-  }
-  const size_t count = places.size();
-  for (size_t i = 0; i < count; ++i) {
-    places.push_back(places[i] + glm::vec3(0.0f, 0.0f, kRaised * radius));
-  }
-  low -= 1.5f * radius;
-  high += 2.5f * radius;
   float cell = radius / kCellsPerRadius;
-  const glm::dvec3 extent(high - low);
-  cell = std::max(cell, static_cast<float>(std::cbrt(extent.x * extent.y * extent.z / kMostCells)));
-  if (cell > 0.7f * radius) return cushions;  // too coarse for any shape
-  const Grid grid(low, high, cell);
-  const float cells = radius / cell;
-  std::vector<float> inside = depth_in_grown(grid, places, radius, kCore * cells + 1.5f);
-  open_bodies(grid, inside, kCore * cells, (kCore - kSurface) * cells + 0.5f);
-  blur(grid, inside);
-  Net net = surface_net(grid, inside, kSurface * cells);
+  Net net;
+  do {
+    const std::vector<glm::vec3> places = snow_places(mesh, shown, height, least, cell);
+    if (places.empty()) return cushions;
+    net = cushion_net(places, radius, cell);
+    // The number of points falls with the square of the cell's size.
+    const float ratio =
+        std::sqrt(static_cast<float>(net.point.size()) / static_cast<float>(most_points));
+    if (net.point.empty()) return cushions;
+    if (ratio <= 1.0f) break;
+    cell *= 1.05f * ratio;
+    radius = std::max(radius, cell / kCoarsest);
+    if (radius > depth) return cushions;
+  } while (true);
   relax(net, 3);
 
   std::vector<CellGrid::Box> boxes;

@@ -16,6 +16,9 @@ struct Cushions {
   std::vector<int32_t> anchor;
   std::vector<glm::vec3> offset;
   std::vector<std::array<int32_t, 4>> quads;
+  /// Thickness of the snow at the anchors in the last frame, in metres. find_cushions leaves it
+  /// out.
+  std::vector<float> height;
 };
 
 /// True if a mesh consists mostly of many thin pieces whose gaps snow of this depth bridges.
@@ -30,7 +33,9 @@ bool are_needles(const SurfaceMesh& mesh, float depth);
 /// @param shown points of the snow surface, in metres.
 /// @param height thickness of the snow at each point, in metres.
 /// @param depth snow depth on open ground, in metres.
+/// @param most_points greatest number of points. Cells and radii grow until the cushions fit; there
+/// are none if they do not fit with a radius of a depth.
 Cushions find_cushions(const SurfaceMesh& mesh, const std::vector<glm::vec3>& shown,
-                       const std::vector<float>& height, float depth);
+                       const std::vector<float>& height, float depth, int32_t most_points);
 
 }  // namespace snowbough::snow

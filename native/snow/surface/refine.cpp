@@ -16,6 +16,7 @@ namespace {
 /// Target edge lengths of level snow, of smooth deep snow on curved places, of bare faces, and of
 /// snow that ends on steep or curved places.
 constexpr float kLevelEdge = 0.45f;
+constexpr float kMostLevelEdge = 2.0f;
 constexpr float kCurvedEdge = 0.17f;
 constexpr float kBareEdge = 4.0f;
 constexpr float kEndingEdge = 0.1f;
@@ -25,12 +26,17 @@ constexpr float kEnding = 0.45f;
 constexpr float kBorder = 0.15f;
 /// Least target edge length.
 constexpr float kLeastEdge = 0.085f;
-/// Target edge lengths near rims: before the cuts along the rims, and along the rims afterwards.
+/// Target edge lengths near rims: before the cuts along the rims, and along the rims afterwards, at
+/// the hem and at the inner border of the zone.
 constexpr float kRimEdge = 1.1f;
-constexpr float kAlongRim = 0.26f;
+constexpr float kAlongHem = 0.15f;
+constexpr float kAlongInland = 0.36f;
+/// Fractions of the zone between which edges along the rims grow from the first to the second.
+constexpr float kHemEnds = 0.1f;
+constexpr float kInlandBegins = 0.6f;
 /// Edges along the rims of narrow tops shrink in proportion to the width of the zone, down to this
 /// factor.
-constexpr float kLeastAlong = 0.35f;
+constexpr float kLeastAlong = 0.6f;
 /// Growth of the target edge length per metre of distance from a rim's zone, in metres.
 constexpr float kGrowth = 0.35f;
 /// Greatest difference between the height in the middle of an edge and the mean of its ends, for
@@ -52,26 +58,45 @@ constexpr float kBends = 0.12f;
 constexpr std::array<float, 9> kSupportCuts{0.05f, 0.12f, 0.2f, 0.29f, 0.39f,
                                             0.5f,  0.63f, 0.8f, 1.0f};
 constexpr std::array<float, 5> kFarCuts{-0.15f, -0.32f, -0.5f, -0.68f, -1.0f};
-/// If SurfaceDensity::scale exceeds this factor, as on small receivers, only these cuts are made.
+/// If target edge lengths exceed the default by the first factor, only the coarse cuts are made;
+/// if they exceed it by the second, none are.
 constexpr float kCoarse = 2.0f;
+constexpr float kBare = 6.0f;
 constexpr std::array<float, 4> kCoarseSupportCuts{0.12f, 0.29f, 0.5f, 1.0f};
 constexpr std::array<float, 2> kCoarseFarCuts{-0.32f, -0.68f};
 /// Two points lie on one cut if their fractions of the zone differ by less than this.
 constexpr float kOneCut = 0.03f;
+/// Two points lie in one row of a strip if their distances from the rim differ by less than this
+/// fraction of the distance between rows.
+constexpr float kOneRow = 0.3f;
 /// An edge does not cross the middle of a top if both of its ends lie farther into their zones.
 constexpr float kAcross = 0.9f;
+/// Edges on the strip of a rim, such as a bevel, are cut only if they are longer than this: the
+/// strip's own edges are rows, too.
+constexpr float kStripEdge = 0.12f;
+constexpr float kOnStrip = 0.65f;
+/// A strip with more faces across has more rows than a hem needs.
+constexpr int32_t kFewRows = 3;
 /// A cut is skipped if it is nearer to an end of the edge than this fraction of the edge.
 constexpr float kSnap = 0.15f;
+
+/// Factors on the target edge lengths of one attempt.
+struct Coarseness {
+  float hems = 1.0f;
+  float level = 1.0f;
+};
 
 /// Refines one receiver at one density.
 class Refiner {
  public:
   Refiner(const Rims& rims, const RimZones& zones, const SurfaceHeights& heights,
-          const SurfaceDensity& density, const SurfaceMesh& receiver)
+          const SurfaceDensity& density, const Coarseness& coarseness, const SurfaceMesh& receiver)
       : rims_(rims),
         zones_(zones),
         heights_(heights),
-        unit_(density.depth * density.scale),
+        unit_(density.depth * density.scale * coarseness.hems),
+        level_edge_(std::min(kLevelEdge * density.scale * coarseness.level, kMostLevelEdge) *
+                    density.depth * coarseness.hems),
         depth_(density.depth),
         shown_(std::min(kShown, kShownShare * density.depth)),
         most_(static_cast<size_t>(density.most_points) * 2),
@@ -81,11 +106,11 @@ class Refiner {
     constexpr int kRounds = 26;
     for (int round = 0; round < kRounds && halve(); ++round) {
     }
-    if (!rims_.all().empty()) {
-      constexpr int kCutRounds = 6;
+    if (!rims_.all().empty() && unit_ < kBare * depth_) {
+      constexpr int kCutRounds = 6, kAlongRounds = 12;
       for (int round = 0; round < kCutRounds && cut_parallel(); ++round) {
       }
-      for (int round = 0; round < kCutRounds && cut_along(); ++round) {
+      for (int round = 0; round < kAlongRounds && cut_along(); ++round) {
       }
     }
     return kept();
@@ -126,7 +151,7 @@ class Refiner {
         std::max(height, mean) > shown_ || height_at(heights_.highest, uv) > shown_;
     const bool bends = glm::distance(a, b) > kBends;
     const float up = std::min(a.z, b.z);
-    float wanted = covered ? kLevelEdge * unit_ : kBareEdge * unit_;
+    float wanted = covered ? level_edge_ : kBareEdge * unit_;
     if (bends) wanted = std::min(wanted, (covered ? kCurvedEdge : 0.5f) * unit_);
     if (covered && up < 0.93f && std::min(height, mean) < kEnding * depth_) {
       wanted = std::min(wanted, kEndingEdge * unit_);
@@ -222,7 +247,8 @@ class Refiner {
   /// Splits every edge where it crosses a cut parallel to a rim. Returns true if it split an edge.
   bool cut_parallel() {
     return split_at([&](int32_t p, int32_t q) {
-      return lies_across(p, q) ? 0.5f : cut_of(zone_[p], zone_[q]);
+      if (lies_across(p, q)) return 0.5f;
+      return is_short_on_strip(p, q) ? 0.0f : cut_of(zone_[p], zone_[q]);
     });
   }
 
@@ -234,6 +260,16 @@ class Refiner {
     if (std::min(a.share, b.share) > kAcross || glm::dot(a.place.out, b.place.out) > 0.5f)
       return false;
     return glm::distance(mesh_.position[p], mesh_.position[q]) > 1.2f * std::max(a.room, b.room);
+  }
+
+  /// True if the edge is short and lies on the strip of a rim.
+  bool is_short_on_strip(int32_t p, int32_t q) const {
+    return lies_on_strip(p) && lies_on_strip(q) &&
+           glm::distance(mesh_.position[p], mesh_.position[q]) < kStripEdge * unit_;
+  }
+  bool lies_on_strip(int32_t p) const {
+    const RimPlace& place = zone_[p].place;
+    return !place.is_far_off && std::abs(place.distance) < kOnStrip * place.strip;
   }
 
   float cut_of(const RimZones::Zone& a, const RimZones::Zone& b) const {
@@ -259,19 +295,26 @@ class Refiner {
     return best;
   }
 
-  /// Halves long edges along the rims, within their zones. Returns true if it split an edge.
+  /// Divides long edges along the rims, within their zones. Returns true if it split an edge.
   bool cut_along() {
     return split_at([&](int32_t p, int32_t q) {
       const RimZones::Zone& a = zone_[p];
       const RimZones::Zone& b = zone_[q];
       if (a.place.is_far_off || b.place.is_far_off) return 0.0f;
       if (std::abs(a.share) > 1.02f || std::abs(b.share) > 1.02f) return 0.0f;
-      // Halve only edges on one cut. The edges between the cuts follow from them.
+      // Divide only edges on one cut. The edges between the cuts follow from them.
       if (std::abs(a.share - b.share) > kOneCut) return 0.0f;
+      const bool on_strip = lies_on_strip(p) || lies_on_strip(q);
+      const float row = kOneRow * a.place.strip / static_cast<float>(a.place.strip_faces + 1);
+      if (on_strip && std::abs(a.place.distance - b.place.distance) > row) return 0.0f;
       const glm::vec3 axis = glm::cross(a.place.out, a.place.support);
       const float along = std::abs(glm::dot(mesh_.position[q] - mesh_.position[p], axis));
-      const float narrow = std::max(a.support / rim_zone(depth_), kLeastAlong);
-      return along > kAlongRim * unit_ * std::min(narrow, 1.0f) ? 0.5f : 0.0f;
+      const float narrow = std::clamp(a.support / rim_zone(depth_), kLeastAlong, 1.0f);
+      const float inland =
+          std::clamp((a.share - kHemEnds) / (kInlandBegins - kHemEnds), 0.0f, 1.0f);
+      const float parts =
+          std::ceil(along / (glm::mix(kAlongHem, kAlongInland, inland) * unit_ * narrow));
+      return parts > 1.0f ? std::floor(0.5f * parts) / parts : 0.0f;
     });
   }
 
@@ -329,6 +372,7 @@ class Refiner {
   const RimZones& zones_;
   const SurfaceHeights& heights_;
   float unit_;
+  float level_edge_;
   float depth_;
   float shown_;
   size_t most_;
@@ -338,57 +382,61 @@ class Refiner {
   std::vector<float> rim_distance_;
 };
 
-/// Estimated number of points on the faces that carry snow, from their horizontal area and
-/// curvature.
-double points_on_faces(const SurfaceMesh& mesh, double depth) {
-  const double level = kLevelEdge * depth;
-  const double curved = kEndingEdge * depth;
-  double points = 0.0;
-  for (size_t t = 0; t < mesh.triangle.size(); ++t) {
-    const auto& [a, b, c] = mesh.normal[t];
-    const bool bends = glm::distance(a, b) + glm::distance(b, c) > 0.04f;
-    const double edge = bends ? curved : level;
-    points += std::max(0.0, static_cast<double>(triangle_cross(mesh, t).z)) / (edge * edge);
-  }
-  return points;
-}
-
 }  // namespace
 
-SurfaceMesh refined_surface(const SurfaceMesh& receiver, const Rims& rims, const RimZones& zones,
-                            const SurfaceHeights& heights, const SurfaceDensity& density) {
-  SurfaceDensity tried = density;
-  const double wanted = wanted_points(receiver, rims, density.depth) / (tried.scale * tried.scale);
-  if (wanted > density.most_points) {
-    tried.scale *= static_cast<float>(std::sqrt(wanted / density.most_points));
-  }
-  constexpr int kTries = 5;
+RefinedSurface refined_surface(const SurfaceMesh& receiver, const Rims& rims, const RimZones& zones,
+                               const SurfaceHeights& heights, const SurfaceDensity& density) {
+  const double most = density.most_points;
+  const float most_level = std::max(kMostLevelEdge / (kLevelEdge * density.scale), 1.0f);
+  const PointCounts wanted = wanted_points(receiver, rims, density.depth);
+  const double level_part = wanted.level / (wanted.hems + wanted.level);
+  Coarseness coarseness;
+  // Factor on the edges of level snow with which `points` become `most`.
+  const auto coarser_level = [&](double points) {
+    const double left = most - points * (1.0 - level_part);
+    const double factor = std::sqrt(points * level_part / std::max(left, 1e-3 * points));
+    return static_cast<float>(std::max(factor, 1.15));
+  };
+  const double expected = (wanted.hems + wanted.level) / (density.scale * density.scale);
+  if (expected > 2.0 * most) coarseness.level = std::min(coarser_level(expected), most_level);
+  constexpr int kTries = 7;
   for (int attempt = 1;; ++attempt) {
-    Refiner refiner(rims, zones, heights, tried, receiver);
-    SurfaceMesh mesh = refiner.run();
-    const double ratio = static_cast<double>(mesh.position.size()) / density.most_points;
+    SurfaceMesh mesh = Refiner(rims, zones, heights, density, coarseness, receiver).run();
+    const auto points = static_cast<double>(mesh.position.size());
     // The mesh cannot have fewer points than the receiver's own faces.
-    const bool is_least =
-        static_cast<double>(receiver.position.size()) > 0.5 * density.most_points &&
-        mesh.position.size() < 2 * receiver.position.size();
-    if (ratio <= 1.1 || is_least || attempt == kTries) return mesh;
-    tried.scale *= static_cast<float>(std::sqrt(ratio) * 1.15);
+    const bool is_least = points < 1.05 * static_cast<double>(receiver.position.size());
+    if (points <= most || is_least || attempt == kTries) return {std::move(mesh), coarseness.hems};
+    if (coarseness.level < most_level) {
+      coarseness.level = std::min(coarseness.level * coarser_level(points), most_level);
+    } else {
+      coarseness.hems *= static_cast<float>(std::sqrt(points / most) * 1.1);
+    }
   }
 }
 
-double wanted_points(const SurfaceMesh& receiver, const Rims& rims, float depth) {
+PointCounts wanted_points(const SurfaceMesh& receiver, const Rims& rims, float depth) {
   double rim_length = 0.0;
   for (const Rim& rim : rims.all()) rim_length += glm::distance(rim.from, rim.to);
   const double rows = static_cast<double>(kSupportCuts.size() + kFarCuts.size());
-  return points_on_faces(receiver, depth) + rim_length / (kAlongRim * depth) * rows + 16.0;
+  const double along = 0.5 * (kAlongHem + kAlongInland) * depth;
+  PointCounts counts{rim_length / along * rows + 16.0, 0.0};
+  for (size_t t = 0; t < receiver.triangle.size(); ++t) {
+    const auto& [a, b, c] = receiver.normal[t];
+    const bool bends = glm::distance(a, b) + glm::distance(b, c) > 0.04f;
+    const double edge = (bends ? kEndingEdge : kLevelEdge) * depth;
+    (bends ? counts.hems : counts.level) +=
+        std::max(0.0, static_cast<double>(triangle_cross(receiver, t).z)) / (edge * edge);
+  }
+  return counts;
 }
 
-double wanted_points(const SurfaceSource& source, float depth) {
+PointCounts wanted_points(const SurfaceSource& source, float depth) {
   const SurfaceMesh receiver = receiver_mesh(source);
-  if (receiver.triangle.empty()) return 0.0;
+  if (receiver.triangle.empty()) return {};
   const base::TriangleTree tree(receiver.position, receiver.triangle,
                                 {0, static_cast<int32_t>(receiver.triangle.size())});
-  const Rims rims(receiver, tree, source.shading, rim_zone(depth), far_zone(depth));
+  const Rims rims(receiver, tree, source.shading, rim_zone(depth), far_zone(depth),
+                  rim_strip(depth));
   return wanted_points(receiver, rims, depth);
 }
 

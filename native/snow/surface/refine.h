@@ -23,22 +23,37 @@ struct SurfaceDensity {
   float depth = 0.1f;
   /// Factor on all target edge lengths; 1 is the default detail.
   float scale = 1.0f;
-  /// Approximate limit on the number of points. Edge lengths grow until the mesh fits.
+  /// Greatest number of points, unless the receiver's own faces that have snow have more.
   int32_t most_points = 200000;
+};
+
+/// Numbers of points of two kinds of places.
+struct PointCounts {
+  /// At rims and on curved faces.
+  double hems = 0.0;
+  /// On level faces.
+  double level = 0.0;
+};
+
+/// A refined mesh, and the factor by which its hems are coarser than the density asks for.
+struct RefinedSurface {
+  SurfaceMesh mesh;
+  float coarsened = 1.0f;
 };
 
 /// Refines the receiver's faces where the snow has fine shapes and keeps them coarse elsewhere. It
 /// drops faces that never carry snow, except for a few rings around the snow. Along straight rims
-/// the cuts are parallel to the rim.
+/// the cuts are parallel to the rim. If the mesh exceeds its greatest number of points, the edges
+/// of level snow grow first, up to two depths, and those at hems last.
 ///
 /// @param receiver the result of receiver_mesh.
 /// @param rims the rims of `receiver`.
-SurfaceMesh refined_surface(const SurfaceMesh& receiver, const Rims& rims, const RimZones& zones,
-                            const SurfaceHeights& heights, const SurfaceDensity& density);
+RefinedSurface refined_surface(const SurfaceMesh& receiver, const Rims& rims, const RimZones& zones,
+                               const SurfaceHeights& heights, const SurfaceDensity& density);
 
 /// Estimates how many points the snow on a receiver needs at the default detail, before any snow is
-/// known. The scene's point budget is divided in proportion to this number.
-double wanted_points(const SurfaceMesh& receiver, const Rims& rims, float depth);
-double wanted_points(const SurfaceSource& source, float depth);
+/// known. The receivers of a scene share its points by these numbers.
+PointCounts wanted_points(const SurfaceMesh& receiver, const Rims& rims, float depth);
+PointCounts wanted_points(const SurfaceSource& source, float depth);
 
 }  // namespace snowbough::snow

@@ -13,6 +13,7 @@ namespace {
 // As fractions of the snow depth on open ground.
 constexpr float kRimZone = 1.25f;
 constexpr float kFarZone = 0.34f;
+constexpr float kRimStrip = 0.34f;
 
 }  // namespace
 
@@ -22,6 +23,10 @@ float rim_zone(float depth) {
 
 float far_zone(float depth) {
   return kFarZone * depth;
+}
+
+float rim_strip(float depth) {
+  return kRimStrip * depth;
 }
 
 RimZones::RimZones(const SurfaceMesh& receiver, const Rims& rims, float depth)

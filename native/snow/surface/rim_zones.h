@@ -13,6 +13,8 @@ namespace snowbough::snow {
 float rim_zone(float depth);
 /// Greatest distance that the underside of the hem reaches down the far face, in metres.
 float far_zone(float depth);
+/// Greatest width of a strip, such as a bevel, that counts as one rim, in metres.
+float rim_strip(float depth);
 
 /// Computes the rim zone of any place on a receiver.
 class RimZones {

@@ -1,33 +1,28 @@
 #include "snow/surface/rims.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
 #include "base/group_by_key.h"
 #include "base/union_find.h"
-#include "snow/surface/flip_edges.h"
+#include "snow/surface/rim_finder.h"
 #include "snow/surface/vectors.h"
 
 namespace snowbough::snow {
 namespace {
 
-/// Upward component of normals: least value of a supporting face, greatest value of a far face.
-constexpr float kCarries = 0.3f;
-constexpr float kGoesDown = 0.35f;
-/// Least difference of the upward components of the supporting and the far face.
-constexpr float kTurnsDown = 0.45f;
-/// Cosine of the least angle between the faces at a rim: 50 degrees, or 75 if they are smooth
-/// shaded.
-constexpr float kSharp = 0.643f;
-constexpr float kSharpSmooth = 0.259f;
 /// A point belongs to a rim's supporting or far face if the cosine between the normals of that face
 /// and of the point's own face is at least this.
 constexpr float kSameFace = 0.5f;
 /// Greatest distance of a point from the plane of the rim's face, as a fraction of its distance to
 /// the rim.
 constexpr float kOffPlane = 0.55f;
+/// A point whose normal is this close to that of a rim's supporting or far face, as a cosine, lies
+/// on that face and not on the strip between them.
+constexpr float kOnFace = 0.996f;
+/// Tolerance of positions on a strip, as a fraction of its width.
+constexpr float kStripSlack = 0.15f;
 /// Rims that are more than this many softnesses farther away than the nearest rim are ignored.
 constexpr float kBlendRange = 4.0f;
 
@@ -36,111 +31,76 @@ float eased(float x, float from, float to) {
   return t * t * (3.0f - 2.0f * t);
 }
 
+glm::vec3 level(const glm::vec3& v) {
+  return unit(glm::vec3(v.x, v.y, 0.0f));
+}
+
 glm::vec3 nearest_on(const Rim& rim, const glm::vec3& point) {
   const glm::vec3 along = rim.to - rim.from;
   const float share = glm::dot(point - rim.from, along) / glm::dot(along, along);
   return rim.from + std::clamp(share, 0.0f, 1.0f) * along;
 }
 
-/// Length of the surface below the middle of the rim, in metres, measured in steps.
-float far_extent(const Rim& rim, const base::TriangleTree& tree, float most) {
-  if (rim.down == glm::vec3(0.0f)) return most;
-  constexpr int kSteps = 6;
-  const glm::vec3 middle = (rim.from + rim.to) * 0.5f;
-  for (int k = 1; k <= kSteps; ++k) {
-    const float along = most * static_cast<float>(k) / kSteps;
-    const double off = 0.04 * most + 0.15 * along;
-    if (tree.nearest(0, middle + rim.down * along).squared_distance > off * off) {
-      return std::max(most * static_cast<float>(k - 1) / kSteps, 0.05f * most);
-    }
+/// A point relative to one rim.
+struct Beside {
+  float distance = 0.0f;
+  /// RimPlace::distance and RimPlace::below.
+  float off = 0.0f, below = 0.0f;
+};
+
+/// True if the point lies on the rim's strip. Sets its position across it.
+bool is_on_strip(const Rim& rim, const glm::vec3& from_foot, const glm::vec3& normal,
+                 Beside& beside) {
+  const float size = rim.strip_out + rim.strip_down;
+  if (size <= 0.0f ||
+      std::max(glm::dot(normal, rim.support), glm::dot(normal, rim.far_normal)) > kOnFace)
+    return false;
+  const float c = glm::dot(rim.out, rim.down);
+  const float square = std::max(1.0f - c * c, 0.05f);
+  const float x = -glm::dot(from_foot, rim.out), y = glm::dot(from_foot, rim.down);
+  const float inwards = (x + c * y) / square, below = (y + c * x) / square;
+  const float slack = kStripSlack * size;
+  const glm::vec3 aside = from_foot + rim.out * inwards - rim.down * below;
+  if (inwards < -slack || below < -slack || inwards > rim.strip_out + slack ||
+      below > rim.strip_down + slack || glm::length(aside) > size + slack) {
+    return false;
   }
-  return most;
+  beside.below = std::max(below, 0.0f);
+  beside.off = std::max(inwards, 0.0f) - beside.below;
+  return true;
 }
 
-/// Decides for each edge whether it is a rim.
-class RimFinder {
- public:
-  RimFinder(const SurfaceMesh& mesh, const std::vector<int32_t>& shading)
-      : mesh_(mesh), shading_(shading), normals_(triangle_normals(mesh)) {}
-
-  /// Returns true if the edge is a rim, and fills in `rim`.
-  bool find(const std::array<int32_t, 2>& ends, const EdgeCorners& faces, Rim& rim) const {
-    rim.from = mesh_.position[ends[0]];
-    rim.to = mesh_.position[ends[1]];
-    if (faces.count == 1) {
-      const int32_t face = faces.corner[0].triangle;
-      // The open edge of a smooth shell, such as an eye in its socket, is not a rim.
-      if (normals_[face].z < kCarries || shading_number(face, ends[0]) >= 0) return false;
-      rim.support = normals_[face];
-      rim.far_normal = rim.down = glm::vec3(0.0f);
-      rim.out = away(rim, face);
-      return true;
-    }
-    if (faces.count != 2) return false;
-    int32_t carrier = faces.corner[0].triangle;
-    int32_t far = faces.corner[1].triangle;
-    if (normals_[far].z > normals_[carrier].z) std::swap(carrier, far);
-    const glm::vec3& a = normals_[carrier];
-    const glm::vec3& b = normals_[far];
-    const float sharp = is_smooth(ends, carrier, far) ? kSharpSmooth : kSharp;
-    if (a.z < kCarries || glm::dot(a, b) > sharp || b.z > kGoesDown || b.z > a.z - kTurnsDown) {
-      return false;
-    }
-    rim.support = a;
-    rim.far_normal = b;
-    rim.out = away(rim, carrier);
-    rim.down = -away(rim, far);
-    return glm::dot(rim.out, b) > 0.0f;
-  }
-
- private:
-  int32_t shading_number(int32_t face, int32_t point) const {
-    if (shading_.empty()) return -1;
-    for (int32_t k = 0; k < 3; ++k) {
-      if (mesh_.triangle[face][k] == point) return shading_[mesh_.base[face] * 3 + k];
-    }
-    return -1;
-  }
-  /// True if both faces share their normals along the edge.
-  bool is_smooth(const std::array<int32_t, 2>& ends, int32_t face, int32_t other) const {
-    for (const int32_t point : ends) {
-      const int32_t number = shading_number(face, point);
-      if (number < 0 || number != shading_number(other, point)) return false;
-    }
-    return true;
-  }
-  /// Unit vector in the plane of the face, across the rim and away from the face.
-  glm::vec3 away(const Rim& rim, int32_t face) const {
-    const auto& [a, b, c] = mesh_.triangle[face];
-    const glm::vec3 middle = (mesh_.position[a] + mesh_.position[b] + mesh_.position[c]) / 3.0f;
-    const glm::vec3 across = glm::cross(unit(rim.to - rim.from), normals_[face]);
-    return glm::dot(across, (rim.from + rim.to) * 0.5f - middle) > 0.0f ? across : -across;
-  }
-
-  const SurfaceMesh& mesh_;
-  const std::vector<int32_t>& shading_;
-  std::vector<glm::vec3> normals_;
-};
+/// True if the point lies on a face of the rim.
+bool is_beside(const Rim& rim, const glm::vec3& point, const glm::vec3& foot,
+               const glm::vec3& normal, Beside& beside) {
+  beside.distance = glm::distance(point, foot);
+  if (is_on_strip(rim, point - foot, normal, beside)) return true;
+  const float to_support = glm::dot(normal, rim.support);
+  const float to_far = glm::dot(normal, rim.far_normal);
+  const bool on_support = to_support >= to_far - 0.02f;
+  if ((on_support ? to_support : to_far) < kSameFace) return false;
+  const glm::vec3& plane = on_support ? rim.support : rim.far_normal;
+  const float strip = rim.strip_out + rim.strip_down;
+  if (std::abs(glm::dot(point - foot, plane)) > kOffPlane * beside.distance + strip + 1e-6f)
+    return false;
+  beside.off = on_support ? beside.distance : -beside.distance;
+  beside.below = on_support ? 0.0f : beside.distance;
+  return true;
+}
 
 }  // namespace
 
 Rims::Rims(const SurfaceMesh& mesh, const base::TriangleTree& tree,
-           const std::vector<int32_t>& shading, float reach, float far_reach)
+           const std::vector<int32_t>& shading, float reach, float far_reach, float strip)
     : reach_(reach) {
-  const SurfaceEdges edges = surface_edges(mesh.triangle);
-  const std::vector<EdgeCorners> faces = edge_corners(edges);
   base::UnionFind joined(mesh.position.size());
   for (const auto& [a, b, c] : mesh.triangle) joined.join(joined.join(a, b), c);
   const std::vector<int32_t> part = std::move(joined).all();
   for (const auto& triangle : mesh.triangle) part_of_triangle_.push_back(part[triangle[0]]);
 
-  const RimFinder finder(mesh, shading);
   std::vector<Rim> found;
-  for (size_t e = 0; e < edges.ends.size(); ++e) {
-    Rim rim;
-    if (!finder.find(edges.ends[e], faces[e], rim)) continue;
-    rim.part = part[edges.ends[e][0]];
-    rim.far_extent = far_extent(rim, tree, far_reach);
+  for (Rim rim : find_rims(mesh, tree, shading, far_reach, strip)) {
+    rim.part = part[rim.corner[0]];
     found.push_back(rim);
   }
   const auto for_rims = [&](const auto& visit) {
@@ -175,45 +135,39 @@ RimPlace Rims::place(const glm::vec3& point, const glm::vec3& normal, int32_t pa
                      float softness) const {
   struct Seen {
     int32_t rim;
-    float distance;
     glm::vec3 foot;
-    bool on_support;
+    Beside beside;
   };
   thread_local std::vector<Seen> seen;
   seen.clear();
   float nearest = reach_;
   visit_near(point, part, [&](int32_t number) {
-    const Rim& rim = rims_[number];
-    const float to_support = glm::dot(normal, rim.support);
-    const float to_far = glm::dot(normal, rim.far_normal);
-    const bool on_support = to_support >= to_far - 0.02f;
-    if ((on_support ? to_support : to_far) < kSameFace) return;
-    const glm::vec3 foot = nearest_on(rim, point);
-    const float distance = glm::distance(point, foot);
-    if (distance >= reach_) return;
-    const glm::vec3& plane = on_support ? rim.support : rim.far_normal;
-    if (std::abs(glm::dot(point - foot, plane)) > kOffPlane * distance + 1e-6f) return;
-    nearest = std::min(nearest, distance);
-    seen.push_back({number, distance, foot, on_support});
+    const glm::vec3 foot = nearest_on(rims_[number], point);
+    Beside beside;
+    if (!is_beside(rims_[number], point, foot, normal, beside) || beside.distance >= reach_) return;
+    nearest = std::min(nearest, beside.distance);
+    seen.push_back({number, foot, beside});
   });
   RimPlace place;
   if (seen.empty()) return place;
   // A rim that overlaps several cells was visited once per cell. The result must not depend on the
   // order of the visits.
   std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) {
-    return a.distance != b.distance ? a.distance < b.distance : a.rim < b.rim;
+    const float apart = a.beside.distance - b.beside.distance;
+    return apart != 0.0f ? apart < 0.0f : a.rim < b.rim;
   });
   seen.erase(std::unique(seen.begin(), seen.end(),
                          [](const Seen& a, const Seen& b) { return a.rim == b.rim; }),
              seen.end());
   const Rim& first = rims_[seen.front().rim];
-  const bool on_support = seen.front().on_support;
+  const bool on_support = seen.front().beside.off >= 0.0f;
   float sum = 0.0f;
+  size_t counted = 0;
   for (const Seen& one : seen) {
-    if (one.distance > nearest + kBlendRange * softness) break;
+    if (one.beside.distance > nearest + kBlendRange * softness) break;
     const Rim& rim = rims_[one.rim];
-    if (one.on_support != on_support) continue;
-    const float weight = std::exp((nearest - one.distance) / std::max(softness, 1e-6f)) *
+    if ((one.beside.off >= 0.0f) != on_support) continue;
+    const float weight = std::exp((nearest - one.beside.distance) / std::max(softness, 1e-6f)) *
                          eased(glm::dot(rim.out, first.out), -0.7f, -0.1f);
     place.out += weight * rim.out;
     place.level_out += weight * glm::vec3(rim.out.x, rim.out.y, 0.0f);
@@ -221,10 +175,18 @@ RimPlace Rims::place(const glm::vec3& point, const glm::vec3& normal, int32_t pa
     place.foot += weight * one.foot;
     place.support += weight * rim.support;
     place.far_extent += weight * rim.far_extent;
+    place.strip += weight * (rim.strip_out + rim.strip_down);
+    if (counted < place.parts.size()) place.parts[counted++] = {one.rim, weight, one.foot};
     sum += weight;
   }
+  float weights = 0.0f;
+  for (const RimPlace::Part& one : place.parts) weights += one.weight;
+  for (RimPlace::Part& one : place.parts) one.weight /= weights;
   place.is_far_off = false;
-  place.distance = on_support ? nearest : -nearest;
+  place.distance = seen.front().beside.off;
+  place.below = seen.front().beside.below;
+  place.strip /= sum;
+  place.strip_faces = first.strip_faces;
   place.out = unit(place.out);
   place.level_out = unit(place.level_out);
   const float down = glm::length(place.down / sum);
@@ -263,17 +225,42 @@ float Rims::room(const RimPlace& place, int32_t part, float most) const {
 }
 
 Rims::Opposite Rims::opposite(const RimPlace& place, float most) const {
+  constexpr float kLeastPart = 0.05f;
+  constexpr float kLeastAlong = 0.6f;
+  Opposite mean;
+  float near = 0.0f;
+  for (const RimPlace::Part& part : place.parts) {
+    if (part.weight < kLeastPart) continue;
+    const Rim& rim = rims_[part.rim];
+    const Opposite one = opposite_of(rim, part.foot, most);
+    if (one.nearness <= 0.0f) continue;
+    const float weight = part.weight * one.nearness;
+    const float along = std::max(glm::dot(place.level_out, level(rim.out)), kLeastAlong);
+    mean.nearness += weight;
+    mean.gap += weight * one.gap / along;
+    mean.step += weight * one.step;
+    near += weight;
+  }
+  if (near > 0.0f) {
+    mean.gap /= near;
+    mean.step /= near;
+  }
+  return mean;
+}
+
+Rims::Opposite Rims::opposite_of(const Rim& own, const glm::vec3& foot, float most) const {
   Opposite found;
   float best = 0.0f;
+  const glm::vec3 level_out = level(own.out);
   const glm::vec3 around(most);
-  grid_.visit(place.foot - around, place.foot + around, [&](int32_t number) {
+  grid_.visit(foot - around, foot + around, [&](int32_t number) {
     const Rim& rim = rims_[number];
-    const float against = -glm::dot(rim.out, place.out);
+    const float against = -glm::dot(rim.out, own.out);
     if (against < 0.5f) return;
-    const glm::vec3 across = nearest_on(rim, place.foot) - place.foot;
-    const float gap = glm::dot(across, place.level_out);
+    const glm::vec3 across = nearest_on(rim, foot) - foot;
+    const float gap = glm::dot(across, level_out);
     if (gap < 0.0f || gap >= most) return;
-    const float aside = glm::length(glm::vec3(across.x, across.y, 0.0f) - gap * place.level_out);
+    const float aside = glm::length(glm::vec3(across.x, across.y, 0.0f) - gap * level_out);
     // Each factor falls off gradually, so that bridges do not end abruptly.
     const float nearness = eased(aside, 0.5f * most, 0.1f * most) *
                            eased(std::abs(across.z), most, 0.4f * most) *

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -10,8 +11,9 @@
 
 namespace snowbough::snow {
 
-/// A segment of a rim: an edge over which snow can lean, because the supporting surface ends or
-/// turns down there.
+/// A segment of a rim: a line over which snow can lean, because the supporting surface ends or
+/// turns down there. Where it turns down over a strip of faces, such as a bevel, the line lies
+/// outside, where the planes of the supporting and the far face meet.
 struct Rim {
   glm::vec3 from, to;
   /// Unit normals of the supporting face and of the far face; the latter is (0, 0, 0) if the
@@ -22,7 +24,14 @@ struct Rim {
   glm::vec3 out, down;
   /// Length of the far face below the middle of the rim, in metres, up to the distance searched.
   float far_extent = 0.0f;
-  /// The connected part of the mesh that holds this rim.
+  /// Distances from the rim to the strip's upper edge, against `out`, and to its lower edge, along
+  /// `down`, in metres; 0 at an edge.
+  float strip_out = 0.0f;
+  float strip_down = 0.0f;
+  /// Number of faces across the strip.
+  int32_t strip_faces = 0;
+  /// The ends of the edge in the mesh, and the connected part of the mesh that holds it.
+  std::array<int32_t, 2> corner{};
   int32_t part = 0;
 };
 
@@ -32,11 +41,24 @@ struct Rim {
 struct RimPlace {
   /// No rim is near.
   bool is_far_off = true;
-  /// Distance to the nearest rim in metres; negative for points on a far face.
+  /// Distance to the nearest rim in metres; negative for points on a far face. On a strip: how far
+  /// the rim lies outwards, less how far the point lies below it.
   float distance = 0.0f;
+  /// How far the point lies below the rim, along `down`; 0 on the supporting face.
+  float below = 0.0f;
+  /// Width of the strip and number of faces across it: 0 at an edge.
+  float strip = 0.0f;
+  int32_t strip_faces = 0;
   glm::vec3 out{0.0f}, level_out{0.0f}, down{0.0f}, foot{0.0f}, support{0.0f};
   bool has_far = false;
   float far_extent = 0.0f;
+  /// The rims of which the place is the mean: the nearest ones, with weights that sum to 1.
+  struct Part {
+    int32_t rim = 0;
+    float weight = 0.0f;
+    glm::vec3 foot{0.0f};
+  };
+  std::array<Part, 3> parts{};
 };
 
 /// The rims of a mesh in one pose.
@@ -47,8 +69,9 @@ class Rims {
   /// @param shading as in SurfaceSource.
   /// @param reach greatest distance from a point to a rim that a query finds, in metres, over 0.
   /// @param far_reach greatest distance searched down the far faces, in metres.
+  /// @param strip greatest width of a strip that is one rim, in metres.
   Rims(const SurfaceMesh& mesh, const base::TriangleTree& tree, const std::vector<int32_t>& shading,
-       float reach, float far_reach);
+       float reach, float far_reach, float strip);
 
   const std::vector<Rim>& all() const { return rims_; }
   /// The connected part of each triangle of the mesh that was passed to the constructor.
@@ -77,10 +100,12 @@ class Rims {
     /// Height of the other rim above this one, in metres.
     float step = 0.0f;
   };
-  /// The nearest rim of any part opposite to `place.foot`, over a gap of at most `most` metres.
+  /// The nearest rims of any part opposite to the place's own rims, over gaps of at most `most`
+  /// metres: the mean over its rims. The gap is measured along `place.level_out`.
   Opposite opposite(const RimPlace& place, float most) const;
 
  private:
+  Opposite opposite_of(const Rim& rim, const glm::vec3& foot, float most) const;
   /// Calls visit(index) for the rims of a part that may lie within `reach_` of a point. It may
   /// visit a rim more than once.
   template <typename Visit>

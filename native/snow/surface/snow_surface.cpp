@@ -5,19 +5,15 @@
 #include <stdexcept>
 
 #include "base/parallel_for.h"
-#include "snow/surface/map_sampler.h"
 #include "snow/surface/vertex_turns.h"
 
-// Evaluates a frame. snow_surface_plan.cpp computes the constants that it reads.
+// Evaluates a frame. plan_surface.cpp computes the constants that it reads.
 
 namespace snowbough::snow {
 namespace {
 
 using namespace shared;  // NOLINT(google-build-using-namespace): the shared rule's names
 
-/// Points per block. One thread processes a block, and sums over blocks are added in order, so that
-/// results do not depend on the number of threads.
-constexpr size_t kBlock = 2048;
 /// Rounds of smoothing of the heights, before and after thin snow is removed.
 constexpr int kRoundsBefore = 5;
 constexpr int kRoundsAfter = 2;
@@ -29,146 +25,120 @@ constexpr float kUpright = 0.95f;
 /// Greatest offset due to a curved receiver, as a fraction of the height.
 constexpr float kMostCurvature = 0.5f;
 
-template <typename Work>
-void for_blocks(size_t count, const Work& work) {
-  base::for_each_item((count + kBlock - 1) / kBlock, 1, [&](size_t block) {
-    work(block, block * kBlock, std::min(count, (block + 1) * kBlock));
-  });
-}
-
-}  // namespace
-
-void SnowSurface::smooth(std::vector<float>& values, int rounds) const {
-  std::vector<float> before(values.size());
-  for (int round = 0; round < rounds; ++round) {
-    before.swap(values);
-    for_blocks(values.size(), [&](size_t, size_t begin, size_t end) {
-      for (size_t p = begin; p < end; ++p) {
-        float sum = before[p];
-        float weights = 1.0f;
-        for (int32_t i = neighbour_begin_[p]; i < neighbour_begin_[p + 1]; ++i) {
-          sum += neighbour_weight_[i] * before[neighbour_[i]];
-          weights += neighbour_weight_[i];
-        }
-        values[p] = sum / weights;
-      }
-    });
-  }
-}
-
-SnowSurface::Heights SnowSurface::heights(const SurfaceFrame& frame,
-                                          const std::vector<glm::vec3>& normals) const {
-  const size_t count = lying_points();
-  const glm::vec3 up = frame.up;
-  Heights heights;
-  heights.thickness.resize(count);
-  for_blocks(count, [&](size_t, size_t begin, size_t end) {
+std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& style,
+                               const SurfaceFrame& frame, const std::vector<float>& up,
+                               const SurfaceHeightsNow& heights) {
+  const SurfacePoints& points = surface.points;
+  const PointLooks& looks = surface.looks;
+  const Fronts& fronts = surface.fronts;
+  std::vector<glm::vec3> offsets(points.count());
+  for_point_blocks(offsets.size(), [&](size_t, size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
-      float sum = 0.0f;
-      for (int32_t i = sample_begin_[p]; i < sample_begin_[p + 1]; ++i) {
-        sum += sample_weight_[i] *
-               map_value(frame.height, resolution_, {sample_texel_[i], sample_share_[i]});
-      }
-      heights.thickness[p] = std::max(sum * side_[p], 0.0f);
-    }
-  });
-  smooth(heights.thickness, kRoundsBefore);
-  heights.shown.resize(count);
-  for_blocks(count, [&](size_t, size_t begin, size_t end) {
-    for (size_t p = begin; p < end; ++p) {
-      const float thickness = heights.thickness[p];
-      const SnowEdge edge =
-          snow_edge(point_[p], thickness, frame.open_depth, glm::dot(normals[p], up));
-      heights.shown[p] = thin_snow(edge, thickness);
-    }
-  });
-  smooth(heights.shown, kRoundsAfter);
-  const size_t blocks = (count + kBlock - 1) / kBlock;
-  std::vector<glm::dvec2> volumes(blocks, glm::dvec2(0.0));
-  for_blocks(count, [&](size_t block, size_t begin, size_t end) {
-    for (size_t p = begin; p < end; ++p) {
-      if (heights.shown[p] > 0.0f) {
-        heights.shown[p] += surface_relief(point_[p], style_, heights.shown[p], frame.open_depth);
-      }
-      volumes[block] += glm::dvec2(heights.thickness[p], std::max(heights.shown[p], 0.0f)) *
-                        static_cast<double>(area_[p]);
-    }
-  });
-  glm::dvec2 volume(0.0);
-  for (const glm::dvec2& one : volumes) volume += one;
-  // Fronts add volume at the points near rims, because they are upright.
-  for (size_t f = 0; f < front_.size(); ++f) {
-    if (front_[f].distance < 0.0f) continue;
-    const auto p = static_cast<size_t>(front_point_[f]);
-    const float inland = inland_height(f, heights.shown);
-    const float more = kUpright * inland - std::max(heights.shown[p], 0.0f);
-    volume.y += static_cast<double>(area_[p] * presence(f, inland) * more);
-  }
-  const float factor = volume.y > 0.0 ? std::clamp(static_cast<float>(volume.x / volume.y),
-                                                   kLeastFactor, kMostFactor)
-                                      : 1.0f;
-  for_blocks(count, [&](size_t, size_t begin, size_t end) {
-    for (size_t p = begin; p < end; ++p) {
-      float& shown = heights.shown[p];
-      if (shown > 0.0f) shown = swept_height(point_[p], shown * factor);
-    }
-  });
-  return heights;
-}
-
-std::vector<glm::vec3> SnowSurface::offsets(const SurfaceFrame& frame,
-                                            const std::vector<glm::vec3>& normals,
-                                            const Heights& heights) const {
-  std::vector<glm::vec3> offsets(lying_points());
-  for_blocks(offsets.size(), [&](size_t, size_t begin, size_t end) {
-    for (size_t p = begin; p < end; ++p) {
-      const glm::vec3& normal = normal_[p];
-      const float up = glm::dot(normals[p], frame.up);
+      const glm::vec3& normal = points.normal[p];
       const float shown = heights.shown[p];
-      const SnowEdge edge = snow_edge(point_[p], heights.thickness[p], frame.open_depth, up);
+      const SnowEdge edge =
+          snow_edge(looks.point[p], heights.thickness[p], frame.open_depth, up[p]);
       glm::vec3 offset = normal * shown;
       if (shown > 0.0f) {
         const glm::vec3 down = normal * normal.z - glm::vec3(0.0f, 0.0f, 1.0f);
         const float slope = glm::length(down);
         if (slope > 1e-3f) {
-          const float sag = sagging(point_[p], style_, edge, heights.thickness[p], shown, up);
+          const float sag =
+              sagging(looks.point[p], style, edge, heights.thickness[p], shown, up[p]);
           offset += down * (sag / slope);
         }
-        const float bent = glm::length(curvature_[p]);
+        const float bent = glm::length(points.curvature[p]);
         if (bent > 0.0f) {
-          offset += curvature_[p] * std::min(1.0f, kMostCurvature * shown / bent);
+          offset += points.curvature[p] * std::min(1.0f, kMostCurvature * shown / bent);
         }
       }
       offsets[p] = offset;
     }
   });
-  for_blocks(front_.size(), [&](size_t, size_t begin, size_t end) {
+  for_point_blocks(fronts.count(), [&](size_t, size_t begin, size_t end) {
     for (size_t f = begin; f < end; ++f) {
-      const auto p = static_cast<size_t>(front_point_[f]);
-      const SnowFront& front = front_[f];
-      const float inland = inland_height(f, heights.shown);
-      const glm::vec3 drawn =
-          front_offset(front, style_, inland * 0.94f, normal_[p], heights.shown[p], point_[p].bumps,
-                       std::min(kSink, point_[p].deepest));
-      offsets[p] = glm::mix(offsets[p], drawn, presence(f, inland));
+      const auto p = static_cast<size_t>(fronts.point[f]);
+      const SnowFront& front = fronts.front[f];
+      const SnowBehind behind = fronts.behind(f, heights.shown);
+      const glm::vec3 drawn = front_offset(
+          front, style, {behind.inland * 0.94f, behind.across * 0.94f}, points.normal[p],
+          heights.shown[p], looks.point[p].bumps, std::min(kSink, looks.point[p].deepest));
+      offsets[p] = glm::mix(offsets[p], drawn, fronts.presence(f, style, behind));
     }
   });
   return offsets;
 }
 
-std::vector<glm::vec3> SnowSurface::points(const SurfaceFrame& frame) const {
-  const size_t lying = lying_points();
-  std::vector<glm::vec3> carrier = mesh_.position;
-  std::vector<glm::vec3> normals = normal_;
+}  // namespace
+
+SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style,
+                              const SurfaceFrame& frame, const std::vector<float>& up) {
+  const SurfacePoints& points = surface.points;
+  const HeightSamples& samples = surface.samples;
+  const PointLooks& looks = surface.looks;
+  const Fronts& fronts = surface.fronts;
+  const size_t count = points.count();
+  SurfaceHeightsNow heights;
+  heights.thickness = sampled_heights(samples, frame.height);
+  smooth(samples, heights.thickness, kRoundsBefore);
+  heights.shown.resize(count);
+  for_point_blocks(count, [&](size_t, size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      const float thickness = heights.thickness[p];
+      const SnowEdge edge = snow_edge(looks.point[p], thickness, frame.open_depth, up[p]);
+      heights.shown[p] = thin_snow(edge, thickness);
+    }
+  });
+  smooth(samples, heights.shown, kRoundsAfter);
+  const size_t blocks = (count + kPointBlock - 1) / kPointBlock;
+  std::vector<glm::dvec2> volumes(blocks, glm::dvec2(0.0));
+  for_point_blocks(count, [&](size_t block, size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      if (heights.shown[p] > 0.0f) {
+        heights.shown[p] +=
+            surface_relief(looks.point[p], style, heights.shown[p], frame.open_depth);
+      }
+      volumes[block] += glm::dvec2(heights.thickness[p], std::max(heights.shown[p], 0.0f)) *
+                        static_cast<double>(samples.area[p]);
+    }
+  });
+  glm::dvec2 volume(0.0);
+  for (const glm::dvec2& one : volumes) volume += one;
+  // Fronts add volume at the points near rims, because they are upright.
+  for (size_t f = 0; f < fronts.count(); ++f) {
+    if (fronts.front[f].distance < 0.0f) continue;
+    const auto p = static_cast<size_t>(fronts.point[f]);
+    const SnowBehind behind = fronts.behind(f, heights.shown);
+    const float more = kUpright * behind.inland - std::max(heights.shown[p], 0.0f);
+    volume.y += static_cast<double>(samples.area[p] * fronts.presence(f, style, behind) * more);
+  }
+  const float factor = volume.y > 0.0 ? std::clamp(static_cast<float>(volume.x / volume.y),
+                                                   kLeastFactor, kMostFactor)
+                                      : 1.0f;
+  for_point_blocks(count, [&](size_t, size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      float& shown = heights.shown[p];
+      if (shown > 0.0f) shown = swept_height(looks.point[p], shown * factor);
+    }
+  });
+  return heights;
+}
+
+std::vector<glm::vec3> surface_points(const SnowSurface& surface, const SnowStyle& style,
+                                      const SurfaceFrame& frame) {
+  const SurfacePoints& points = surface.points;
+  const size_t lying = points.count();
+  std::vector<glm::vec3> carrier = points.mesh.position;
+  std::vector<float> up(lying);
   std::vector<glm::quat> turn;
   if (frame.positions != nullptr) {
     const std::vector<glm::quat> turns =
-        vertex_turns(triangles_, planned_positions_, frame.positions);
+        vertex_turns(surface.triangles, surface.positions, frame.positions);
     turn.resize(lying);
-    for_blocks(lying, [&](size_t, size_t begin, size_t end) {
+    for_point_blocks(lying, [&](size_t, size_t begin, size_t end) {
       for (size_t p = begin; p < end; ++p) {
-        const int32_t* corner = &triangles_[static_cast<size_t>(carrier_triangle_[p]) * 3];
-        const glm::vec2 weight = carrier_weight_[p];
+        const int32_t* corner = &surface.triangles[static_cast<size_t>(points.triangle[p]) * 3];
+        const glm::vec2 weight = points.weight[p];
         const glm::vec3 weights(1.0f - weight.x - weight.y, weight.x, weight.y);
         glm::quat sum(0.0f, 0.0f, 0.0f, 0.0f);
         carrier[p] = glm::vec3(0.0f);
@@ -178,40 +148,38 @@ std::vector<glm::vec3> SnowSurface::points(const SurfaceFrame& frame) const {
           sum = sum + one * (glm::dot(one, turns[corner[0]]) < 0.0f ? -weights[k] : weights[k]);
         }
         turn[p] = glm::normalize(sum);
-        normals[p] = turn[p] * normal_[p];
       }
     });
   }
-  const Heights heights = this->heights(frame, normals);
-  const std::vector<glm::vec3> offset = offsets(frame, normals, heights);
+  for_point_blocks(lying, [&](size_t, size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      up[p] = glm::dot(turn.empty() ? points.normal[p] : turn[p] * points.normal[p], frame.up);
+    }
+  });
+  const SurfaceHeightsNow heights = heights_now(surface, style, frame, up);
+  const std::vector<glm::vec3> offset = offsets(surface, style, frame, up, heights);
   const auto turned = [&](size_t p, const glm::vec3& vector) {
     return turn.empty() ? vector : turn[p] * vector;
   };
-  std::vector<glm::vec3> points(point_count());
-  for_blocks(lying, [&](size_t, size_t begin, size_t end) {
-    for (size_t p = begin; p < end; ++p) points[p] = carrier[p] + turned(p, offset[p]);
+  std::vector<glm::vec3> result(surface.point_count());
+  for_point_blocks(lying, [&](size_t, size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) result[p] = carrier[p] + turned(p, offset[p]);
   });
   // Cushions grow in proportion to the snow at their anchors.
-  const float bridging = std::clamp(style_.bridging, 0.0f, 1.0f);
-  for_blocks(cushions_.anchor.size(), [&](size_t, size_t begin, size_t end) {
+  const float bridging = std::clamp(style.bridging, 0.0f, 1.0f);
+  for_point_blocks(surface.cushions.anchor.size(), [&](size_t, size_t begin, size_t end) {
     for (size_t c = begin; c < end; ++c) {
-      const auto p = static_cast<size_t>(cushions_.anchor[c]);
-      const float part = std::clamp(heights.thickness[p] / cushion_height_[c], 0.0f, 1.0f);
-      points[lying + c] = points[p] + turned(p, cushions_.offset[c] * (bridging * part));
+      const auto p = static_cast<size_t>(surface.cushions.anchor[c]);
+      const float part = std::clamp(heights.thickness[p] / surface.cushions.height[c], 0.0f, 1.0f);
+      result[lying + c] = result[p] + turned(p, surface.cushions.offset[c] * (bridging * part));
     }
   });
-  for_blocks(points.size(), [&](size_t, size_t begin, size_t end) {
+  for_point_blocks(result.size(), [&](size_t, size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
-      points[p] = glm::vec3(frame.to_result * glm::vec4(points[p], 1.0f));
+      result[p] = glm::vec3(frame.to_result * glm::vec4(result[p], 1.0f));
     }
   });
-  return points;
-}
-
-std::vector<float> SnowSurface::shown_heights(const SurfaceFrame& frame) const {
-  std::vector<float> shown = heights(frame, normal_).shown;
-  for (float& height : shown) height = std::max(height, 0.0f);
-  return shown;
+  return result;
 }
 
 std::vector<glm::vec3> point_normals(const std::vector<glm::vec3>& points,

@@ -8,8 +8,13 @@
 
 #include "shaders/lib/snow_surface.h"
 #include "snow/surface/cushions.h"
+#include "snow/surface/fronts.h"
+#include "snow/surface/height_samples.h"
+#include "snow/surface/point_looks.h"
 #include "snow/surface/refine.h"
+#include "snow/surface/surface_faces.h"
 #include "snow/surface/surface_mesh.h"
+#include "snow/surface/surface_points.h"
 
 namespace snowbough::snow {
 
@@ -28,15 +33,6 @@ struct SurfacePlan {
   }
 };
 
-/// Faces of three or four corners.
-struct SurfaceFaces {
-  /// Face f has the corners begin[f] to begin[f + 1] - 1.
-  std::vector<int32_t> begin;
-  std::vector<int32_t> corner;
-  /// Texture coordinates of the corners, in the receiver's UV map.
-  std::vector<glm::vec2> uv;
-};
-
 /// A frame of the shot.
 struct SurfaceFrame {
   /// Heights in metres, negative on the back, resolution x resolution.
@@ -53,104 +49,46 @@ struct SurfaceFrame {
   glm::mat4 to_result{1.0f};
 };
 
-/// The snow surface of one receiver. The constructor makes the faces once, from the receiver's pose
-/// and the heights in the shot's last frame. Each frame computes the points by the formula of
-/// shaders/lib/snow_surface.h. The same input gives the same points for any number of threads.
-class SnowSurface {
- public:
-  /// @throws std::invalid_argument if a map does not have resolution^2 texels, or if the positions
-  /// or the shading do not match the source.
-  SnowSurface(const SurfaceSource& source, const std::vector<float>& last,
-              const std::vector<float>& highest, const SurfacePlan& plan);
+/// The snow surface of one receiver: what stays the same for the whole shot. Its points are those
+/// on the receiver, then those of the cushions.
+struct SnowSurface {
+  SurfacePoints points;
+  HeightSamples samples;
+  PointLooks looks;
+  Fronts fronts;
+  Cushions cushions;
+  SurfaceFaces faces;
+  /// The receiver's triangles and, in the planned pose, its vertices.
+  std::vector<int32_t> triangles;
+  std::vector<glm::vec3> positions;
+  /// Factor by which hems are coarser than the plan's density asks for, for lack of points.
+  float coarsened = 1.0f;
 
-  const SurfaceFaces& faces() const { return faces_; }
-  size_t point_count() const { return mesh_.position.size() + cushions_.anchor.size(); }
-  /// The artist's settings. The faces do not depend on them.
-  void set_style(const shared::SnowStyle& style) { style_ = style; }
-
-  /// @return one position per point of the faces.
-  std::vector<glm::vec3> points(const SurfaceFrame& frame) const;
-
- private:
-  /// Number of points on the receiver; the remaining points belong to the cushions.
-  size_t lying_points() const { return mesh_.position.size(); }
-  /// Shown thickness of the snow at the points on the receiver in `frame`, in metres; 0 at bare
-  /// points.
-  std::vector<float> shown_heights(const SurfaceFrame& frame) const;
-  /// Drops the faces of sheets that never show snow, because a sheet has no other side to hide
-  /// them.
-  void drop_bare_sheets(const std::vector<float>& highest, float depth);
-  void find_cushions(float depth, const std::vector<float>& last);
-  /// Heights of one frame at the points.
-  struct Heights {
-    /// Thickness from the map, smoothed.
-    std::vector<float> thickness;
-    /// Height of the shown snow.
-    std::vector<float> shown;
-  };
-  void find_normals(float reach);
-  void find_carriers(const SurfaceSource& source);
-  void find_samples();
-  void find_neighbours(float reach);
-  void find_noise(const SurfacePlan& plan);
-  void find_thickness(const base::TriangleTree& tree, float depth);
-  void find_fronts(const Rims& rims, const RimZones& zones, const SurfacePlan& plan);
-  void find_presence(const SurfacePlan& plan, const std::vector<float>& last);
-  void smooth_presence();
-  /// Mean height behind the rim of a front; bare points count as 0.
-  float inland_height(size_t front, const std::vector<float>& height) const;
-  /// Share of a front's shape in the surface, 0 to 1, with `inland` metres of snow behind its rim.
-  /// A bridge is a front as a whole: it holds the snow that the map has in the gap.
-  float presence(size_t front, float inland) const;
-  void find_convexity(float depth);
-  void find_bumps(const SurfacePlan& plan, const std::vector<glm::vec3>& shown);
-  void make_faces();
-  Heights heights(const SurfaceFrame& frame, const std::vector<glm::vec3>& normals) const;
-  void smooth(std::vector<float>& values, int rounds) const;
-  std::vector<glm::vec3> offsets(const SurfaceFrame& frame, const std::vector<glm::vec3>& normals,
-                                 const Heights& heights) const;
-
-  SurfaceMesh mesh_;
-  /// Unit normals of the points: a weighted mean over their corners, smoothed across creases.
-  std::vector<glm::vec3> normal_;
-  SurfaceFaces faces_;
-  shared::SnowStyle style_{1.0f, 1.0f, 1.0f, 1.0f};
-  int32_t resolution_ = 0;
-  std::vector<int32_t> triangles_;
-  std::vector<glm::vec3> planned_positions_;
-
-  std::vector<int32_t> carrier_triangle_;
-  std::vector<glm::vec2> carrier_weight_;
-  /// Offset from the flat carrier to the curved surface that the normals describe.
-  std::vector<glm::vec3> curvature_;
-  /// 1 or -1: the side of the receiver's faces that carries the snow.
-  std::vector<float> side_;
-  /// Samples of the map; the samples of point p start at sample_begin_[p].
-  std::vector<int32_t> sample_begin_;
-  std::vector<int32_t> sample_texel_;
-  std::vector<glm::vec2> sample_share_;
-  std::vector<float> sample_weight_;
-  /// Neighbours, weighted by distance; those of point p start at neighbour_begin_[p].
-  std::vector<int32_t> neighbour_begin_;
-  std::vector<int32_t> neighbour_;
-  std::vector<float> neighbour_weight_;
-  /// Area of the receiver's surface that a point represents, in m2.
-  std::vector<float> area_;
-  std::vector<shared::SnowPoint> point_;
-  /// 1 for points on sheets, which are parts without a back side.
-  std::vector<uint8_t> is_sheet_;
-  Cushions cushions_;
-  /// Thickness of the snow at the cushions' anchors in the last frame.
-  std::vector<float> cushion_height_;
-  /// Points in the zones of rims: point index, constants, and four points behind the rim with their
-  /// weights.
-  std::vector<int32_t> front_point_;
-  std::vector<shared::SnowFront> front_;
-  /// Distance from the rim to the middle of the top, in metres.
-  std::vector<float> room_;
-  std::vector<glm::ivec4> front_inland_;
-  std::vector<glm::vec4> front_weight_;
+  size_t point_count() const { return points.count() + cushions.anchor.size(); }
 };
+
+/// Makes the surface once, from the receiver's pose and the heights in the shot's last frame.
+/// @throws std::invalid_argument if a map does not have resolution^2 texels, or if the positions or
+/// the shading do not match the source.
+SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& last,
+                         const std::vector<float>& highest, const SurfacePlan& plan);
+
+/// Heights of one frame at the points on the receiver, in metres.
+struct SurfaceHeightsNow {
+  /// Thickness from the map, smoothed.
+  std::vector<float> thickness;
+  /// Height of the shown snow; not over 0 at bare points.
+  std::vector<float> shown;
+};
+/// @param up upward components of the points' normals.
+SurfaceHeightsNow heights_now(const SnowSurface& surface, const shared::SnowStyle& style,
+                              const SurfaceFrame& frame, const std::vector<float>& up);
+
+/// The points of the faces in a frame, by the formula of shaders/lib/snow_surface.h. The same input
+/// gives the same points for any number of threads.
+/// @param style the artist's settings; the faces do not depend on them.
+std::vector<glm::vec3> surface_points(const SnowSurface& surface, const shared::SnowStyle& style,
+                                      const SurfaceFrame& frame);
 
 /// Unit normals of points: the area-weighted mean over the triangles of each point, or straight up
 /// if a point has no triangles.

@@ -13,7 +13,7 @@ from cache_files import written
 from snowbough.cache import files, manifest
 from snowbough.cache.errors import CacheError
 from snowbough.surface import compute, mesh_file, point_cache, recording
-from snowbough.surface.style import SurfaceStyle
+from snowbough.surface.style import SurfaceStyle, WantedPoints, shared_out
 
 SIZE = 64
 DEPTHS = (0.02, 0.05, 0.1)
@@ -397,6 +397,30 @@ def test_every_file_of_a_surface_is_listed_by_the_bake(folder):
     assert set(SURFACE_FILES) <= set(os.listdir(folder))
 
 
-def test_details_share_the_points_of_a_scene():
-    assert SurfaceStyle("DRAFT").most_points(0.5) == 30_000
-    assert SurfaceStyle("FILM").most_points(0.0) == 400
+def test_while_there_are_points_for_all_a_receiver_may_have_more_than_it_wants():
+    shares = shared_out({"bench": (10_000.0, 0.0), "yard": (0.0, 90_000.0)})
+    assert shares["bench"].most("DEFAULT") == 25_000
+    assert shares["yard"].most("DEFAULT") == 225_000
+
+
+def test_hems_come_before_level_places():
+    shares = shared_out({"bench": (200_000.0, 0.0), "yard": (0.0, 500_000.0)})
+    assert shares["bench"].most("DEFAULT") == 200_000
+    assert shares["yard"].most("DEFAULT") == 50_000
+
+
+def test_level_places_keep_what_edges_of_two_depths_need():
+    shares = shared_out({"bench": (300_000.0, 0.0), "yard": (0.0, 2_000_000.0)})
+    assert shares["bench"].most("DEFAULT") == 187_500
+    assert shares["yard"].most("DEFAULT") == 62_500
+
+
+def test_a_finer_detail_wants_more_points():
+    shares = shared_out({"bench": (200_000.0, 0.0), "yard": (0.0, 1_000_000.0)})
+    assert shares["bench"].most("FILM") == pytest.approx(200_000 / 0.36, abs=1)
+    assert shares["bench"].most("FILM") + shares["yard"].most("FILM") <= 1_000_000
+
+
+def test_every_receiver_may_have_some_points():
+    assert WantedPoints(0.0, 0.0, 1e6, 1e6).most("DRAFT") == 400
+    assert WantedPoints().most("DRAFT") == 60_000

@@ -125,3 +125,65 @@ def cylinder(radius, length, around=32, axis="z"):
         np.array(triangles, np.int32),
         np.array(uv, np.float32),
     )
+
+
+def bevelled_box(bevel, segments, size=1.0, height=1.0, texel=0.01):
+    """A box around the z axis on z = 0 whose upper and upright edges are rounded with that radius, by that many faces
+    each; and the resolution at which a texel has that size. Its map has a chart for each face."""
+    inner, middle = 0.5 * size - bevel, 0.5 * np.pi / segments
+    rings = []
+    for k in range(segments + 1):
+        out, down = bevel * np.sin(k * middle), bevel * (1.0 - np.cos(k * middle))
+        turn = (np.arange(4)[:, None] * segments + np.arange(segments + 1)).ravel() * middle
+        corner = np.repeat([(1, 1), (-1, 1), (-1, -1), (1, -1)], segments + 1, axis=0) * inner
+        ring = corner + out * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        rings.append(np.column_stack([ring, np.full(len(ring), height - down)]))
+    rings.append(rings[-1] * (1.0, 1.0, 0.0))
+    faces = [rings[0][:: segments + 1], rings[-1][::-1]]
+    for upper, lower in zip(rings, rings[1:]):
+        for i in range(len(upper)):
+            j = (i + 1) % len(upper)
+            face = np.array([upper[j], upper[i], lower[i], lower[j]])
+            keep = [not np.allclose(face[k], face[k - 1], atol=1e-9) for k in range(4)]
+            if sum(keep) > 2:
+                faces.append(face[keep])
+    return unfolded(faces, texel)
+
+
+def unfolded(faces, texel):
+    """Positions, triangles, uv and the resolution of flat polygons, each with a chart of its own, side by side in
+    rows."""
+    charts = []
+    for face in faces:
+        along = (face[1] - face[0]) / np.linalg.norm(face[1] - face[0])
+        normal = sum(np.cross(face[k] - face[0], face[k + 1] - face[0]) for k in range(1, len(face) - 1))
+        across = np.cross(normal / np.linalg.norm(normal), along)
+        chart = np.stack([(face - face[0]) @ along, (face - face[0]) @ across], axis=1)
+        charts.append((chart - chart.min(axis=0)) / texel)
+    sizes = [np.ceil(chart.max(axis=0)) + 6 for chart in charts]
+    edge = int(np.ceil(max(1.1 * np.sqrt(sum(w * h for w, h in sizes)), *(max(size) for size in sizes))))
+    places, resolution = {}, 0
+    x = y = row = 0
+    for i in sorted(range(len(charts)), key=lambda i: -sizes[i][1]):
+        w, h = sizes[i]
+        if x + w > edge:
+            x, y, row = 0, y + row, 0
+        places[i] = (x + 3, y + 3)
+        x, row = x + w, max(row, h)
+        resolution = max(resolution, int(y + h), edge)
+    numbers, positions, triangles, uv = {}, [], [], []
+    for i, face in enumerate(faces):
+        own = [numbers.setdefault(tuple(np.round(point, 6)), len(numbers)) for point in face]
+        for point, number in zip(face, own):
+            if number == len(positions):
+                positions.append(point)
+        chart = (charts[i] + places[i]) / resolution
+        for k in range(1, len(face) - 1):
+            triangles.append((own[0], own[k], own[k + 1]))
+            uv.append((chart[0], chart[k], chart[k + 1]))
+    return (
+        np.array(positions, np.float32),
+        np.array(triangles, np.int32),
+        np.array(uv, np.float32),
+        resolution,
+    )

@@ -266,9 +266,9 @@ def bare_checkpoint(tmp_path):
     mask = zlib.compress(bytes(8192 * 8192 // 8), 1)
     body = struct.pack("<I", 0) + struct.pack("<II", 1, 1)
     body += struct.pack("<I", 6) + b"ground" + struct.pack("<I", 8192) + struct.pack("<16d", *[0] * 16)
-    body += struct.pack("<Q", len(mask)) + mask
+    body += struct.pack("<Q", len(mask)) + mask + struct.pack("<QQQI", 0, 0, 0, 0)  # nothing in the air
     path = tmp_path / "state"
-    path.write_bytes(b"SNOWBOUGH-STATE\n" + struct.pack("<IQI", 3, len(body), zlib.crc32(body)) + body)
+    path.write_bytes(b"SNOWBOUGH-STATE\n" + struct.pack("<IQI", 4, len(body), zlib.crc32(body)) + body)
     return str(path)
 
 

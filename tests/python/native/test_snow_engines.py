@@ -21,6 +21,7 @@ def baked(engine, density=1.0, repose=STAYS, max_depth=0.02):
     ball, ground = sphere(), grid(4.0, 4.0)
     below = ground[0] - np.float32([2.0, 2.0, 1.2])
     with native.SnowSimulation(
+        landing=False,
         repose=repose,
         pixel_size=0.02,
         max_depth=max_depth,
@@ -77,7 +78,7 @@ def test_engines_agree_on_a_ball_that_stands():
     ball = sphere(0.5, 24, 12)
     maps = []
     for engine in ("CPU", "GL"):
-        with native.SnowSimulation(pixel_size=0.01, max_depth=100.0, engine=engine) as sim:
+        with native.SnowSimulation(pixel_size=0.01, max_depth=100.0, landing=False, engine=engine) as sim:
             sim.add_object("ball", *ball[1:], resolution=128)
             for step in range(6):
                 sim.step({"ball": ball[0]} if step == 0 else {}, 0.01, (0.0, 0.0, -1.0), 1.0 / 24.0)

@@ -15,7 +15,7 @@ DOWN = (0.0, 0.0, -1.0)
 
 
 def simulation(meshes, repose=FRESH, resolution=128, engine="CPU", only_shade=(), **settings):
-    settings = {"pixel_size": 0.01, "max_depth": 100.0, **settings}
+    settings = {"pixel_size": 0.01, "max_depth": 100.0, "landing": False, **settings}
     sim = native.SnowSimulation(repose=repose, engine=engine, **settings)
     for name, (_, triangles, uv) in meshes.items():
         sim.add_object(name, triangles, uv, resolution=resolution, receive=name not in only_shade)
@@ -349,7 +349,7 @@ def test_walls_that_are_shaded_smooth_are_bare_too():
     owner[table["texel"]] = table["triangle"]
     walls = ((owner >= 0) & (np.abs(up[owner]) < 0.0999)).reshape(128, 128)
     assert walls.sum() > 500
-    sim = native.SnowSimulation(pixel_size=0.004, repose=FRESH, engine="CPU", max_depth=10.0)
+    sim = native.SnowSimulation(pixel_size=0.004, repose=FRESH, engine="CPU", max_depth=10.0, landing=False)
     with sim:
         sim.add_object("ball", triangles, uv, resolution=128, shading=triangles.astype(np.int32))
         for _ in range(4):
@@ -366,7 +366,7 @@ def test_walls_shed_their_snow_once_however_they_are_shaded(smooth):
     up, table = faces_of(positions, triangles, uv)
     walls = np.zeros(128 * 128, bool)
     walls[table["texel"]] = (up[table["triangle"]] > 0.0) & (up[table["triangle"]] < 0.0999)
-    with native.SnowSimulation(pixel_size=0.004, repose=FRESH, engine="CPU", max_depth=10.0) as sim:
+    with native.SnowSimulation(pixel_size=0.004, repose=FRESH, engine="CPU", max_depth=10.0, landing=False) as sim:
         shading = triangles.astype(np.int32) if smooth else None
         sim.add_object("ball", triangles, uv, resolution=128, shading=shading)
         sim.step({"ball": positions}, 0.2, (1.0, 0.0, -1.0), 0.0)

@@ -85,6 +85,9 @@ NUMBERS = {
     "repose": 0.0,
     "cohesion": -0.4,
     "blur_radius": -0.5,
+    "throw_speed": -0.6,
+    "spread": -0.7,
+    "heap_grain": 0.0,
 }
 
 

@@ -22,8 +22,8 @@ std::string CpuEngine::driver() const {
   return std::string("processor, ") + kFamily;
 }
 
-MemoryEstimate CpuEngine::memory(const std::vector<const SceneObject*>& objects, int32_t tile_size,
-                                 bool moves_snow) const {
+MemoryEstimate CpuEngine::memory(const std::vector<const SceneObject*>& objects,
+                                 int32_t tile_size) const {
   constexpr int64_t kPerTexel = 4 + 4 + sizeof(shared::TexelStep);
   // 18, and a share of a run of 32 for some eight fragments.
   constexpr int64_t kPerFragment = 18 + 4;
@@ -40,7 +40,6 @@ MemoryEstimate CpuEngine::memory(const std::vector<const SceneObject*>& objects,
   // The pixels of a tile, and the bins of its triangles.
   estimate.tile =
       int64_t{tile_size} * tile_size * static_cast<int64_t>(2 * sizeof(shared::SeenPixel) + 4);
-  if (moves_snow) estimate.repose = ReposePass::memory(objects);
   return estimate;
 }
 
@@ -48,7 +47,6 @@ void CpuEngine::build_scene(const std::vector<const SceneObject*>& objects) {
   pending_tile_.reset();
   scene_ = Scene{};
   scene_ = cpu::build_scene(objects);
-  repose_.lay_out(objects);
 }
 
 void CpuEngine::set_positions(size_t object, const std::vector<glm::vec3>& positions) {
@@ -56,7 +54,6 @@ void CpuEngine::set_positions(size_t object, const std::vector<glm::vec3>& posit
             scene_.positions.begin() + scene_.layout.first_vertex[object]);
   scene_.normals_are_current = false;
   if (scene_.layout.plan.group[object] >= 0) ++receiver_of(object).pose;
-  repose_.forget_pose(object);
 }
 
 void CpuEngine::render_occlusion(const Tile& tile, const std::vector<TriangleRange>& ranges) {
@@ -71,18 +68,23 @@ void CpuEngine::render_occlusion(const Tile& tile, const std::vector<TriangleRan
       pixels, std::span(scene_.seen).first(count));
 }
 
-void CpuEngine::apply_repose(const ReposeSettings& settings, float dt) {
-  std::vector<ReposePass::Map> maps;
+void CpuEngine::move_snow(const std::function<void(std::vector<MovingMap>&)>& move) {
+  std::vector<MovingMap> maps;
   for (Receiver& receiver : scene_.receivers) {
-    maps.push_back({receiver.object, &receiver.height});
+    MovingMap& map = maps.emplace_back(receiver.object, &receiver.height);
+    for (size_t i = 0; i < receiver.slid.size(); ++i) {
+      if (receiver.slid[i] <= 0.0f) continue;
+      map.slid_from.emplace_back(static_cast<int32_t>(receiver.places[i]), receiver.slid[i]);
+    }
+    receiver.slid.clear();
   }
-  repose_.run(settings, dt, maps);
+  move(maps);
   for (size_t slot = 0; slot < maps.size(); ++slot) {
-    if (!maps[slot].has_changed) continue;
     Receiver& receiver = scene_.receivers[slot];
     receiver.sums.slid += maps[slot].slid;
     receiver.sums.held -= maps[slot].slid;
-    cpu::find_snow(receiver);
+    receiver.sums.landed += maps[slot].landed;
+    if (maps[slot].has_changed) cpu::find_snow(receiver);
   }
 }
 

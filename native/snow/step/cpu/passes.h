@@ -11,7 +11,6 @@
 
 #include "shaders/lib/object_sums.h"
 #include "shaders/lib/snow_shared.h"
-#include "snow/repose/pass.h"
 #include "snow/scene/projection.h"
 #include "snow/step/cpu/occlusion/occlusion.h"
 #include "snow/step/cpu/scene.h"
@@ -80,8 +79,8 @@ class CpuEngine final : public Engine {
   EngineKind kind() const override { return EngineKind::kCpu; }
   std::string driver() const override;
   int64_t free_memory() override { return machine_memory(); }
-  MemoryEstimate memory(const std::vector<const SceneObject*>& objects, int32_t tile_size,
-                        bool moves_snow) const override;
+  MemoryEstimate memory(const std::vector<const SceneObject*>& objects,
+                        int32_t tile_size) const override;
   void run(const std::function<void()>& work) override { work(); }
 
   void build_scene(const std::vector<const SceneObject*>& objects) override;
@@ -111,7 +110,7 @@ class CpuEngine final : public Engine {
     pending_tile_.reset();
     cpu::apply_stability(scene_, settings, full_gain, dt, last);
   }
-  void apply_repose(const ReposeSettings& settings, float dt) override;
+  void move_snow(const std::function<void(std::vector<MovingMap>&)>& move) override;
   void close_statistics(float pixel_area) override {
     for (Receiver& receiver : scene_.receivers) {
       receiver.sums = shared::closed(receiver.sums, scene_.back_pixels[receiver.slot], pixel_area);
@@ -145,7 +144,6 @@ class CpuEngine final : public Engine {
   std::optional<PendingTile> pending_tile_;
   Scene scene_;
   OcclusionPass occlusion_;
-  ReposePass repose_;
 };
 
 }  // namespace snowbough::snow::cpu

@@ -45,6 +45,8 @@ struct Receiver {
   std::vector<uint32_t> evaluated_in;
   /// Snow thickness in metres, row by row.
   std::vector<float> height;
+  /// Per texel, the volume in m3 that stability let slide in this step; empty if not recorded.
+  std::vector<float> slid;
 
   /// Per group: whether snow lies on it; and the groups active in this step, ascending.
   std::vector<uint8_t> holds_snow;

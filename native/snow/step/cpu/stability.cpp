@@ -19,6 +19,8 @@ struct Stability {
   const uint* places;
   size_t texel_count;
   const cpu::TexelSteps* steps;
+  /// Out, per texel: volume that slides off; may be null.
+  float* slid;
 
   /// A TexelStep as one vector.
   uvec4 step_of(size_t i) const {
@@ -88,6 +90,7 @@ inline vec4 stabilise_run(Stability& stability, const Stability::WholeStep& whol
       run.stable[k] = stable.height;
       highest = max(highest, abs(stable.height));
       sums += stable.sums;
+      if (stability.slid != nullptr) stability.slid[begin + k] = stable.sums.y;
     }
   }
   for (size_t k = 0; k < count; ++k) {
@@ -125,6 +128,9 @@ void cpu::apply_stability(Scene& scene, const StabilitySettings& settings, float
     stability.max_depth = settings.max_depth;
     stability.dt = dt;
     stability.half_life = settings.clamped_half_life();
+    receiver.slid.clear();
+    if (settings.records_slid) receiver.slid.resize(receiver.places.size(), 0.0f);
+    stability.slid = settings.records_slid ? receiver.slid.data() : nullptr;
     std::vector<glm::dvec4> sums(receiver.active.size(), glm::dvec4(0.0));
     base::for_each_item(receiver.active.size(), 4, [&](size_t i) {
       const size_t group = receiver.active[i];

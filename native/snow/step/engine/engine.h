@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "shaders/lib/snow_shared.h"
-#include "snow/repose/repose.h"
+#include "snow/movement/moving_map.h"
 #include "snow/scene/memory_estimate.h"
 #include "snow/scene/projection.h"
 #include "snow/scene/scene_layout.h"
@@ -27,20 +27,11 @@ struct StabilitySettings {
   float max_depth = 1.0f;
   /// Seconds in which the snow beyond the capacity halves.
   float half_life = 2.0f;
+  /// Whether to record what slides off each texel, for MovingMap::slid_from.
+  bool records_slid = false;
 
   /// Half-life, clamped to at least 1 microsecond.
   float clamped_half_life() const { return half_life < 1e-6f ? 1e-6f : half_life; }
-};
-
-/// One step of snow: the fall, the settings that move snow, and the tile size.
-struct FrameStep {
-  FallSettings fall;
-  StabilitySettings stability;
-  ReposeSettings repose;
-  /// Seconds.
-  double dt = 0.0;
-  /// Largest edge of a tile in pixels; changes no result.
-  int32_t tile_size = 2048;
 };
 
 /// Total cost of a pass's calls.
@@ -73,10 +64,10 @@ class Engine {
   virtual std::string driver() const = 0;
   /// Free memory in bytes for a scene; 0 = unknown.
   virtual int64_t free_memory() = 0;
-  /// Bytes that a scene of these objects will take. `tile_size`: see FrameStep; `moves_snow`:
-  /// whether repose is on.
-  virtual MemoryEstimate memory(const std::vector<const SceneObject*>& objects, int32_t tile_size,
-                                bool moves_snow) const = 0;
+  /// Bytes that a scene of these objects will take, without the passes that move snow.
+  /// `tile_size`: see FrameStep.
+  virtual MemoryEstimate memory(const std::vector<const SceneObject*>& objects,
+                                int32_t tile_size) const = 0;
 
   /// Calls `work` on the thread on which all functions below are called. Throws as `work`.
   virtual void run(const std::function<void()>& work) = 0;
@@ -103,9 +94,10 @@ class Engine {
   /// Adds the deposit to the heights and lets snow beyond a slope's capacity slide. `full_gain`:
   /// thickness in metres of a fully visible texel that faces the fall; `dt` in seconds.
   virtual void apply_stability(const StabilitySettings& settings, float full_gain, float dt) = 0;
-  /// Moves snow that is steeper than its angle of repose to lower neighbours, and counts snow that
-  /// falls over rims as slid (snow/repose/repose.h). `dt` in seconds; 0: no snow moves.
-  virtual void apply_repose(const ReposeSettings& settings, float dt) = 0;
+  /// Calls `move` with all receivers' stored heights in main memory, in the order of their objects,
+  /// and takes back the maps that it marks as changed. What left a map counts as slid, what came as
+  /// landed.
+  virtual void move_snow(const std::function<void(std::vector<MovingMap>&)>& move) = 0;
   /// Updates sums and totals. `pixel_area` in m2.
   virtual void close_statistics(float pixel_area) = 0;
 

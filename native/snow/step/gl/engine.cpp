@@ -17,9 +17,9 @@ GlEngine::~GlEngine() {
   }
 }
 
-MemoryEstimate GlEngine::memory(const std::vector<const SceneObject*>& objects, int32_t tile_size,
-                                bool moves_snow) const {
-  MemoryEstimate estimate = gl::estimate_memory(objects, tile_size, moves_snow);
+MemoryEstimate GlEngine::memory(const std::vector<const SceneObject*>& objects,
+                                int32_t tile_size) const {
+  MemoryEstimate estimate = gl::estimate_memory(objects, tile_size);
   if (by_geometry_) estimate.maps += GeometryDeposit::memory(objects);
   return estimate;
 }
@@ -32,7 +32,6 @@ void GlEngine::build_scene(const std::vector<const SceneObject*>& objects) {
   passes_->scene = SceneBuffers{};
   passes_->geometry.reset();
   passes_->live_filters.clear();
-  passes_->repose.reset();
   passes_->scene = build_scene_buffers(objects, thread_->info());
   if (by_geometry_) passes_->geometry = std::make_unique<GeometryDeposit>(objects, passes_->scene);
   passes_->objects = objects;
@@ -42,17 +41,54 @@ void GlEngine::set_positions(size_t object, const std::vector<glm::vec3>& positi
   passes_->scene.positions.write(int64_t{12} * layout().first_vertex[object],
                                  static_cast<int64_t>(positions.size()) * 12, positions.data());
   passes_->scene.normals_are_current = false;
-  if (passes_->repose != nullptr) passes_->repose->forget_pose(object);
 }
 
-void GlEngine::apply_repose(const ReposeSettings& settings, float dt) {
-  if (!settings.is_on() || !(dt > 0.0f)) return;
-  const auto measured = passes_->timer.measure("repose");
-  if (passes_->repose == nullptr) {
-    passes_->repose =
-        std::make_unique<ReposePass>(passes_->objects, passes_->scene, thread_->info());
+void GlEngine::move_snow(const std::function<void(std::vector<MovingMap>&)>& move) {
+  const auto measured = passes_->timer.measure("movement");
+  const std::vector<int32_t>& groups = layout().plan.group;
+  std::vector<std::vector<float>> heights(groups.size());
+  std::vector<MovingMap> maps;
+  for (size_t object = 0; object < groups.size(); ++object) {
+    if (groups[object] < 0) continue;
+    read_height(object, heights[object]);
+    maps.emplace_back(object, &heights[object]);
   }
-  passes_->repose->run(passes_->scene, settings, dt);
+  if (std::exchange(records_slid_, false)) collect_slid(maps);
+  move(maps);
+  bool has_changed = false;
+  for (const MovingMap& map : maps) {
+    if (map.has_changed) group_of(map.object).write_height(layer_of(map.object), *map.height);
+    has_changed = has_changed || map.has_changed;
+    if (map.slid == 0.0 && map.landed == 0.0) continue;
+    shared::ObjectSums sums = read_sums(map.object);
+    sums.slid += map.slid;
+    sums.held -= map.slid;
+    sums.landed += map.landed;
+    write_sums(map.object, sums);
+  }
+  if (has_changed) passes_->groups.find_snow(passes_->scene);
+}
+
+void GlEngine::collect_slid(std::vector<MovingMap>& maps) {
+  std::vector<MovingMap*> by_slot(layout().plan.slot.size(), nullptr);
+  for (MovingMap& map : maps) {
+    by_slot[static_cast<size_t>(layout().plan.slot[map.object])] = &map;
+  }
+  std::vector<float> slid;
+  std::vector<uint32_t> places;
+  for (const TexelBatch& batch : passes_->scene.batches) {
+    const MapGroup& group = passes_->scene.groups[static_cast<size_t>(batch.group)];
+    const auto texels = static_cast<uint32_t>(group.resolution * group.resolution);
+    slid.resize(static_cast<size_t>(batch.count));
+    places.resize(slid.size());
+    batch.slid.read(0, int64_t{4} * batch.count, slid.data());
+    batch.places.read(0, int64_t{4} * batch.count, places.data());
+    for (size_t i = 0; i < slid.size(); ++i) {
+      if (slid[i] <= 0.0f) continue;
+      const auto slot = static_cast<uint32_t>(group.first_slot) + places[i] / texels;
+      by_slot[slot]->slid_from.emplace_back(static_cast<int32_t>(places[i] % texels), slid[i]);
+    }
+  }
 }
 
 void GlEngine::read_height(size_t object, std::vector<float>& height) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "shaders/lib/repose_shared.h"
+#include "shaders/lib/snow_shared.h"
 
 namespace snowbough::snow::gl {
 namespace {
@@ -21,24 +21,10 @@ int64_t texel_bytes(const SceneObject& object, bool has_opacity) {
          fragments * static_cast<int64_t>(sizeof(shared::Fragment) + (has_opacity ? 4 : 0));
 }
 
-/// See ReposeBuffers: 4 vectors, 7 numbers and two vectors per cell; tables of the block. Ends are
-/// known once links are: about three per rim texel.
-int64_t repose_bytes(const std::vector<const SceneObject*>& objects) {
-  constexpr int64_t kPerBlock = shared::kReposeCells * (4 * 16 + 6 * 4 + 2 * 16) +
-                                sizeof(shared::ReposeBlock) + sizeof(shared::ReposeBlockState) +
-                                (9 + 1 + 12) * 4 + 8 + 4 * 4;
-  constexpr int64_t kPerEnd = sizeof(shared::ReposeEnd) + 16 + 2 * 4;
-  int64_t bytes = kPerBlock * count_blocks(objects, shared::kReposeBlock);
-  for (const SceneObject* object : objects) {
-    if (object->description.receive) bytes += 3 * kPerEnd * count_rim_texels(*object->table);
-  }
-  return bytes;
-}
-
 }  // namespace
 
-MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, int32_t tile_size,
-                               bool moves_snow) {
+MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects,
+                               int32_t tile_size) {
   MemoryEstimate estimate = estimate_shared_memory(objects);
   const bool has_opacity = std::any_of(objects.begin(), objects.end(), [](const auto* object) {
     return !object->fragment_opacity.empty();
@@ -52,7 +38,6 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
   const int64_t drawn = (shown + 127) / 128 * 128;
   const auto pixel = static_cast<int64_t>(sizeof(shared::SeenPixel));
   estimate.tile = drawn * drawn * (pixel + 4) + shown * shown * pixel;
-  if (moves_snow) estimate.repose = repose_bytes(objects);
   return estimate;
 }
 

@@ -18,7 +18,6 @@
 #include "snow/step/gl/driver.h"
 #include "snow/step/gl/geometry/geometry_deposit.h"
 #include "snow/step/gl/occlusion.h"
-#include "snow/step/gl/repose.h"
 #include "snow/step/gl/scene_buffers.h"
 
 // The passes of a step as shaders, in their order, and the engine that runs them. The OcclusionPass
@@ -54,8 +53,12 @@ class TexelGroupsPass {
   /// Marks all groups as holding snow: for maps that were written from outside. GPU thread.
   static void forget(SceneBuffers& scene);
 
+  /// Marks the groups onto which snow has moved. GPU thread.
+  void find_snow(SceneBuffers& scene);
+
  private:
   gpu::Program groups_{{"texel_groups.comp.glsl"}};
+  gpu::Program snow_{{"snow_groups.comp.glsl"}};
 };
 
 /// Evaluates covered area and upward parts of the texels on the current triangles. Only for steps
@@ -160,8 +163,6 @@ struct Passes {
   StabilityPass stability;
   StatisticsPass statistics;
   std::vector<const SceneObject*> objects;
-  /// Created on first use.
-  std::unique_ptr<ReposePass> repose;
   OcclusionTarget target;
   /// By object.
   std::map<size_t, std::unique_ptr<LiveFilter>> live_filters;
@@ -184,8 +185,8 @@ class GlEngine final : public Engine {
     return thread_->info().renderer + ", " + thread_->info().version;
   }
   int64_t free_memory() override { return available_memory(thread_->info()); }
-  MemoryEstimate memory(const std::vector<const SceneObject*>& objects, int32_t tile_size,
-                        bool moves_snow) const override;
+  MemoryEstimate memory(const std::vector<const SceneObject*>& objects,
+                        int32_t tile_size) const override;
   void run(const std::function<void()>& work) override { thread_->run(work); }
 
   void build_scene(const std::vector<const SceneObject*>& objects) override;
@@ -232,9 +233,10 @@ class GlEngine final : public Engine {
   void apply_stability(const StabilitySettings& settings, float full_gain, float dt) override {
     const auto measured = passes_->timer.measure("stability");
     if (by_geometry_) passes_->geometry->write_gains(passes_->scene);
+    records_slid_ = settings.records_slid;
     passes_->stability.run(passes_->scene, settings, full_gain, dt, by_geometry_);
   }
-  void apply_repose(const ReposeSettings& settings, float dt) override;
+  void move_snow(const std::function<void(std::vector<MovingMap>&)>& move) override;
   void close_statistics(float pixel_area) override {
     const auto measured = passes_->timer.measure("statistics");
     passes_->statistics.close(passes_->scene, pixel_area);
@@ -254,6 +256,7 @@ class GlEngine final : public Engine {
   const SceneLayout& layout() const override { return passes_->scene.layout; }
 
  private:
+  void collect_slid(std::vector<MovingMap>& maps);
   MapGroup& group_of(size_t object);
   int32_t layer_of(size_t object);
   int64_t sums_offset(size_t object) const;
@@ -261,6 +264,8 @@ class GlEngine final : public Engine {
   std::shared_ptr<gpu::GpuThread> thread_;
   bool by_geometry_;
   bool measures_ = false;
+  /// Whether the step's stability recorded what slid.
+  bool records_slid_ = false;
   std::unique_ptr<Passes> passes_;
 };
 

@@ -59,6 +59,8 @@ struct TexelBatch {
   /// shared::TexelStep of the current step.
   gpu::Buffer steps;
   gpu::Buffer partials;
+  /// Per texel, the volume in m3 that stability let slide in this step; empty if not recorded.
+  gpu::Buffer slid;
   gpu::Buffer segment_buffer;
   gpu::Buffer group_slots;
   /// Work groups of texels, see shaders/texel_groups.comp.glsl: the triangles that decide whether a

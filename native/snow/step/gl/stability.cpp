@@ -6,6 +6,7 @@ void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings, 
                         float dt, bool in_metres) {
   std::vector<std::string> defines{local_size_define(local_size_)};
   if (in_metres) defines.emplace_back("GAIN_IN_METRES");
+  if (settings.records_slid) defines.emplace_back("RECORD_SLID");
   gpu::Program& program = programs_.with(defines);
   for (TexelBatch& batch : scene.batches) {
     const MapGroup& group = scene.groups[static_cast<size_t>(batch.group)];
@@ -16,6 +17,11 @@ void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings, 
     program.bind_texture("texel_steps", batch.views.steps);
     program.set("full_gain", full_gain);
     program.bind("Partials", batch.partials);
+    if (settings.records_slid) {
+      if (batch.slid.id() == 0) batch.slid = gpu::Buffer(int64_t{4} * batch.count);
+      batch.slid.clear();
+      program.bind("Slid", batch.slid);
+    }
     program.bind_image("height_map", group.height, GL_READ_WRITE);
     program.set("max_depth", settings.max_depth);
     program.set("dt", dt);

@@ -24,6 +24,19 @@ void TexelGroupsPass::run(SceneBuffers& scene, bool all) {
                   GL_COMMAND_BARRIER_BIT);
 }
 
+void TexelGroupsPass::find_snow(SceneBuffers& scene) {
+  for (const TexelBatch& batch : scene.batches) {
+    snow_.use();
+    snow_.bind_image("height_map", scene.groups[static_cast<size_t>(batch.group)].height,
+                     GL_READ_ONLY);
+    snow_.bind_texture("places", batch.views.places);
+    snow_.set("texel_count", batch.count);
+    snow_.bind("GroupStates", batch.group_states);
+    snow_.dispatch_items(batch.count, 64);
+  }
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
 void TexelGroupsPass::forget(SceneBuffers& scene) {
   for (TexelBatch& batch : scene.batches) {
     const std::vector<uint32_t> states(static_cast<size_t>(batch.group_count()),

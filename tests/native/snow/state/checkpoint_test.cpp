@@ -45,7 +45,8 @@ Checkpoint example() {
   ground.height = {0.1f, -0.0f, 1e-42f, std::nextafter(1.0f, 2.0f), 0.0f, -0.5f, 0.0f, 0.0f, 2.0f};
   for (size_t i = 0; i < ground.sums.size(); ++i) ground.sums[i] = static_cast<double>(i) / 3.0;
   ObjectState cart{"cart", 1, {0.0f}, {}};
-  return {"9f86d081", {48, {cart, ground}}};
+  const LandingState landing{99, {{50, "cart", 0, true, int64_t{1} << 40}, {51, "cart", 0, false, 3}}, 7, -8};
+  return {"9f86d081", {48, {cart, ground}, landing}};
 }
 
 TEST_F(CheckpointFile, comesBackBitForBit) {
@@ -63,6 +64,15 @@ TEST_F(CheckpointFile, comesBackBitForBit) {
   ASSERT_EQ(ground.height.size(), 9u);
   EXPECT_EQ(0, std::memcmp(ground.height.data(), expected.height.data(), 36));
   EXPECT_EQ(ground.sums, expected.sums);
+  const LandingState& landing = checkpoint.state.landing;
+  EXPECT_EQ(landing.on_floors, 7);
+  EXPECT_EQ(landing.left, -8);
+  ASSERT_EQ(landing.air.size(), 2u);
+  EXPECT_EQ(landing.air[0].time, 50);
+  EXPECT_EQ(landing.clock, 99);
+  EXPECT_EQ(landing.air[0].receiver, "cart");
+  EXPECT_TRUE(landing.air[0].is_back);
+  EXPECT_EQ(landing.air[0].units, int64_t{1} << 40);
 }
 
 TEST_F(CheckpointFile, theSameDataGivesTheSameBytes) {

@@ -122,8 +122,10 @@ Baked bake(Engine& engine, const Weather& weather) {
     moving.push_back(&object);
   }
   Baked baked;
+  Movement movement;
   engine.run([&] {
     engine.build_scene(all);
+    movement.lay_out(all);
     for (uint32_t number = 0; number < 4; ++number) {
       FrameStep step;
       step.fall = falling({0.4, 0.1, -1.0}, weather.pixel_size);
@@ -133,7 +135,7 @@ Baked bake(Engine& engine, const Weather& weather) {
       step.stability = {0.03f, 0.5f};
       step.dt = weather.dt;
       step.tile_size = weather.tile_size;
-      run_step(engine, moving, step);
+      run_step(engine, movement, moving, step);
     }
     for (size_t i = 0; i < objects.size(); ++i) {
       engine.read_height(i, baked.heights.emplace_back());

@@ -12,7 +12,9 @@
 namespace snowbough::snow {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
+using ::testing::Not;
 
 /// Records its calls.
 class WritesDown : public Engine {
@@ -27,7 +29,7 @@ class WritesDown : public Engine {
   EngineKind kind() const override { return EngineKind::kCpu; }
   std::string driver() const override { return "none"; }
   int64_t free_memory() override { return 0; }
-  MemoryEstimate memory(const std::vector<const SceneObject*>&, int32_t, bool) const override {
+  MemoryEstimate memory(const std::vector<const SceneObject*>&, int32_t) const override {
     return {};
   }
   void run(const std::function<void()>& work) override { work(); }
@@ -51,7 +53,9 @@ class WritesDown : public Engine {
     calls.push_back("stability");
     full_gain = gain;
   }
-  void apply_repose(const ReposeSettings&, float) override { calls.push_back("repose"); }
+  void move_snow(const std::function<void(std::vector<MovingMap>&)>&) override {
+    calls.push_back("movement");
+  }
   void close_statistics(float) override { calls.push_back("close"); }
   void read_height(size_t, std::vector<float>&) override {}
   void write_height(size_t, const std::vector<float>&) override {}
@@ -88,24 +92,43 @@ FrameStep step_of(double depth, int32_t tile_size = 2048) {
   return step;
 }
 
+void step_on(Engine& engine, const std::vector<SceneObject*>& objects, const FrameStep& step) {
+  Movement movement;
+  movement.lay_out({objects.begin(), objects.end()});
+  run_step(engine, movement, objects, step);
+}
+
 TEST(FrameStep, CallsThePassesInTheirOrder) {
   SceneObject ground = square_at("ground", 0, true, true);
   WritesDown engine({&ground});
-  run_step(engine, {&ground}, step_of(0.01));
+  step_on(engine, {&ground}, step_of(0.01));
   EXPECT_THAT(engine.calls,
-              ElementsAre("positions 0", "triangles", "choose", "open", "occlusion", "back faces",
-                          "first deposit", "stability", "repose", "close"));
+              ElementsAre("positions 0", "triangles", "open", "choose", "occlusion", "back faces",
+                          "first deposit", "stability", "close"));
+}
+
+TEST(FrameStep, ReadsHeightsBackOnlyIfSnowMoves) {
+  SceneObject ground = square_at("ground", 0, true, true);
+  WritesDown engine({&ground});
+  FrameStep step = step_of(0.01);
+  step.movement.repose.angle = 1.1;
+  step_on(engine, {&ground}, step);
+  EXPECT_THAT(engine.calls, Contains("movement"));
+  engine.calls.clear();
+  step.dt = 0.0;
+  step_on(engine, {&ground}, step);
+  EXPECT_THAT(engine.calls, Not(Contains("movement")));
 }
 
 TEST(FrameStep, HandsOverPositionsOfWhatMovedOnly) {
   SceneObject ground = square_at("ground", 0, true, true);
   SceneObject roof = square_at("roof", 1, false, true);
   WritesDown engine({&ground, &roof});
-  run_step(engine, {&ground, &roof}, step_of(0.01));
+  step_on(engine, {&ground, &roof}, step_of(0.01));
   EXPECT_FALSE(ground.moved || roof.moved);
   roof.moved = true;
   engine.calls.clear();
-  run_step(engine, {&ground, &roof}, step_of(0.01));
+  step_on(engine, {&ground, &roof}, step_of(0.01));
   EXPECT_EQ(engine.calls[0], "positions 1");
   EXPECT_EQ(engine.calls[1], "triangles");
 }
@@ -113,15 +136,15 @@ TEST(FrameStep, HandsOverPositionsOfWhatMovedOnly) {
 TEST(FrameStep, LooksAtNoSkyWhereNothingFalls) {
   SceneObject ground = square_at("ground", 0, true, true);
   WritesDown engine({&ground});
-  run_step(engine, {&ground}, step_of(0.0));
-  EXPECT_THAT(engine.calls, ElementsAre("positions 0", "triangles", "choose", "open", "evaluate",
-                                        "stability", "repose", "close"));
+  step_on(engine, {&ground}, step_of(0.0));
+  EXPECT_THAT(engine.calls, ElementsAre("positions 0", "triangles", "open", "choose", "evaluate",
+                                        "stability", "close"));
 }
 
 TEST(FrameStep, BeginsTheDepositWithItsFirstTile) {
   SceneObject ground = square_at("ground", 0, true, true);
   WritesDown engine({&ground});
-  run_step(engine, {&ground}, step_of(0.01, 8));  // ten pixels and some a side
+  step_on(engine, {&ground}, step_of(0.01, 8));  // ten pixels and some a side
   EXPECT_EQ(std::count(engine.calls.begin(), engine.calls.end(), "first deposit"), 1);
   EXPECT_EQ(std::count(engine.calls.begin(), engine.calls.end(), "deposit"), 3);
 }
@@ -133,7 +156,7 @@ TEST(FrameStep, DrawsNeighboursInOneRunAndLeavesOutWhatOccludesNothingOrLiesElse
   SceneObject far_away = square_at("d far away", 1000, false, true);
   const std::vector<SceneObject*> objects{&ghost, &ground, &roof, &far_away};
   WritesDown engine({&ghost, &ground, &roof, &far_away});
-  run_step(engine, objects, step_of(0.01));
+  step_on(engine, objects, step_of(0.01));
   ASSERT_EQ(engine.drawn.size(), 1u);
   ASSERT_EQ(engine.drawn[0].size(), 1u);
   EXPECT_EQ(engine.drawn[0][0].first, 2);
@@ -144,10 +167,10 @@ TEST(FrameStep, ThinSnowFallsThickerSoThatItsDepthIsTheSame) {
   SceneObject ground = square_at("ground", 0, true, true);
   WritesDown engine({&ground});
   FrameStep step = step_of(0.01);
-  run_step(engine, {&ground}, step);
+  step_on(engine, {&ground}, step);
   EXPECT_FLOAT_EQ(engine.full_gain, 0.01f);
   step.fall.noise_density = 0.25;
-  run_step(engine, {&ground}, step);
+  step_on(engine, {&ground}, step);
   EXPECT_FLOAT_EQ(engine.full_gain, 0.04f);
 }
 

@@ -33,9 +33,9 @@ SurfaceMesh spray(int count) {
   return mesh;
 }
 
-Cushions cushions_on(const SurfaceMesh& mesh, float thickness) {
+Cushions cushions_on(const SurfaceMesh& mesh, float thickness, int32_t most_points = 100000) {
   return find_cushions(mesh, mesh.position, std::vector<float>(mesh.position.size(), thickness),
-                       kDepth);
+                       kDepth, most_points);
 }
 
 TEST(Needles, AreManyThinPieces) {
@@ -72,6 +72,15 @@ TEST(Cushions, HangOnTheNeedlesNearThem) {
 
 TEST(Cushions, LeaveALoneNeedleAsItIs) {
   EXPECT_TRUE(cushions_on(spray(1), 0.001f).quads.empty());
+}
+
+TEST(Cushions, KeepWithinTheirPoints) {
+  const auto all = static_cast<int32_t>(cushions_on(spray(60), 0.001f).anchor.size());
+  for (const int32_t most : {all / 2, all / 3}) {
+    const auto count = static_cast<int32_t>(cushions_on(spray(60), 0.001f, most).anchor.size());
+    EXPECT_LE(count, most);
+    EXPECT_GT(count, 0);
+  }
 }
 
 TEST(Cushions, NeedSnow) {

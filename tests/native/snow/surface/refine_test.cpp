@@ -16,10 +16,11 @@ constexpr float kDepth = 0.12f;
 /// The refined mesh of a receiver under that map.
 SurfaceMesh refined(const SurfaceSource& source, const std::vector<float>& map,
                     int32_t most_points = 200000, float scale = 1.0f) {
-  const RimmedMesh receiver(source, 1.15f * rim_zone(kDepth), far_zone(kDepth));
+  const RimmedMesh receiver(source, 1.15f * rim_zone(kDepth), far_zone(kDepth), rim_strip(kDepth));
   const RimZones zones(receiver.mesh, receiver.rims, kDepth);
   return refined_surface(receiver.mesh, receiver.rims, zones, {map.data(), map.data(), kResolution},
-                         {kDepth, scale, most_points});
+                         {kDepth, scale, most_points})
+      .mesh;
 }
 
 SurfaceMesh snowy_slab(int32_t most_points = 200000) {
@@ -45,8 +46,8 @@ TEST(RefinedSurface, HasNoFacesWithoutArea) {
 }
 
 TEST(RefinedSurface, KeepsWithinItsPoints) {
-  for (const int32_t most : {500, 2000, 8000})
-    EXPECT_LE(snowy_slab(most).position.size(), 1.1 * most);
+  for (const int32_t most : {300, 500, 2000, 8000})
+    EXPECT_LE(snowy_slab(most).position.size(), most);
 }
 
 TEST(RefinedSurface, FacesAtUvSeamsSharePoints) {
@@ -156,11 +157,63 @@ TEST(RefinedSurface, ALargerScaleHasFewerPoints) {
             refined(source, map).position.size());
 }
 
+/// Longest side of the triangles that touch the rims of a slab of that size.
+float longest_at_rim(const SurfaceMesh& mesh, float size) {
+  const auto is_at_rim = [&](int32_t p) {
+    const glm::vec3& at = mesh.position[p];
+    return at.z > -1e-6f && std::max(std::abs(at.x), std::abs(at.y)) > 0.5f * size - 1e-6f;
+  };
+  float longest = 0.0f;
+  for (const auto& triangle : mesh.triangle) {
+    for (size_t k = 0; k < 3; ++k) {
+      const int32_t p = triangle[k], q = triangle[(k + 1) % 3];
+      if (is_at_rim(p) && is_at_rim(q))
+        longest = std::max(longest, glm::distance(mesh.position[p], mesh.position[q]));
+    }
+  }
+  return longest;
+}
+
+TEST(RefinedSurface, HasNoLongEdgeAtAHemHoweverFewPointsLevelGroundGets) {
+  const SurfaceSource source = slab(6.0f, 0.3f);
+  const std::vector<float> map = on_tops(source, kDepth);
+  const SurfaceMesh plenty = refined(source, map);
+  const auto most = static_cast<int32_t>(plenty.position.size() * 4 / 5);
+  const SurfaceMesh few = refined(source, map, most);
+  EXPECT_LE(longest_at_rim(plenty, 6.0f), 0.15f * kDepth);
+  EXPECT_LE(longest_at_rim(few, 6.0f), 0.15f * kDepth);
+  EXPECT_LE(few.position.size(), static_cast<size_t>(most));
+}
+
+TEST(RefinedSurface, SaysHowMuchCoarserItsHemsAre) {
+  const SurfaceSource source = slab(1.0f, 0.3f);
+  const std::vector<float> map = on_tops(source, kDepth);
+  const RimmedMesh receiver(source, 1.15f * rim_zone(kDepth), far_zone(kDepth), rim_strip(kDepth));
+  const RimZones zones(receiver.mesh, receiver.rims, kDepth);
+  const auto coarsened = [&](int32_t most_points) {
+    return refined_surface(receiver.mesh, receiver.rims, zones,
+                           {map.data(), map.data(), kResolution}, {kDepth, 1.0f, most_points})
+        .coarsened;
+  };
+  EXPECT_EQ(coarsened(200000), 1.0f);
+  EXPECT_GT(coarsened(1000), 1.3f);
+}
+
 TEST(WantedPoints, AreFewForAWiperAndManyForARoof) {
-  const double wiper = wanted_points(boxes({{{0, 0, 0}, {0.5f, 0.02f, 0.01f}}}), kDepth);
-  const double roof = wanted_points(slab(4.0f, 0.3f), kDepth);
+  const auto sum = [](const PointCounts& counts) { return counts.hems + counts.level; };
+  const double wiper = sum(wanted_points(boxes({{{0, 0, 0}, {0.5f, 0.02f, 0.01f}}}), kDepth));
+  const double roof = sum(wanted_points(slab(4.0f, 0.3f), kDepth));
   EXPECT_LT(wiper, 1000.0);
   EXPECT_GT(roof, 10.0 * wiper);
+}
+
+TEST(WantedPoints, AreLevelOnGroundWithoutRims) {
+  SurfaceSource ground = card(8.0f, 8.0f);
+  ground.shading = ground.topology.triangles;
+  const PointCounts counts = wanted_points(ground, kDepth);
+  EXPECT_LT(counts.hems, 20.0);
+  // Halved edges are shorter than wanted: two points for each square of that size.
+  EXPECT_NEAR(counts.level, 2.0 * 64.0 / (0.45 * 0.45 * kDepth * kDepth), 1.0);
 }
 
 }  // namespace

@@ -80,6 +80,64 @@ TEST(Rims, ABoardsFarFaceEndsWhereTheBoardDoes) {
   }
 }
 
+/// A level face of a metre to x = 0, a strip down at 45 degrees, and an upright face of a metre.
+SurfaceSource bevel(float size) {
+  return quads({{-1, 0, 0},
+                {0, 0, 0},
+                {0, 1, 0},
+                {-1, 1, 0},
+                {size, 0, -size},
+                {size, 1, -size},
+                {size, 0, -1},
+                {size, 1, -1}},
+               {{0, 1, 2, 3}, {1, 4, 5, 2}, {4, 6, 7, 5}});
+}
+
+TEST(Rims, ABevelIsOneWhereItsFacesWouldMeet) {
+  const RimmedMesh mesh(bevel(0.02f));
+  int found = 0;
+  for (const Rim& rim : mesh.rims.all()) {
+    if (rim.out.x < 0.9f || rim.far_normal == glm::vec3(0.0f)) continue;
+    ++found;
+    EXPECT_NEAR(rim.from.x, 0.02f, 1e-3f);
+    EXPECT_NEAR(rim.from.z, 0.0f, 1e-6f);
+    EXPECT_NEAR(rim.strip_out, 0.02f, 1e-6f);
+    EXPECT_NEAR(rim.strip_down, 0.02f, 1e-6f);
+    EXPECT_LT(glm::distance(rim.far_normal, glm::vec3(1, 0, 0)), 1e-6f);
+  }
+  EXPECT_EQ(found, 1);
+}
+
+TEST(Rims, AStripThatIsTooWideIsNone) {
+  const RimmedMesh mesh(bevel(0.05f));
+  for (const Rim& rim : mesh.rims.all()) EXPECT_EQ(rim.strip_out, 0.0f);
+}
+
+TEST(Rims, ARoundRailHasNoStrips) {
+  constexpr int32_t kSides = 16;
+  std::vector<glm::vec3> positions;
+  std::vector<std::array<int32_t, 4>> faces;
+  for (int32_t i = 0; i < kSides; ++i) {
+    const float turn = 6.2831853f * static_cast<float>(i) / kSides;
+    for (const float x : {-0.6f, 0.6f})
+      positions.emplace_back(x, 0.01f * std::cos(turn), 0.01f * std::sin(turn));
+    const int32_t next = (i + 1) % kSides;
+    faces.push_back({2 * i, 2 * next, 2 * next + 1, 2 * i + 1});
+  }
+  const RimmedMesh rail(quads(positions, faces));
+  for (const Rim& rim : rail.rims.all()) EXPECT_EQ(rim.far_normal, glm::vec3(0.0f));
+}
+
+TEST(RimPlace, OnABevelIsInwardsLessBelow) {
+  const RimmedMesh mesh(bevel(0.02f));
+  const float even = std::sqrt(0.5f);
+  const RimPlace place =
+      mesh.rims.place({0.015f, 0.5f, -0.015f}, {even, 0, even}, mesh.rims.parts()[0], 0.001f);
+  ASSERT_FALSE(place.is_far_off);
+  EXPECT_NEAR(place.below, 0.015f, 1e-4f);
+  EXPECT_NEAR(place.distance, 0.005f - 0.015f, 2e-4f);
+}
+
 TEST(RimPlace, OnTopOfACubeIsInsideOfTheRim) {
   const RimmedMesh cube(slab(1.0f, 1.0f));
   const RimPlace place =

@@ -127,11 +127,12 @@ inline SurfaceSource ball(float radius, int32_t around, int32_t rings) {
 
 /// A receiver's mesh with its rims.
 struct RimmedMesh {
-  explicit RimmedMesh(const SurfaceSource& source, float reach = 0.3f, float far_reach = 0.05f)
+  explicit RimmedMesh(const SurfaceSource& source, float reach = 0.3f, float far_reach = 0.05f,
+                      float strip = 0.04f)
       : shading(source.shading),
         mesh(receiver_mesh(source)),
         tree(mesh.position, mesh.triangle, {0, static_cast<int32_t>(mesh.triangle.size())}),
-        rims(mesh, tree, shading, reach, far_reach) {}
+        rims(mesh, tree, shading, reach, far_reach, strip) {}
 
   std::vector<int32_t> shading;
   SurfaceMesh mesh;

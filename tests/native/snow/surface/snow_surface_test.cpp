@@ -26,11 +26,20 @@ SurfacePlan plan_of(glm::vec2 wind = glm::vec2(0.0f)) {
   return plan;
 }
 
-SnowSurface surface_on(const SurfaceSource& source, const std::vector<float>& map,
-                       const shared::SnowStyle& style = kUsual, glm::vec2 wind = glm::vec2(0.0f)) {
-  SnowSurface surface(source, map, map, plan_of(wind));
-  surface.set_style(style);
-  return surface;
+/// A surface with a style.
+struct StyledSurface {
+  SnowSurface surface;
+  shared::SnowStyle style;
+
+  std::vector<glm::vec3> points(const SurfaceFrame& frame) const {
+    return surface_points(surface, style, frame);
+  }
+};
+
+StyledSurface surface_on(const SurfaceSource& source, const std::vector<float>& map,
+                         const shared::SnowStyle& style = kUsual,
+                         glm::vec2 wind = glm::vec2(0.0f)) {
+  return {plan_surface(source, map, map, plan_of(wind)), style};
 }
 
 SurfaceFrame frame_of(const std::vector<float>& map, float open_depth = kDepth) {
@@ -50,7 +59,7 @@ float most(const std::vector<glm::vec3>& points, int axis, float sign) {
 TEST(SnowSurface, OnLevelGroundIsAsHighAsTheMap) {
   const SurfaceSource ground = card(4.0f, 4.0f);
   const std::vector<float> map = map_of(ground, {kDepth});
-  const SnowSurface surface = surface_on(ground, map, kPlain);
+  const StyledSurface surface = surface_on(ground, map, kPlain);
   int inside = 0;
   for (const glm::vec3& point : surface.points(frame_of(map))) {
     if (std::max(std::abs(point.x), std::abs(point.y)) > 1.7f) continue;
@@ -63,7 +72,7 @@ TEST(SnowSurface, OnLevelGroundIsAsHighAsTheMap) {
 TEST(SnowSurface, ReliefWavesAboutTheMap) {
   const SurfaceSource ground = card(4.0f, 4.0f);
   const std::vector<float> map = map_of(ground, {kDepth});
-  const SnowSurface surface = surface_on(ground, map, kUsual);
+  const StyledSurface surface = surface_on(ground, map, kUsual);
   std::vector<float> height;
   for (const glm::vec3& point : surface.points(frame_of(map))) {
     if (std::max(std::abs(point.x), std::abs(point.y)) < 1.7f) height.push_back(point.z);
@@ -78,7 +87,7 @@ TEST(SnowSurface, ReliefWavesAboutTheMap) {
 TEST(SnowSurface, OfABareMapLiesBelowTheReceiver) {
   const SurfaceSource board = slab(1.0f, 0.1f);
   const std::vector<float> bare(kResolution * kResolution, 0.0f);
-  const SnowSurface surface = surface_on(board, on_tops(board, kDepth));
+  const StyledSurface surface = surface_on(board, on_tops(board, kDepth));
   for (const glm::vec3& point : surface.points(frame_of(bare))) {
     EXPECT_LE(point.z, 0.0f);
     EXPECT_LE(std::max(std::abs(point.x), std::abs(point.y)), 0.5f);
@@ -88,7 +97,7 @@ TEST(SnowSurface, OfABareMapLiesBelowTheReceiver) {
 TEST(SnowSurface, BeforeAnySnowLiesClearlyBelowTheReceiver) {
   const SurfaceSource ground = card(4.0f, 4.0f);
   const std::vector<float> bare(kResolution * kResolution, 0.0f);
-  const SnowSurface surface = surface_on(ground, map_of(ground, {kDepth}));
+  const StyledSurface surface = surface_on(ground, map_of(ground, {kDepth}));
   for (const glm::vec3& point : surface.points(frame_of(bare, 0.0f))) {
     EXPECT_LT(point.z, -0.0004f);
   }
@@ -97,7 +106,7 @@ TEST(SnowSurface, BeforeAnySnowLiesClearlyBelowTheReceiver) {
 TEST(SnowSurface, OfABareMapStaysInsideAThinBoard) {
   const SurfaceSource board = slab(1.0f, 0.002f);
   const std::vector<float> bare(kResolution * kResolution, 0.0f);
-  const SnowSurface surface = surface_on(board, on_tops(board, kDepth));
+  const StyledSurface surface = surface_on(board, on_tops(board, kDepth));
   EXPECT_GT(most(surface.points(frame_of(bare)), 2, -1.0f), -0.002f);
 }
 
@@ -113,9 +122,9 @@ TEST(SnowSurface, HangsOverARimThatHasSnow) {
 }
 
 /// m3 between the faces and the plane z = 0.
-float volume_of(const SnowSurface& surface, const std::vector<glm::vec3>& points) {
+float volume_of(const StyledSurface& surface, const std::vector<glm::vec3>& points) {
   double volume = 0.0;
-  const SurfaceFaces& faces = surface.faces();
+  const SurfaceFaces& faces = surface.surface.faces;
   for (size_t f = 0; f + 1 < faces.begin.size(); ++f) {
     for (int32_t k = faces.begin[f] + 1; k + 1 < faces.begin[f + 1]; ++k) {
       const glm::vec3& a = points[faces.corner[faces.begin[f]]];
@@ -140,7 +149,7 @@ TEST(SnowSurface, OnANarrowTopHoldsWhatTheMapHolds) {
           std::max(1.0f - std::max(std::abs(place.x), std::abs(place.y)) * 1.23f, 0.0f);
     }
   }
-  const SnowSurface surface = surface_on(post, map);
+  const StyledSurface surface = surface_on(post, map);
   EXPECT_NEAR(volume_of(surface, surface.points(frame_of(map))) / (kTop * kSide * kSide / 3.0f),
               1.0f, 0.2f);
 }
@@ -211,10 +220,10 @@ float gap_between_boards(float bridging) {
   const SurfaceSource boards = boxes(
       {{{-1.0f, 0.0f, -0.3f}, {-0.01f, 1.0f, 0.0f}}, {{0.01f, 0.0f, -0.3f}, {1.0f, 1.0f, 0.0f}}});
   const std::vector<float> bare = on_tops(boards, 0.0f), map = on_tops(boards, kDepth);
-  SnowSurface surface = surface_on(boards, map, kPlain);
+  StyledSurface surface = surface_on(boards, map, kPlain);
   // Bare points stay on their own board.
   const std::vector<glm::vec3> places = surface.points(frame_of(bare));
-  surface.set_style({0.0f, 0.0f, bridging, 0.0f});
+  surface.style = {0.0f, 0.0f, bridging, 0.0f};
   const std::vector<glm::vec3> points = surface.points(frame_of(map));
   float left = -1.0f, right = 1.0f;
   for (size_t p = 0; p < points.size(); ++p) {
@@ -264,7 +273,7 @@ TEST(SnowSurfaceDeathTest, GivesTheSamePointsOnOneThread) {
 TEST(SnowSurface, FollowsPositionsThatTurnAsAWhole) {
   const SurfaceSource board = slab(1.0f, 0.3f);
   const std::vector<float> map = on_tops(board, kDepth);
-  const SnowSurface surface = surface_on(board, map);
+  const StyledSurface surface = surface_on(board, map);
   const glm::mat4 turn =
       glm::rotate(glm::translate(glm::mat4(1.0f), {0.5f, -0.2f, 0.1f}), 0.7f, glm::vec3(0, 0, 1));
   std::vector<glm::vec3> positions;
@@ -282,7 +291,7 @@ TEST(SnowSurface, FollowsPositionsThatTurnAsAWhole) {
 TEST(SnowSurface, ATiltedReceiverIsTheSameByPositionsAndByWhereUpIs) {
   const SurfaceSource board = slab(1.0f, 0.3f);
   const std::vector<float> map = on_tops(board, kDepth);
-  const SnowSurface surface = surface_on(board, map);
+  const StyledSurface surface = surface_on(board, map);
   const glm::mat4 turn = glm::rotate(glm::mat4(1.0f), 0.4f, glm::vec3(1, 0, 0));
   std::vector<glm::vec3> positions;
   for (const glm::vec3& position : board.positions)
@@ -298,7 +307,7 @@ TEST(SnowSurface, ATiltedReceiverIsTheSameByPositionsAndByWhereUpIs) {
 TEST(SnowSurface, PointsComeInTheSpaceThatIsAskedFor) {
   const SurfaceSource board = slab(1.0f, 0.3f);
   const std::vector<float> map = on_tops(board, kDepth);
-  const SnowSurface surface = surface_on(board, map);
+  const StyledSurface surface = surface_on(board, map);
   SurfaceFrame frame = frame_of(map);
   frame.to_result = glm::scale(glm::mat4(1.0f), glm::vec3(10.0f));
   const std::vector<glm::vec3> metres = surface.points(frame_of(map)),
@@ -309,8 +318,8 @@ TEST(SnowSurface, PointsComeInTheSpaceThatIsAskedFor) {
 
 TEST(SnowSurfaceFaces, HaveThreeOrFourCornersAndUseEveryPoint) {
   const SurfaceSource board = slab(1.0f, 0.3f);
-  const SnowSurface surface = surface_on(board, on_tops(board, kDepth));
-  const SurfaceFaces& faces = surface.faces();
+  const StyledSurface surface = surface_on(board, on_tops(board, kDepth));
+  const SurfaceFaces& faces = surface.surface.faces;
   size_t quads = 0;
   for (size_t f = 0; f + 1 < faces.begin.size(); ++f) {
     const int32_t sides = faces.begin[f + 1] - faces.begin[f];
@@ -322,40 +331,41 @@ TEST(SnowSurfaceFaces, HaveThreeOrFourCornersAndUseEveryPoint) {
   std::vector<int32_t> used = faces.corner;
   std::sort(used.begin(), used.end());
   used.erase(std::unique(used.begin(), used.end()), used.end());
-  ASSERT_EQ(used.size(), surface.point_count());
-  EXPECT_EQ(used.back(), static_cast<int32_t>(surface.point_count()) - 1);
+  ASSERT_EQ(used.size(), surface.surface.point_count());
+  EXPECT_EQ(used.back(), static_cast<int32_t>(surface.surface.point_count()) - 1);
 }
 
 TEST(SnowSurfaceFaces, OfAReceiverWithoutSnowAreNone) {
   const SurfaceSource board = slab(1.0f, 0.3f);
-  const SnowSurface surface = surface_on(board, on_tops(board, 0.0f));
-  EXPECT_EQ(surface.point_count(), 0u);
-  EXPECT_THAT(surface.faces().begin, testing::ElementsAre(0));
+  const StyledSurface surface = surface_on(board, on_tops(board, 0.0f));
+  EXPECT_EQ(surface.surface.point_count(), 0u);
+  EXPECT_THAT(surface.surface.faces.begin, testing::ElementsAre(0));
   EXPECT_TRUE(surface.points(frame_of(on_tops(board, 0.0f))).empty());
 }
 
 TEST(SnowSurfaceFaces, OfAReceiverWithoutFacesAreNone) {
   SurfaceSource nothing;
   nothing.topology.resolution = kResolution;
-  EXPECT_EQ(
-      surface_on(nothing, std::vector<float>(kResolution * kResolution, kDepth)).point_count(), 0u);
+  EXPECT_EQ(surface_on(nothing, std::vector<float>(kResolution * kResolution, kDepth))
+                .surface.point_count(),
+            0u);
 }
 
 TEST(SnowSurface, RefusesWhatDoesNotFit) {
   const SurfaceSource board = slab(1.0f, 0.3f);
   const std::vector<float> map = on_tops(board, kDepth), small(16, 0.0f);
-  EXPECT_THROW(SnowSurface(board, small, map, plan_of()), std::invalid_argument);
-  EXPECT_THROW(SnowSurface(board, map, small, plan_of()), std::invalid_argument);
+  EXPECT_THROW(plan_surface(board, small, map, plan_of()), std::invalid_argument);
+  EXPECT_THROW(plan_surface(board, map, small, plan_of()), std::invalid_argument);
   SurfaceSource short_one = board;
   short_one.positions.pop_back();
-  EXPECT_THROW(SnowSurface(short_one, map, map, plan_of()), std::invalid_argument);
+  EXPECT_THROW(plan_surface(short_one, map, map, plan_of()), std::invalid_argument);
   SurfaceSource shaded = board;
   shaded.shading = {0, 1};
-  EXPECT_THROW(SnowSurface(shaded, map, map, plan_of()), std::invalid_argument);
+  EXPECT_THROW(plan_surface(shaded, map, map, plan_of()), std::invalid_argument);
   for (const float depth : {0.0f, -1.0f, std::numeric_limits<float>::quiet_NaN()}) {
     SurfacePlan plan = plan_of();
     plan.density.depth = depth;
-    EXPECT_THROW(SnowSurface(board, map, map, plan), std::invalid_argument);
+    EXPECT_THROW(plan_surface(board, map, map, plan), std::invalid_argument);
   }
 }
 

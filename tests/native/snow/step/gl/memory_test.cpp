@@ -42,26 +42,27 @@ SceneObject smooth_cylinder() {
 }
 
 /// Bytes that the driver allocates for two steps, and those of the estimate.
-void compare(bool scatters, bool moves_snow) {
+void compare(bool scatters) {
   SceneObject cylinder = smooth_cylinder();
   SceneObject ground = square("ground", 4.0f, 0.0f, 512);
   SceneObject roof = square("roof", 1.0f, 3.0f, 64, false);
   const std::vector<SceneObject*> objects{&cylinder, &ground, &roof};
   FrameStep step;
   step.fall = falling({0.0, 0.0, -1.0}, 4.0 / 500.0);
-  step.repose.angle = moves_snow ? 1.0 : 1.5708;
   step.dt = 0.1;
   step.tile_size = 512;
   const auto engine = gl::make_engine(gpu::GpuThread::shared(), scatters);
+  Movement movement;
+  movement.lay_out({&cylinder, &ground, &roof});
   engine->run([&] {
     allocated = 0;
     const render::Watched<&epoxy_glNamedBufferStorage, CountsBuffer> buffers;
     const render::Watched<&epoxy_glTextureStorage2D, CountsTexture> textures;
     const render::Watched<&epoxy_glTextureStorage3D, CountsTexture> arrays;
     engine->build_scene({&cylinder, &ground, &roof});
-    for (int i = 0; i < 2; ++i) run_step(*engine, objects, step);
+    for (int i = 0; i < 2; ++i) run_step(*engine, movement, objects, step);
   });
-  MemoryEstimate estimate = engine->memory({&cylinder, &ground, &roof}, step.tile_size, moves_snow);
+  MemoryEstimate estimate = engine->memory({&cylinder, &ground, &roof}, step.tile_size);
   const int64_t on_the_gpu = estimate.total() - estimate.output - estimate.seams;
   EXPECT_GE(on_the_gpu, allocated) << estimate.text();
   EXPECT_LE(static_cast<double>(on_the_gpu), 1.2 * static_cast<double>(allocated))
@@ -69,15 +70,11 @@ void compare(bool scatters, bool moves_snow) {
 }
 
 TEST(GlMemory, EstimatesWhatAStepAllocates) {
-  compare(false, false);
-}
-
-TEST(GlMemory, EstimatesWhatReposeAllocates) {
-  compare(false, true);
+  compare(false);
 }
 
 TEST(GlMemory, EstimatesWhatTheMappingGeometryAllocates) {
-  compare(true, false);
+  compare(true);
 }
 
 }  // namespace

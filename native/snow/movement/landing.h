@@ -1,0 +1,94 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "snow/movement/map_point.h"
+#include "snow/movement/moving_map.h"
+#include "snow/movement/repose/repose.h"
+#include "snow/movement/scene_rays.h"
+#include "snow/state/checkpoint.h"
+
+namespace snowbough::snow {
+
+/// Volume in m3 of the unit in which falling snow is counted: 2^-44.
+inline constexpr double kLandingUnit = 1.0 / 17592186044416.0;
+
+struct LandingSettings {
+  bool is_on = false;
+  /// Horizontal speed in m/s at which snow leaves an edge.
+  double throw_speed = 0.3;
+  /// Slope by which falling snow spreads to all sides.
+  double spread = 0.12;
+  /// Edge in metres of the cubes whose snow falls together, and radius over which it lands.
+  double heap_grain = 0.06;
+  /// Whether a fall takes time.
+  bool takes_time = true;
+};
+
+/// Snow that leaves a map over an outlet, off a wall or because it slides falls onto what lies
+/// below: it is thrown off the edge, spreads on its way, and lands before a later step's deposit,
+/// so that this step's repose shapes the heap. Volumes are whole units, so that nothing is lost.
+class Landing {
+ public:
+  /// `rays` must know the objects. Snow in the air stays.
+  void lay_out(const SceneRays& rays);
+
+  /// Adds the snow that lands on a map within the next `dt` seconds; sets its `landed` and `has_changed`.
+  void arrive(double dt, const LandingSettings& settings, MovingMap& map,
+              Repose& repose);
+  /// Whether any snow lands within the next `dt` seconds.
+  bool has_arrivals(double dt) const {
+    return !air_.empty() && std::get<0>(air_.begin()->first) <= clock_ + microseconds(dt);
+  }
+  /// Collects what left a map in this step: what repose lists as released, and what stability let
+  /// slide.
+  void release(const LandingSettings& settings, MovingMap& map, Repose& repose);
+  /// Ends the step: throws down what was collected. `dt`: of the step, in seconds.
+  void fall(uint32_t step_number, double dt, const LandingSettings& settings);
+
+  LandingState state() const;
+  void set_state(const LandingState& state);
+
+ private:
+  /// Snow that leaves a surface, or falls together.
+  struct Exit {
+    /// The cube of heap_grain in which it begins.
+    std::array<int64_t, 3> key{};
+    glm::dvec3 point{0.0};
+    glm::dvec2 outwards{0.0};
+    int64_t units = 0;
+  };
+  struct Landed {
+    /// Without an object: it leaves the scene.
+    MapPoint point;
+    /// Metres.
+    double drop = 0.0;
+    int64_t units = 0;
+  };
+  std::vector<Exit> merged();
+  void trace(const Exit& cell, uint32_t step_number, const LandingSettings& settings,
+             std::vector<Landed>& landed) const;
+  static int64_t microseconds(double seconds) {
+    return static_cast<int64_t>(std::llround(1e6 * std::min(seconds, 1e9)));
+  }
+
+  /// Time of landing, object, place and side of snow in the air.
+  using Place = std::tuple<int64_t, int32_t, int32_t, bool>;
+  const SceneRays* rays_ = nullptr;
+  std::vector<std::string> names_;
+  std::vector<Exit> exits_;
+  /// See LandingState.
+  int64_t clock_ = 0;
+  std::map<Place, int64_t> air_;
+  int64_t on_floors_ = 0;
+  int64_t left_ = 0;
+};
+
+}  // namespace snowbough::snow

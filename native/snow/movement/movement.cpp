@@ -1,0 +1,107 @@
+#include "snow/movement/movement.h"
+
+#include <cmath>
+
+#include "base/parallel_for.h"
+#include "snow/scene/memory_estimate.h"
+
+namespace snowbough::snow {
+namespace {
+
+/// Maps with more active blocks than this share them among threads; others use one thread each.
+constexpr size_t kManyBlocks = 16;
+
+}  // namespace
+
+int64_t Movement::memory(const std::vector<const SceneObject*>& objects) {
+  return count_blocks(objects, kReposeBlock) *
+         static_cast<int64_t>(sizeof(ReposeTile) + sizeof(std::array<TilePlane, kForwardLinks>));
+}
+
+void Movement::lay_out(const std::vector<const SceneObject*>& objects) {
+  receivers_.clear();
+  targets_.lay_out(objects);
+  landing_.lay_out(targets_.rays());
+  link_tables_ = std::make_unique<ReposeLinkTables>();
+  for (const SceneObject* object : objects) {
+    receivers_.push_back(object->description.receive ? std::make_unique<Repose>(
+                                                           *object, *link_tables_, &targets_.rays())
+                                                     : nullptr);
+  }
+}
+
+void Movement::forget_pose(size_t object) {
+  if (receivers_[object] != nullptr) receivers_[object]->forget_pose();
+  targets_.forget_pose(object, [&](size_t near) {
+    if (receivers_[near] != nullptr) receivers_[near]->forget_rooms();
+  });
+}
+
+/// The maps of receivers that are not hidden in this step.
+std::vector<MovingMap*> Movement::shown(std::vector<MovingMap>& maps) const {
+  std::vector<MovingMap*> shown;
+  for (MovingMap& map : maps) {
+    if (!targets_.rays().objects()[map.object]->hidden) shown.push_back(&map);
+  }
+  return shown;
+}
+
+void Movement::before(const MovementSettings& settings, double dt,
+                      std::vector<MovingMap>& maps) {
+  // Above hidden receivers snow stays in the air.
+  for (MovingMap* map : shown(maps)) {
+    landing_.arrive(dt, settings.landing, *map, *receivers_[map->object]);
+  }
+}
+
+void Movement::after(const MovementSettings& settings, uint32_t step_number, double dt,
+                     std::vector<MovingMap>& maps) {
+  const std::vector<MovingMap*> moving = shown(maps);
+  if (dt > 0.0) run_repose(settings, static_cast<float>(dt), moving);
+  if (!settings.landing.is_on) return;
+  for (MovingMap* map : moving) {
+    landing_.release(settings.landing, *map, *receivers_[map->object]);
+  }
+  landing_.fall(step_number, dt, settings.landing);
+}
+
+void Movement::run_repose(const MovementSettings& settings, float dt,
+                          const std::vector<MovingMap*>& maps) {
+  const ReposeLimits limits{.slope = static_cast<float>(std::tan(settings.repose.angle)),
+                            .cohesion = static_cast<float>(settings.repose.cohesion)};
+  std::vector<size_t> blocks(maps.size(), 0);
+  base::for_each_item(maps.size(), 1, [&](size_t i) {
+    blocks[i] = receivers_[maps[i]->object]->choose_blocks(*maps[i]->height, limits);
+  });
+  // Large maps one by one, each on all cores; small ones side by side.
+  const auto for_maps = [&](const auto& work) {
+    std::vector<size_t> small;
+    for (size_t i = 0; i < maps.size(); ++i) {
+      if (blocks[i] > kManyBlocks) work(*maps[i], true);
+      if (blocks[i] > 0 && blocks[i] <= kManyBlocks) small.push_back(i);
+    }
+    base::for_each_item(small.size(), 1, [&](size_t i) { work(*maps[small[i]], false); });
+  };
+  for_maps([&](const MovingMap& map, bool on_all_cores) {
+    receivers_[map.object]->set_up(*map.height, on_all_cores);
+  });
+  // Without landing a receiver's snow must not depend on that of others, so that machines can share
+  // a shot. No map changes before all are raised.
+  std::vector<const std::vector<float>*> heights(receivers_.size(), nullptr);
+  for (size_t i = 0; settings.landing.is_on && i < maps.size(); ++i) {
+    heights[maps[i]->object] = maps[i]->height;
+  }
+  for (const MovingMap* map : maps) {
+    const std::vector<float>* const others = heights[map->object];
+    heights[map->object] = map->height;
+    targets_.raise(map->object, *receivers_[map->object], heights);
+    heights[map->object] = others;
+  }
+  for_maps([&](MovingMap& map, bool) {
+    Repose& repose = *receivers_[map.object];
+    map.slid = repose.run(*map.height, dt, settings.landing.is_on);
+    map.has_changed = map.has_changed || repose.has_changed();
+  });
+}
+
+}  // namespace snowbough::snow

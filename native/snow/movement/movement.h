@@ -1,0 +1,52 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "snow/movement/landing.h"
+#include "snow/movement/moving_map.h"
+#include "snow/movement/outlet_targets.h"
+#include "snow/movement/repose/repose.h"
+
+namespace snowbough::snow {
+
+struct MovementSettings {
+  ReposeSettings repose;
+  LandingSettings landing;
+};
+
+/// The passes that move lying snow, on the CPU's cores, for either engine: `before` a step's
+/// deposit adds what lands; `after` stability lets what is too steep move, and what leaves a map
+/// fall.
+class Movement {
+ public:
+  /// Maximum memory in bytes, if snow covers these objects.
+  static int64_t memory(const std::vector<const SceneObject*>& objects);
+
+  /// `objects` must live until the next call.
+  void lay_out(const std::vector<const SceneObject*>& objects);
+  void forget_pose(size_t object);
+
+  /// Whether any snow lands in the next step. `dt`: its duration in seconds.
+  bool has_arrivals(double dt) const { return landing_.has_arrivals(dt); }
+  void before(const MovementSettings& settings, double dt, std::vector<MovingMap>& maps);
+  /// A longer step may run more rounds until all snow rests; without duration only what stability
+  /// has released moves.
+  void after(const MovementSettings& settings, uint32_t step_number, double dt,
+             std::vector<MovingMap>& maps);
+
+  LandingState state() const { return landing_.state(); }
+  void set_state(const LandingState& state) { landing_.set_state(state); }
+
+ private:
+  std::vector<MovingMap*> shown(std::vector<MovingMap>& maps) const;
+  void run_repose(const MovementSettings& settings, float dt, const std::vector<MovingMap*>& maps);
+
+  std::unique_ptr<ReposeLinkTables> link_tables_;
+  OutletTargets targets_;
+  Landing landing_;
+  /// By object; null for objects that do not receive.
+  std::vector<std::unique_ptr<Repose>> receivers_;
+};
+
+}  // namespace snowbough::snow

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace snowbough::snow {
+
+/// A receiver's map while the passes that move lying snow run.
+struct MovingMap {
+  /// Index of its object, sorted by name.
+  size_t object = 0;
+  /// Thickness in metres, row by row, negative on the back.
+  std::vector<float>* height = nullptr;
+  /// What stability let slide in this step: row * resolution + column, and volume in m3. Only if the
+  /// step records it.
+  std::vector<std::pair<int32_t, float>> slid_from = {};
+  /// Out: volume that left the map, and that landed on it, in m3.
+  double slid = 0.0;
+  double landed = 0.0;
+  /// Out: whether heights changed.
+  bool has_changed = false;
+};
+
+}  // namespace snowbough::snow

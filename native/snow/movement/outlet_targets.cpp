@@ -1,0 +1,138 @@
+#include "snow/movement/outlet_targets.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel_for.h"
+#include "shaders/lib/texel_repose.h"
+
+namespace snowbough::snow {
+namespace {
+
+/// Widest gap in metres that snow can close.
+constexpr double kWidestGap = 0.25;
+/// Factor between the distances at which a gap's far side is searched, and the bisections that
+/// follow.
+constexpr double kNextDistance = 1.6;
+constexpr int kBisections = 3;
+/// Raises an outlet above all snow.
+constexpr float kClosed = 1e6f;
+/// Rays start this fraction of the reach above the outlet, so that a surface as high as the outlet
+/// is below them.
+constexpr double kAbove = 0.5;
+
+/// Vertical height in metres of the top of the snow at a point.
+float top_at(const MapPoint& point, const std::vector<const std::vector<float>*>& heights) {
+  if (point.place < 0 || heights[static_cast<size_t>(point.object)] == nullptr) return point.z;
+  const std::vector<float>& height = *heights[static_cast<size_t>(point.object)];
+  return point.z + std::abs(height[static_cast<size_t>(point.place)]) * point.column;
+}
+
+}  // namespace
+
+void OutletTargets::lay_out(const std::vector<const SceneObject*>& objects) {
+  rays_.lay_out(objects);
+  bounds_.assign(objects.size(), {});
+  targets_.assign(objects.size(), {});
+}
+
+/// Whether rays from an object's outlets may meet something in `moved`, or could before it moved.
+bool OutletTargets::is_near(size_t object, const Bounds& moved) const {
+  const Bounds& own = bounds_[object];
+  return !own.empty() && !moved.empty() && own.low.x - kWidestGap <= moved.high.x &&
+         own.high.x + kWidestGap >= moved.low.x && own.low.y - kWidestGap <= moved.high.y &&
+         own.high.y + kWidestGap >= moved.low.y;
+}
+
+/// The first surface that holds snow straight below a point, from `over` metres above it; walls and
+/// undersides of open sheets are passed. Sets `is_closed` if the ray starts within a body.
+MapPoint OutletTargets::below(const glm::dvec3& from, double over, bool& is_closed) const {
+  const glm::dvec3 start = from + glm::dvec3(0.0, 0.0, over);
+  const glm::dvec3 down(0.0, 0.0, -1.0);
+  SurfaceHit hit = rays_.first_along(start, down, 0.0);
+  is_closed = hit.is_inside(true) && hit.up < -static_cast<double>(shared::kWallUp);
+  if (is_closed) return {};
+  // A ray that meets this many walls runs along one.
+  for (int passed = 0; passed < 16 && hit.object >= 0; ++passed) {
+    if (holds_snow(hit)) {
+      return map_point(*rays_.objects()[static_cast<size_t>(hit.object)], hit,
+                       start.z - hit.distance);
+    }
+    hit = rays_.first_along(start, down, hit.distance);
+  }
+  return {};
+}
+
+/// The far side of a gap: the first surface that is no farther above or below than away.
+void OutletTargets::find_gap(const Repose::Outlet& outlet, OutletTarget& target) const {
+  const auto beyond = [&](double distance, double over, bool& is_closed) {
+    return below(outlet.point + glm::dvec3(outlet.outwards * distance, 0.0), over, is_closed);
+  };
+  const auto is_across = [&](double distance) {
+    bool is_closed = false;
+    const MapPoint point = beyond(distance, distance, is_closed);
+    return is_closed ||
+           (point.object >= 0 && std::abs(point.z - static_cast<float>(outlet.point.z)) < distance);
+  };
+  double last = outlet.reach;
+  double width = 0.0;
+  for (double way = kNextDistance * last; width == 0.0 && last < kWidestGap;
+       way *= kNextDistance) {
+    way = std::min(way, kWidestGap);
+    if (is_across(way)) width = way;
+    if (width == 0.0) last = way;
+  }
+  if (width == 0.0) return;
+  for (int i = 0; i < kBisections; ++i) {
+    const double middle = 0.5 * (last + width);
+    (is_across(middle) ? width : last) = middle;
+  }
+  bool is_closed = false;
+  target.far = beyond(width, width, is_closed);
+  // A body that rises more steeply than its distance is a wall: snow leans against it.
+  if (is_closed || target.far.object < 0) return;
+  target.width = static_cast<float>(width);
+  target.farther = beyond(2.0 * width, width, is_closed);
+  target.before = beyond(-width, width, is_closed);
+}
+
+OutletTarget OutletTargets::find(const Repose::Outlet& outlet) const {
+  OutletTarget target;
+  target.is_known = true;
+  const glm::dvec3 from = outlet.point + glm::dvec3(outlet.outwards * outlet.reach, 0.0);
+  target.fall = below(from, kAbove * outlet.reach, target.is_closed);
+  if (target.is_closed) return target;
+  const float drop = static_cast<float>(outlet.point.z) - target.fall.z;
+  if (target.fall.object < 0 || drop > static_cast<float>(outlet.reach)) find_gap(outlet, target);
+  return target;
+}
+
+void OutletTargets::raise(size_t object, Repose& repose,
+                          const std::vector<const std::vector<float>*>& heights) {
+  if (repose.chosen().empty()) return;
+  std::vector<OutletTarget>& targets = targets_[object];
+  targets.resize(repose.outlet_count());
+  const std::vector<int32_t>& blocks = repose.chosen();
+  base::for_each_item(blocks.size(), 1, [&](size_t i) {
+    for (RimLink& rim : repose.outlets_of(blocks[i])) {
+      if (!(rim.limit < kNoLink) || !repose.holds_snow(blocks[i], rim)) continue;
+      const Repose::Outlet outlet = repose.outlet(rim);
+      OutletTarget& target = targets[static_cast<size_t>(rim.number)];
+      if (!target.is_known) target = find(outlet);
+      const auto z = static_cast<float>(outlet.point.z);
+      float above = target.is_closed ? kClosed : 0.0f;
+      if (target.fall.object >= 0) above = std::max(above, top_at(target.fall, heights) - z);
+      if (target.width > 0.0f) {
+        // Snow beside a gap is low because of the gap, so the snow a width away counts, too.
+        float far = top_at(target.far, heights) - z;
+        if (target.farther.object >= 0) far = std::max(far, top_at(target.farther, heights) - z);
+        float near = repose.top_over(blocks[i], rim);
+        if (target.before.object >= 0) near = std::max(near, top_at(target.before, heights) - z);
+        above = std::max(above, std::min(near, far) - target.width);
+      }
+      rim.top = rim.bare + above;
+    }
+  });
+}
+
+}  // namespace snowbough::snow

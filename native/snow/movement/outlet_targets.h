@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "snow/movement/map_point.h"
+#include "snow/movement/repose/repose.h"
+#include "snow/movement/scene_rays.h"
+
+namespace snowbough::snow {
+
+/// What lies beyond an outlet: a rim of the surface, or its end above a wall.
+struct OutletTarget {
+  bool is_known = false;
+  /// Whether a body continues there, so that nothing falls.
+  bool is_closed = false;
+  /// The first surface below; none if snow leaves the scene.
+  MapPoint fall;
+  /// The nearest surface of about the same height across the air, in metres; 0: none.
+  float width = 0.0f;
+  /// The surfaces that wide a way beyond the outlet, twice as far, and the same way before it.
+  MapPoint far, farther, before;
+};
+
+/// What lies beyond the outlets of a scene's receivers, found with rays in the current pose, when
+/// it is first needed. Snow above an outlet is bounded by the top of the snow beyond, instead of by
+/// the end of its own surface: it joins what lies a step lower, and closes narrow gaps.
+class OutletTargets {
+ public:
+  /// `objects` must live until the next call.
+  void lay_out(const std::vector<const SceneObject*>& objects);
+  /// Call it when an object's positions have changed. Calls `forget(object)` for the objects near
+  /// it, and for itself.
+  template <typename Forget>
+  void forget_pose(size_t object, const Forget& forget) {
+    rays_.forget_pose(object);
+    const Bounds before = bounds_[object];
+    bounds_[object] = rays_.objects()[object]->bounds;
+    for (size_t i = 0; i < bounds_.size(); ++i) {
+      if (i != object && !is_near(i, before) && !is_near(i, bounds_[object])) continue;
+      targets_[i].clear();
+      forget(i);
+    }
+  }
+
+  /// Raises the chosen outlets of a receiver to the top of the snow beyond. `heights`: by object,
+  /// before any map of the step changes; null: its snow does not count.
+  void raise(size_t object, Repose& repose, const std::vector<const std::vector<float>*>& heights);
+
+  const SceneRays& rays() const { return rays_; }
+
+ private:
+  bool is_near(size_t object, const Bounds& moved) const;
+  MapPoint below(const glm::dvec3& from, double over, bool& is_closed) const;
+  OutletTarget find(const Repose::Outlet& outlet) const;
+  void find_gap(const Repose::Outlet& outlet, OutletTarget& target) const;
+
+  SceneRays rays_;
+  /// By object: its bounds when its targets were last forgotten.
+  std::vector<Bounds> bounds_;
+  /// By object and outlet.
+  std::vector<std::vector<OutletTarget>> targets_;
+};
+
+}  // namespace snowbough::snow

@@ -1,0 +1,387 @@
+// Repose: choosing blocks and setting up their links.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "shaders/lib/texel_repose.h"
+#include "snow/movement/repose/height_range.h"
+#include "snow/movement/repose/repose.h"
+#include "snow/movement/repose/tiles_around.h"
+
+namespace snowbough::snow {
+namespace {
+
+/// Rays from a texel pass surfaces within this fraction of its half width.
+constexpr float kOwnSurface = 0.02f;
+
+}  // namespace
+
+/// A cell of a tile.
+struct Repose::Cell {
+  const ReposeTile* tile = nullptr;
+  size_t at = 0;
+
+  bool is_there() const {
+    return tile != nullptr && tile->ground.area[at] > 0.0f && !tile->snow.is_full(at);
+  }
+  bool is_wall() const { return (tile->snow.kind[at] & kWall) != 0; }
+  glm::vec3 point() const { return {tile->ground.x[at], tile->ground.y[at], tile->ground.z[at]}; }
+  float curvature() const { return tile->ground.curvature[at]; }
+  float steep() const { return shared::bare_slope(tile->ground.up[at]); }
+};
+
+void Repose::find_links() {
+  const std::vector<glm::vec3>& rest = object_->description.rest;
+  links_ = link_tables_->find(object_->description.topology, object_->table,
+                              rest.empty() ? object_->positions : rest);
+  tiles_.resize(links_->block_count());
+  stored_tiles_.resize(links_->block_count());
+  rims_.resize(links_->block_count());
+  across_.resize(links_->across.size());
+  is_noted_.assign(links_->block_count(), 0);
+  was_chosen_.assign(links_->block_count(), 0);
+}
+
+/// Evaluates the surface, if it has changed for repose.
+void Repose::update_pose() {
+  has_pose_ = true;
+  if (!pose_.set(object_->description.rest, object_->positions,
+                 object_->description.topology.vertex_count)) {
+    return;
+  }
+  if (links_ == nullptr) find_links();
+  surface_.set_pose(*object_, pose_.positions(), limits_.cohesion > 0.0f);
+  slack_.assign(links_->block_count(), std::nullopt);
+  has_bare_ = false;
+  for (const std::unique_ptr<ReposeTile>& tile : stored_tiles_) {
+    if (tile != nullptr) tile->ground.has_pose = false;
+  }
+}
+
+/// A block's texels on the map: the first place, and the numbers of columns and rows.
+Repose::BlockRect Repose::rect_of(int32_t block) const {
+  const int32_t size = links_->resolution;
+  const int32_t left = block % links_->blocks_a_side * kReposeBlock;
+  const int32_t first = block / links_->blocks_a_side * kReposeBlock;
+  return {static_cast<size_t>(first) * static_cast<size_t>(size) + static_cast<size_t>(left),
+          {std::min(kReposeBlock, size - left), std::min(kReposeBlock, size - first)}};
+}
+
+float Repose::highest_in(int32_t block, const std::vector<float>& height) const {
+  const BlockRect rect = rect_of(block);
+  return highest_of(&height[rect.place], static_cast<size_t>(links_->resolution), rect.size);
+}
+
+/// Whether it is certain that no link of a block exceeds its limit.
+bool Repose::rests(int32_t block, const std::vector<float>& height) {
+  const auto b = static_cast<size_t>(block);
+  const int32_t* const near = &links_->near_begin[b];
+  const bool is_bare =
+      std::all_of(links_->near.begin() + near[0], links_->near.begin() + near[1],
+                  [&](int32_t n) { return highest_[static_cast<size_t>(n)] == 0.0f; });
+  if (is_bare) return true;
+  const float own = highest_[b];
+  // Snow too high to be level needs no closer examination.
+  if (own > 0.0f && !slack_of(block).is_level(own, 0.0f)) return false;
+  const HeightRange range = find_height_range(*links_, object_->table->texel, block, height.data());
+  if (range.high == 0.0f) return true;
+  const BlockSlack& slack = slack_of(block);
+  if (slack.side > 0.0f ? range.any_back : range.any_front) return false;
+  return slack.is_level(range.high, range.step);
+}
+
+const BlockSlack& Repose::slack_of(int32_t block) {
+  std::optional<BlockSlack>& slack = slack_[static_cast<size_t>(block)];
+  if (!slack) slack = find_slack(surface_, *links_, object_->table->texel, block, limits_);
+  return *slack;
+}
+
+/// Releases the tiles, and treats all blocks as new in the next step.
+void Repose::forget_tiles() {
+  for (std::unique_ptr<ReposeTile>& tile : stored_tiles_) tile.reset();
+  was_chosen_.assign(was_chosen_.size(), 0);
+}
+
+size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimits& limits) {
+  has_changed_ = false;
+  chosen_.clear();
+  releases_.clear();
+  if (limits != limits_) {
+    // Curvatures are only needed with cohesion.
+    if ((limits.cohesion > 0.0f) != (limits_.cohesion > 0.0f)) {
+      has_pose_ = false;
+      pose_ = {};
+    }
+    limits_ = limits;
+    slack_.assign(slack_.size(), std::nullopt);
+    // Treat all blocks as new.
+    was_chosen_.assign(was_chosen_.size(), 0);
+  }
+  if (!has_pose_) {
+    const bool is_bare = std::all_of(height.begin(), height.end(), [](float h) { return h == 0; });
+    if (is_bare) return 0;
+    update_pose();
+  }
+  highest_.resize(slack_.size());
+  base::for_each_item(slack_.size(), 64,
+                      [&](size_t b) { highest_[b] = highest_in(static_cast<int32_t>(b), height); });
+  Marks are_doubtful(slack_.size(), 0);
+  base::for_each_item(slack_.size(), 16, [&](size_t b) {
+    are_doubtful[b] = rests(static_cast<int32_t>(b), height) ? 0 : 1;
+  });
+  Blocks doubtful;
+  for (size_t b = 0; b < slack_.size(); ++b) {
+    if (are_doubtful[b] != 0) doubtful.push_back(static_cast<int32_t>(b));
+  }
+  chosen_ = near(doubtful);
+  if (chosen_.empty()) forget_tiles();
+  return chosen_.size();
+}
+
+/// The limit of a link from a cell to a point `at`, with the bare surface's curvature and slope
+/// there.
+float Repose::link_limit(const Cell& a, const glm::vec3& at, float curvature, float steep,
+                         float leads_down) const {
+  const glm::vec3 way = at - a.point();
+  const float slope = shared::held_slope(limits_.slope, limits_.cohesion, curvature);
+  return shared::link_limit(std::sqrt(way.x * way.x + way.y * way.y), slope, way.z, steep,
+                            leads_down);
+}
+
+float Repose::link_limit(const Cell& a, const Cell& b, float leads_down) const {
+  return link_limit(a, b.point(), 0.5f * (a.curvature() + b.curvature()),
+                    0.5f * (a.steep() + b.steep()), leads_down);
+}
+
+Repose::Cell Repose::across_end(int32_t link, size_t end) const {
+  const int32_t cell = links_->across_cells[static_cast<size_t>(link)][end];
+  return {tiles_[static_cast<size_t>(cell / kTileCells)].get(),
+          static_cast<size_t>(cell % kTileCells)};
+}
+
+/// A link over a rim into the air, or over a seam onto a wall; `at`: the end of the surface.
+RimLink Repose::rim_link(const Cell& a, const ReposeLinks::End& end, const glm::vec3& at) const {
+  RimLink link;
+  link.cell = static_cast<int32_t>(a.at);
+  link.number = end.link;
+  link.texel = end.texel;
+  link.bare = link.top = at.z;
+  link.limit = kNoLink;
+  if (!a.is_there() || a.is_wall()) return link;
+  link.limit = link_limit(a, at, a.curvature(), a.steep(), shared::kAllLeadDown);
+  link.rate = shared::link_rate(a.tile->stiffness(a.at), 0.0f);
+  return link;
+}
+
+void Repose::set_up_ends(int32_t block) {
+  std::vector<RimLink>& rims = rims_[static_cast<size_t>(block)];
+  rims.clear();
+  const ReposeTile* const tile = tiles_[static_cast<size_t>(block)].get();
+  const int32_t* ends = &links_->end_begin[static_cast<size_t>(block)];
+  for (int32_t e = ends[0]; e < ends[1]; ++e) {
+    const ReposeLinks::End& end = links_->ends[static_cast<size_t>(e)];
+    const auto link = static_cast<size_t>(end.link);
+    const Cell own{tile, static_cast<size_t>(end.cell % kTileCells)};
+    if (link >= across_.size()) {
+      const ReposeLinks::Rim& rim = links_->rims[link - across_.size()];
+      rims.push_back(rim_link(own, end, surface_.point(rim.point)));
+      continue;
+    }
+    const Cell a = across_end(end.link, 0);
+    const Cell b = across_end(end.link, 1);
+    const Cell& other = end.sign < 0 ? b : a;
+    Flow& flow = across_[link];
+    if (end.sign < 0) flow.limit = kNoLink;
+    if (!own.is_there() || !other.is_there() || own.is_wall()) continue;
+    if (other.is_wall()) {
+      if (!(other.point().z < own.point().z)) continue;
+      rims.push_back(rim_link(own, end, surface_.point(links_->across[link].seam)));
+      continue;
+    }
+    if (end.sign > 0) continue;
+    flow.limit = link_limit(a, b, shared::kAllLeadDown);
+    flow.rate = shared::link_rate(a.tile->stiffness(a.at), b.tile->stiffness(b.at));
+  }
+}
+
+/// Provides the tiles of the chosen blocks, reusing those of the last run; marks the blocks that
+/// were added or removed.
+void Repose::reuse_tiles(Marks& changes) {
+  Marks is_chosen(links_->block_count(), 0);
+  for (const int32_t block : chosen_) is_chosen[static_cast<size_t>(block)] = 1;
+  for (size_t b = 0; b < is_chosen.size(); ++b) changes[b] = is_chosen[b] ^ was_chosen_[b];
+  for (size_t b = 0; b < is_chosen.size(); ++b) {
+    if (is_chosen[b] == 0) stored_tiles_[b].reset();
+  }
+  was_chosen_ = std::move(is_chosen);
+  for (const int32_t block : chosen_) {
+    std::unique_ptr<ReposeTile>& kept = stored_tiles_[static_cast<size_t>(block)];
+    // cover_tile initialises it.
+    if (kept == nullptr) kept = std::make_unique_for_overwrite<ReposeTile>();
+    tiles_[static_cast<size_t>(block)] = std::move(kept);
+  }
+}
+
+glm::dvec3 Repose::world_point(const ReposeLinks::Point& at) const {
+  const int32_t* const corners =
+      &object_->description.topology.triangles[3 * static_cast<size_t>(at.triangle)];
+  const auto corner = [&](int k) {
+    return glm::dvec3(object_->positions[static_cast<size_t>(corners[k])]);
+  };
+  const glm::dvec3 a = corner(0);
+  return a + static_cast<double>(at.weights.x) * (corner(1) - a) +
+         static_cast<double>(at.weights.y) * (corner(2) - a);
+}
+
+glm::dvec3 Repose::world_point(int32_t texel) const {
+  const auto i = static_cast<size_t>(texel);
+  return world_point({object_->table->triangle[i], object_->table->barycentric[i]});
+}
+
+Repose::Outlet Repose::outlet(const RimLink& rim) const {
+  const auto link = static_cast<size_t>(rim.number);
+  const ReposeLinks::Point& at = link >= across_.size()
+                                     ? links_->rims[link - across_.size()].point
+                                     : links_->across[link].seam;
+  Outlet outlet;
+  outlet.point = world_point(at);
+  const glm::dvec3 inwards = world_point(rim.texel) - outlet.point;
+  // The point lies on the side of its triangle that is opposite to the corner without weight.
+  const std::array<float, 3> weights{1.0f - at.weights.x - at.weights.y, at.weights.x,
+                                     at.weights.y};
+  const auto least = std::min_element(weights.begin(), weights.end()) - weights.begin();
+  const auto corner = [&](ptrdiff_t k) {
+    const auto number = 3 * static_cast<ptrdiff_t>(at.triangle) + (least + k) % 3;
+    const int32_t vertex = object_->description.topology.triangles[static_cast<size_t>(number)];
+    return glm::dvec3(object_->positions[static_cast<size_t>(vertex)]);
+  };
+  const glm::dvec3 side = corner(2) - corner(1);
+  glm::dvec2 outwards(side.y, -side.x);
+  double length = glm::length(outwards);
+  // A side that is nearly upright has no horizontal perpendicular.
+  if (!(length > 0.1 * glm::length(side))) {
+    outwards = -glm::dvec2(inwards);
+    length = glm::length(outwards);
+  }
+  if (length > 0.0) outlet.outwards = outwards / length;
+  if (glm::dot(outlet.outwards, glm::dvec2(inwards)) > 0.0) outlet.outwards *= -1.0;
+  const ReposeSurface::Texel texel = surface_.texel(rim.texel);
+  outlet.reach = 0.5 * std::sqrt(static_cast<double>(texel.area));
+  return outlet;
+}
+
+bool Repose::holds_snow(int32_t block, const RimLink& rim) const {
+  return tiles_[static_cast<size_t>(block)]->snow.gives[static_cast<size_t>(rim.cell)] > 0.0f;
+}
+
+float Repose::top_over(int32_t block, const RimLink& rim) const {
+  return tiles_[static_cast<size_t>(block)]->snow.top[static_cast<size_t>(rim.cell)] - rim.bare;
+}
+
+/// Finds the room above the texels onto which snow may flow, and marks those whose room is full;
+/// returns whether that has changed for any. It depends on this step's snow only.
+bool Repose::fill_rooms(int32_t block) {
+  ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
+  const std::array<uint32_t, kReposeBlock> wanted = cells_below_snow(
+      TilesAround(tiles_, links_->blocks_a_side, block), shared::kEven * limits_.slope);
+  uint32_t rows = 0;
+  for (uint32_t row = 0; row < kReposeBlock; ++row) rows |= (wanted[row] != 0 ? 1u : 0u) << row;
+  if (rows == 0 && !tile.snow.any_full) return false;
+  std::array<uint32_t, kReposeBlock> full{};
+  const auto find_room = [&](int32_t texel, size_t cell) {
+    float& room = tile.ground.room[cell];
+    const auto column = static_cast<uint32_t>(cell % kReposeBlock);
+    if (((wanted[cell / kReposeBlock] >> column) & 1) == 0) return;
+    if (room < 0.0f) room = room_above(texel, cell, tile);
+    const float rise = tile.snow.top[cell] - tile.ground.z[cell];
+    if (rise >= room && !tile.snow.is_wall(cell)) {
+      full[cell / kReposeBlock] |= 1u << column;
+    }
+  };
+  links_->for_texels(block, object_->table->texel, find_room, rows);
+  bool changes = false;
+  tile.snow.any_full = false;
+  for (size_t cell = 0; cell < size_t{kTileCells}; ++cell) {
+    const bool is_full = ((full[cell / kReposeBlock] >> (cell % kReposeBlock)) & 1) != 0;
+    tile.snow.any_full = tile.snow.any_full || is_full;
+    if (is_full == tile.snow.is_full(cell)) continue;
+    tile.snow.kind[cell] ^= kFull;
+    changes = true;
+  }
+  return changes;
+}
+
+/// The vertical distance from a texel to the first surface above, 0 within a body.
+float Repose::room_above(int32_t texel, size_t cell, const ReposeTile& tile) const {
+  const float reach = 0.5f * std::sqrt(tile.ground.area[cell]);
+  const SurfaceHit above =
+      rays_->first_along(world_point(texel), {0.0, 0.0, 1.0}, kOwnSurface * reach);
+  if (above.is_inside(false)) return 0.0f;
+  const auto room = static_cast<float>(above.distance);
+  // Nothing flows into a slit.
+  return room < reach ? 0.0f : room;
+}
+
+/// Call it when other objects near this one have moved.
+void Repose::forget_rooms() {
+  for (const std::unique_ptr<ReposeTile>& tile : stored_tiles_) {
+    if (tile != nullptr) tile->ground.forget_rooms();
+  }
+}
+
+/// Updates a tile; returns whether anything except its snow has changed.
+bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
+  ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
+  bool changes = !tile.ground.has_pose;
+  const bool bare = highest_[static_cast<size_t>(block)] == 0.0f;
+  // A tile that was and stays bare need not be covered again.
+  const bool stays_bare = bare && !changes && tile.snow.is_bare && !tile.snow.has_moved();
+  if (changes) {
+    tile.begin_pose();
+    surface_.fill_block(*links_, block, tile.ground);
+    const std::vector<int32_t>& places = object_->table->texel;
+    links_->for_texels(block, places, [&](int32_t texel, size_t cell) {
+      const auto place = static_cast<size_t>(places[static_cast<size_t>(texel)]);
+      tile.cover(cell, height[place], surface_.unit());
+    });
+  } else if (!stays_bare) {
+    const BlockRect rect = rect_of(block);
+    changes = tile.cover_rows(&height[rect.place], static_cast<size_t>(links_->resolution),
+                              rect.size, surface_.unit());
+  }
+  tile.begin_step(bare);
+  for (RimLink& rim : rims_[static_cast<size_t>(block)]) {
+    rim.flow = 0.0f;
+    rim.fallen = 0.0;
+  }
+  return changes;
+}
+
+void Repose::set_up(const std::vector<float>& height, bool on_all_cores) {
+  if (chosen_.empty()) return;
+  on_all_cores_ = on_all_cores;
+  Marks changes(links_->block_count(), 0);
+  reuse_tiles(changes);
+  for_blocks(chosen_, [&](int32_t b) {
+    if (cover_tile(b, height)) changes[static_cast<size_t>(b)] = 1;
+  });
+  for_blocks(chosen_, [&](int32_t b) {
+    if (rays_ != nullptr && fill_rooms(b)) changes[static_cast<size_t>(b)] = 1;
+  });
+  Blocks changed;
+  for (size_t b = 0; b < changes.size(); ++b) {
+    if (changes[b] != 0) changed.push_back(static_cast<int32_t>(b));
+  }
+  Blocks unlinked;
+  for (const int32_t block : near(changed)) {
+    if (tiles_[static_cast<size_t>(block)] != nullptr) unlinked.push_back(block);
+  }
+  for_blocks(unlinked, [&](int32_t b) {
+    tiles_[static_cast<size_t>(b)]->links.has_limits = false;
+    set_up_ends(b);
+  });
+}
+
+}  // namespace snowbough::snow

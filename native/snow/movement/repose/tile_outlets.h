@@ -1,0 +1,39 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "snow/movement/repose/tile_snow.h"
+
+namespace snowbough::snow {
+
+/// All rows of a tile's window (TileWindow), which has one more.
+inline constexpr uint64_t kAllWindowRows = 0x1FFFFFFFFu;
+
+/// Bounds on the snow of a block's cells from lower outlets, the surface's rims and walls: see
+/// lower_tile_bounds.
+struct TileOutlets {
+  /// Whether any cell is a wall at the start of the step.
+  bool any_wall = false;
+  /// Whether the bound of any cell is finite, and whether any was lowered since the last query.
+  std::atomic<bool> has_bounds = false;
+  std::atomic<bool> has_fresh_bounds = false;
+  /// Rows of the tile's window whose bounds may have been lowered since they were last passed on,
+  /// one bit each.
+  std::atomic<uint64_t> rows_to_pass = kAllWindowRows;
+  /// Maximum height in metres of the snow's surface.
+  TilePlane bound;
+  /// Cells whose snow was cut to the bound in the step, and the units cut off.
+  std::vector<std::pair<int32_t, float>> cuts;
+
+  /// Resets to no bounds.
+  void begin_pose();
+  /// Resets to the bounds of walls.
+  void begin_step(const TileGround& ground, const TileSnow& snow);
+  /// Bounds a cell whose kind has changed: a wall is an outlet, from which snow falls.
+  void set_kind(const TileGround& ground, const TileSnow& snow, size_t cell);
+};
+
+}  // namespace snowbough::snow

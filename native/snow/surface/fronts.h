@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <vector>
+
+#include "shaders/lib/snow_surface.h"
+#include "snow/surface/height_samples.h"
+#include "snow/surface/rim_zones.h"
+#include "snow/surface/surface_points.h"
+
+namespace snowbough::snow {
+
+/// The points in the zones of rims, where snow ends in an upright front.
+struct Fronts {
+  /// Index of each point among all points.
+  std::vector<int32_t> point;
+  std::vector<shared::SnowFront> front;
+  /// Distance from the rim to the middle of the top, in metres.
+  std::vector<float> room;
+  /// Points behind the rim, and behind the rim across the gap, which give the height there.
+  struct Inland {
+    glm::ivec4 point{0};
+    glm::vec4 weight{0.0f};
+  };
+  std::vector<Inland> inland;
+  std::vector<Inland> across;
+
+  size_t count() const { return point.size(); }
+  /// Mean heights behind the rims; bare points count as 0.
+  shared::SnowBehind behind(size_t number, const std::vector<float>& height) const;
+  /// Share of a front's shape in the surface, 0 to 1. A bridge is a front as a whole: it holds the
+  /// snow that the map has in the gap.
+  float presence(size_t number, const shared::SnowStyle& style,
+                 const shared::SnowBehind& behind) const;
+};
+
+/// All but the presence, which depends on the snow. Sets the normals of points near rims to those
+/// of the supporting faces: on a smooth-shaded cap the mean normals lean over the rim.
+/// @param zone the rim zones of the points.
+/// @param wind as in SurfacePlan.
+/// @param noise_shift offset of positions in noise space, in depths.
+Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zone, const Rims& rims,
+                   const glm::vec2& wind, const glm::vec3& noise_shift, float depth);
+
+/// Sets where snow ends in fronts, from the heights in the last frame.
+/// @param thickness thickness of the snow at the points, in metres.
+/// @param shown height of the shown snow at the points, in metres.
+void find_presence(Fronts& fronts, const SurfacePoints& points, const HeightSamples& samples,
+                   const std::vector<float>& thickness, const std::vector<float>& shown,
+                   float depth);
+
+}  // namespace snowbough::snow

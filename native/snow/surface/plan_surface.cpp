@@ -1,0 +1,173 @@
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <stdexcept>
+
+#include "base/union_find.h"
+#include "snow/surface/flip_edges.h"
+#include "snow/surface/map_sampler.h"
+#include "snow/surface/snow_surface.h"
+
+// Makes a SnowSurface before any frame.
+
+namespace snowbough::snow {
+namespace {
+
+/// Reach of the smoothing of heights over the surface, and of normals, as fractions of the depth.
+constexpr float kSmoothing = 0.12f;
+constexpr float kCrease = 0.3f;
+/// The look that decides where snow ends.
+constexpr shared::SnowStyle kUsualStyle{1.0f, 1.0f, 1.0f, 1.0f};
+
+void check(const SurfaceSource& source, const std::vector<float>& map) {
+  const auto texels = static_cast<size_t>(source.topology.resolution) * source.topology.resolution;
+  if (source.topology.resolution < 2 || map.size() != texels) {
+    throw std::invalid_argument(
+        "a height map must have resolution x resolution texels, at least 2 x 2");
+  }
+  if (source.positions.size() < static_cast<size_t>(source.topology.vertex_count)) {
+    throw std::invalid_argument("positions must have a row for each vertex");
+  }
+  if (!source.shading.empty() && source.shading.size() != source.topology.triangles.size()) {
+    throw std::invalid_argument("shading must have shape (T, 3)");
+  }
+}
+
+/// Flips each connected part of the receiver's mesh so that its snow lies on the front.
+SurfaceMesh snow_side_out(SurfaceMesh mesh, const std::vector<float>& last, int32_t resolution) {
+  base::UnionFind joined(mesh.position.size());
+  for (const auto& [a, b, c] : mesh.triangle) joined.join(joined.join(a, b), c);
+  const std::vector<int32_t> part = std::move(joined).all();
+  std::vector<double> volume(mesh.position.size(), 0.0);
+  for (size_t t = 0; t < mesh.triangle.size(); ++t) {
+    float sum = 0.0f;
+    for (int k = 0; k < 3; ++k) {
+      const glm::vec2 inside =
+          (mesh.uv[t][k] * 2.0f + mesh.uv[t][(k + 1) % 3] + mesh.uv[t][(k + 2) % 3]) * 0.25f;
+      sum += map_value(last.data(), resolution, map_place(inside, resolution));
+    }
+    volume[part[mesh.triangle[t][0]]] +=
+        static_cast<double>(sum) * glm::length(triangle_cross(mesh, t));
+  }
+  for (size_t t = 0; t < mesh.triangle.size(); ++t) {
+    if (volume[part[mesh.triangle[t][0]]] >= 0.0) continue;
+    std::swap(mesh.triangle[t][1], mesh.triangle[t][2]);
+    std::swap(mesh.uv[t][1], mesh.uv[t][2]);
+    std::swap(mesh.normal[t][1], mesh.normal[t][2]);
+    for (glm::vec3& normal : mesh.normal[t]) normal = -normal;
+  }
+  return mesh;
+}
+
+std::vector<float> up_of(const std::vector<glm::vec3>& normals) {
+  std::vector<float> up;
+  for (const glm::vec3& normal : normals) up.push_back(normal.z);
+  return up;
+}
+
+SurfaceFrame frame_of(const std::vector<float>& map, float depth) {
+  SurfaceFrame frame;
+  frame.height = map.data();
+  frame.open_depth = depth;
+  return frame;
+}
+
+/// Makes cushions of at most `most_points` points on the snow of `last`.
+Cushions cushions_on(const SnowSurface& surface, const SurfaceFrame& last, int32_t most_points) {
+  // Use the thickness from the map, because snow too thin to show on one needle counts for bridges.
+  const std::vector<float> thickness =
+      heights_now(surface, kUsualStyle, last, up_of(surface.points.normal)).thickness;
+  Cushions cushions = find_cushions(surface.points.mesh, surface_points(surface, kUsualStyle, last),
+                                    thickness, last.open_depth, most_points);
+  for (const int32_t p : cushions.anchor) cushions.height.push_back(std::max(thickness[p], 1e-6f));
+  return cushions;
+}
+
+/// Drops the faces of sheets that never show snow, because a sheet has no other side to hide them.
+void drop_bare_sheets(SnowSurface& surface, const std::vector<float>& highest, float depth) {
+  const std::vector<float> up = up_of(surface.points.normal);
+  const auto shown_in = [&](const std::vector<float>& map) {
+    return heights_now(surface, kUsualStyle, frame_of(map, depth), up).shown;
+  };
+  // Snow on the back has negative heights and must count as well.
+  std::vector<float> below = highest;
+  for (float& height : below) height = -height;
+  const std::vector<float> shown = shown_in(highest), shown_below = shown_in(below);
+  const auto shows = [&](int32_t p) {
+    return surface.looks.is_sheet[p] == 0 || shown[p] > 0.0f || shown_below[p] > 0.0f;
+  };
+  SurfaceMesh& mesh = surface.points.mesh;
+  size_t kept = 0;
+  for (size_t t = 0; t < mesh.triangle.size(); ++t) {
+    const auto& [a, b, c] = mesh.triangle[t];
+    if (!shows(a) && !shows(b) && !shows(c)) continue;
+    mesh.triangle[kept] = mesh.triangle[t];
+    mesh.uv[kept] = mesh.uv[t];
+    mesh.normal[kept] = mesh.normal[t];
+    mesh.base[kept] = mesh.base[t];
+    ++kept;
+  }
+  mesh.triangle.resize(kept);
+  mesh.uv.resize(kept);
+  mesh.normal.resize(kept);
+  mesh.base.resize(kept);
+}
+
+}  // namespace
+
+SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& last,
+                         const std::vector<float>& highest, const SurfacePlan& plan) {
+  check(source, last);
+  check(source, highest);
+  const float depth = plan.density.depth;
+  if (!(depth > 0.0f)) throw std::invalid_argument("depth must be over 0");
+  const int32_t resolution = source.topology.resolution;
+  SnowSurface surface;
+  surface.triangles = source.topology.triangles;
+  surface.positions = source.positions;
+  const SurfaceMesh receiver = snow_side_out(receiver_mesh(source), last, resolution);
+  if (receiver.triangle.empty()) {
+    surface.samples = height_samples({}, source, 1.0f);
+    return surface;
+  }
+  const base::TriangleTree tree(receiver.position, receiver.triangle,
+                                {0, static_cast<int32_t>(receiver.triangle.size())});
+  const Rims rims(receiver, tree, source.shading, 1.15f * rim_zone(depth), far_zone(depth),
+                  rim_strip(depth));
+  const RimZones zones(receiver, rims, depth);
+  // Cushions get half of the points.
+  const bool needles = are_needles(receiver, depth);
+  SurfaceDensity density = plan.density;
+  if (needles) density.most_points = std::max(density.most_points / 2, 1);
+  RefinedSurface refined =
+      refined_surface(receiver, rims, zones, {last.data(), highest.data(), resolution}, density);
+  surface.coarsened = refined.coarsened;
+
+  const float smoothing = kSmoothing * depth;
+  const glm::vec3 shift = plan.noise_shift();
+  SurfacePoints& points = surface.points;
+  points = carried_points(std::move(refined.mesh), source);
+  std::vector<RimZones::Zone> zone;
+  zones.find(points.mesh, zone);
+  surface.samples = height_samples(points.mesh, source, smoothing);
+  find_normals(points, surface.samples, kCrease * depth);
+  surface.fronts = find_fronts(points, zone, rims, plan.wind, shift, depth);
+  surface.looks = point_looks(points, surface.samples, zone, tree, shift, depth);
+
+  const SurfaceFrame frame = frame_of(last, depth);
+  const SurfaceHeightsNow heights = heights_now(surface, kUsualStyle, frame, up_of(points.normal));
+  find_presence(surface.fronts, points, surface.samples, heights.thickness, heights.shown, depth);
+  // The points stay fixed; the edges are flipped to follow the snow.
+  flip_edges(points.mesh, surface_points(surface, kUsualStyle, frame));
+  surface.samples = height_samples(points.mesh, source, smoothing);
+  find_bumps(surface.looks, surface_points(surface, kUsualStyle, frame), shift, depth);
+  if (needles) {
+    const int32_t left = plan.density.most_points - static_cast<int32_t>(points.count());
+    surface.cushions = cushions_on(surface, frame, std::max(left, density.most_points));
+  }
+  drop_bare_sheets(surface, highest, depth);
+  surface.faces = surface_faces(points.mesh, surface.cushions);
+  return surface;
+}
+
+}  // namespace snowbough::snow

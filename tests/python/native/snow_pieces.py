@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes of many pieces for the snow tests: tile courses, paving and slats, as modellers make them."""
+
+import math
+
+import numpy as np
+from snow_meshes import box, rotated
+
+TEXEL = 0.01
+
+
+def pieces(boxes):
+    """One mesh of boxes (centre, size, pitch in degrees about x), in metres: positions, triangles, uv, resolution.
+    Every face has a chart of its own, side by side with the others; texels are 1 cm wide."""
+    corners, faces, _ = box(1.0, 1.0)
+    positions, triangles, sizes = [], [], []
+    for number, (centre, size, pitch) in enumerate(boxes):
+        local = (corners - np.array([0.0, 0.0, 0.5])) * size
+        positions.append(rotated(local, "x", pitch) + np.array(centre))
+        triangles.append(faces + 8 * number)
+        for face in faces.reshape(6, 6):
+            a, b, d = local[face[0]], local[face[1]], local[face[5]]
+            sizes.append((np.linalg.norm(b - a) / TEXEL, np.linalg.norm(d - a) / TEXEL))
+    resolution = 128
+    while (places := shelves(sizes, resolution)) is None:
+        resolution *= 2
+    uv = [
+        [(x, y), (x + w, y), (x + w, y + h), (x, y), (x + w, y + h), (x, y + h)]
+        for (x, y), (w, h) in zip(places, sizes)
+    ]
+    return (
+        np.concatenate(positions).astype(np.float32),
+        np.concatenate(triangles).astype(np.int32),
+        (np.array(uv).reshape(-1, 3, 2) / resolution).astype(np.float32),
+        resolution,
+    )
+
+
+def shelves(sizes, resolution):
+    """Lower left corners of rectangles, packed in rows; None if they do not fit."""
+    places, x, y, shelf = {}, 2, 2, 0
+    for i in sorted(range(len(sizes)), key=lambda i: -sizes[i][1]):
+        width, height = (math.ceil(size) for size in sizes[i])
+        if x + width + 2 > resolution:
+            x, y, shelf = 2, y + shelf + 2, 0
+        if x + width + 2 > resolution or y + height + 2 > resolution:
+            return None
+        places[i] = (x, y)
+        x, shelf = x + width + 2, max(shelf, height)
+    return [places[i] for i in range(len(sizes))]
+
+
+def tile_courses(count=8, width=0.6, pitch=40.0, step=0.03, length=0.22):
+    """A roof of courses that lie on each other; the lower end of each is a step above the course below."""
+    turn = rotated(np.eye(3), "x", pitch)
+    tilt = math.degrees(math.atan2(step, length))
+    boxes = []
+    for i in range(count):
+        along = rotated(np.eye(3), "x", pitch - tilt)
+        long = 1.25 * length
+        lower_end = turn[1] * i * length + turn[2] * step
+        boxes.append(
+            (lower_end + along[1] * 0.5 * long - along[2] * 0.5 * step, (width, long, step), pitch - tilt)
+        )
+    return boxes
+
+
+def slab(count=8, width=0.6, pitch=40.0, length=0.22):
+    """A roof of the same size in one piece."""
+    centre = rotated(np.array([[0.0, 0.5 * count * length, -0.02]]), "x", pitch)[0]
+    return [(centre, (width, count * length, 0.04), pitch)]
+
+
+def paving(count=3, stone=0.5, joint=0.015):
+    """Stones side by side; their tops are at z = 0."""
+    way = stone + joint
+    steps = [(i - 0.5 * (count - 1)) * way for i in range(count)]
+    return [((x, y, -0.05), (stone, stone, 0.1), 0.0) for y in steps for x in steps]
+
+
+def slats(places, width=0.06, length=1.0, top=0.5):
+    """Slats along x with their middles at these y."""
+    return [((0.0, y, top - 0.0125), (length, width, 0.025), 0.0) for y in places]
+
+
+def top_chart(mesh, piece, values):
+    """The texels of a piece's top."""
+    uv, resolution = mesh[2][12 * piece + 10 : 12 * piece + 12].reshape(-1, 2), mesh[3]
+    low = np.rint(uv.min(axis=0) * resolution).astype(int)
+    high = np.rint(uv.max(axis=0) * resolution).astype(int)
+    return values[low[1] : high[1], low[0] : high[0]]

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Snow at the edges of real geometry: it joins what lies a step lower, and closes narrow gaps."""
+
+import math
+
+import numpy as np
+import pytest
+import snowbough_native as native
+from snow_meshes import grid
+from snow_pieces import paving, pieces, slab, slats, tile_courses, top_chart
+
+DOWN = (0.0, 0.0, -1.0)
+FRAME = 1.0 / 24.0
+
+
+def ground(size=2.0, z=0.0):
+    positions, triangles, uv = grid(size, size)
+    return positions + np.float32([0.0, 0.0, z]), triangles, uv, 256
+
+
+def simulation(meshes, shade=(), **settings):
+    sim = native.SnowSimulation(
+        pixel_size=0.01, max_depth=1.0, repose=math.radians(65.0), cohesion=0.005, engine="CPU", **settings
+    )
+    for name, (_, triangles, uv, resolution) in meshes.items():
+        sim.add_object(name, triangles, uv, resolution=resolution, receive=name not in shade)
+    return sim
+
+
+def fall(sim, meshes, depth=0.2, steps=32):
+    for step in range(steps):
+        positions = {name: mesh[0] for name, mesh in meshes.items()} if step == 0 else {}
+        sim.step(positions, depth / steps, DOWN, FRAME)
+
+
+def snow_on(meshes, depth=0.2, steps=32, shade=()):
+    sim = simulation(meshes, shade)
+    fall(sim, meshes, depth, steps)
+    return sim
+
+
+def held(sim, name):
+    return float((np.abs(sim.height(name)) * sim.texel_area(name)).sum())
+
+
+def test_tile_courses_hold_as_much_as_one_slab():
+    tiled = snow_on({"roof": pieces(tile_courses())})
+    whole = snow_on({"roof": pieces(slab())})
+    assert held(tiled, "roof") == pytest.approx(held(whole, "roof"), rel=0.06)
+
+
+def test_snow_closes_the_joints_of_paving():
+    stones = pieces(paving())
+    sim = snow_on({"bed": ground(2.0, -0.04), "stones": stones})
+    middle = top_chart(stones, 4, sim.height("stones"))
+    # The outer end of the bed is 25 cm away.
+    assert middle.mean() > 0.99 * 0.2
+    assert middle.min() > 0.95 * 0.2
+
+
+GAP = 0.015
+PLACES = [(i - 2) * (0.06 + GAP) for i in range(5)]
+
+
+def on_the_middle_slat(places, depth=0.2, steps=32):
+    mesh = pieces(slats(places))
+    sim = snow_on({"ground": ground(), "slats": mesh}, depth, steps)
+    return top_chart(mesh, places.index(0.0), sim.height("slats"))[:, 30:70]
+
+
+def test_snow_closes_the_gaps_between_slats():
+    assert on_the_middle_slat(PLACES).mean() > 0.75 * 0.2
+    assert on_the_middle_slat([0.0]).mean() < 0.25 * 0.2
+
+
+def test_thin_snow_falls_through_a_gap():
+    wide = [-0.12, 0.0, 0.12]
+    assert np.array_equal(on_the_middle_slat(wide, 0.02), on_the_middle_slat([0.0], 0.02))
+
+
+def test_gaps_between_objects_close_too():
+    places = {f"slat {i}": pieces(slats([y])) for i, y in enumerate(PLACES)}
+    sim = snow_on({"ground": ground()} | places)
+    assert top_chart(places["slat 2"], 0, sim.height("slat 2"))[:, 30:70].mean() > 0.75 * 0.2
+
+
+def test_snow_falls_when_its_neighbour_moves_away():
+    meshes = {f"slat {i}": pieces(slats([y])) for i, y in enumerate(PLACES)}
+    meshes["ground"] = ground()
+    sim = snow_on(meshes)
+    before = held(sim, "slat 2")
+    away = {
+        name: meshes[name][0] + np.float32([0.0, side, 0.0])
+        for name, side in (("slat 0", -1), ("slat 1", -1), ("slat 3", 1), ("slat 4", 1))
+    }
+    sim.step(away, 0.0, DOWN, FRAME)
+    for _ in range(8):
+        sim.step({}, 0.0, DOWN, 1.0)
+    assert held(sim, "slat 2") < 0.4 * before
+
+
+def test_snow_on_the_ground_does_not_flow_into_a_body():
+    body = pieces([((0.0, 0.0, 0.5), (0.8, 0.8, 1.0), 0.0)])
+    sim = snow_on({"body": body, "ground": ground()}, shade=["body"])
+    heights = sim.height("ground")
+    inside = heights[96:160, 96:160]
+    assert inside.shape == (64, 64) and inside.max() == 0.0
+    # Snow stands against it.
+    assert heights[128, 74] > 0.19
+
+
+def test_snow_flows_under_a_table_as_far_as_there_is_room():
+    table = pieces([((0.0, 0.0, 0.75), (0.8, 0.8, 0.04), 0.0)])
+    low = pieces([((0.0, 0.0, 0.04), (0.8, 0.8, 0.04), 0.0)])
+    high = snow_on({"ground": ground(), "table": table}, shade=["table"]).height("ground")
+    under = snow_on({"ground": ground(), "table": low}, shade=["table"]).height("ground")
+    # The table begins at column 78.4; texels are 8 mm wide.
+    assert high[128, 82] > 0.035
+    assert 0.015 < under[128, 79:90].max() < 0.03
+
+
+def test_a_ledge_that_ends_in_a_wall_sheds_nothing_there():
+    ledge = pieces([((0.0, 0.0, 0.5), (1.0, 0.2, 0.05), 0.0)])
+    wall = pieces([((0.0, 0.25, 1.0), (1.4, 0.4, 2.0), 0.0)])
+    joined = snow_on({"ledge": ledge, "wall": wall}, shade=["wall"])
+    # The wall's face is at y = 0.05, 15 texels from the ledge's free edge.
+    row = top_chart(ledge, 0, joined.height("ledge"))[:, 50]
+    assert row[10:14].min() > 0.195
+    assert row[14] > 0.18
+
+
+def test_the_same_fall_gives_the_same_bytes():
+    meshes = {"bed": ground(2.0, -0.04), "stones": pieces(paving())}
+    once, again = (snow_on(meshes).height("stones") for _ in range(2))
+    assert np.array_equal(once, again)

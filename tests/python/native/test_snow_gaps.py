@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The snow surface over gaps between pieces of one receiver: one blanket with soft furrows."""
+
+import numpy as np
+import pytest
+from shown_snow import map_of, shown_over
+from snow_meshes import box, unfolded
+
+# Metres.
+DEPTH = 0.2
+STONE = 0.6
+
+
+def stones(gap, lower=0.0):
+    """Four stones around the origin with joints of that width; those at x > 0 lie lower by `lower`."""
+    positions, triangles, _ = box(STONE, 0.3)
+    faces = []
+    for x, y in ((-1, -1), (1, -1), (-1, 1), (1, 1)):
+        shift = (x * (STONE + gap) / 2, y * (STONE + gap) / 2, -lower if x > 0 else 0.0)
+        for k in range(0, 12, 2):
+            faces.append(positions[[*triangles[k], triangles[k + 1][2]]] + shift)
+    *mesh, resolution = unfolded(faces, 0.01)
+    return mesh, resolution
+
+
+def tops(mesh, resolution, points, snow=lambda points: DEPTH):
+    """Height of what is drawn at points (N, 2), without noise: see shown_over."""
+    lying = map_of(mesh, resolution, lambda places, up: np.where(up > 0.9, snow(places), 0.0))
+    return shown_over(mesh, lying, DEPTH, np.array(points, np.float64))[0]
+
+
+@pytest.mark.parametrize("gap", [0.015, 0.04])
+def test_furrows_over_joints_are_soft(gap):
+    along = np.linspace(0.05, 0.4, 36)
+    mesh, resolution = stones(gap)
+    furrow = tops(mesh, resolution, np.stack([np.zeros_like(along), along], axis=1)) - 0.3
+    inland = tops(mesh, resolution, np.stack([np.full_like(along, 0.3), along], axis=1)) - 0.3
+    assert furrow.min() > 0.8 * inland.mean()
+    assert furrow.mean() > 0.85 * inland.mean()
+
+
+def test_where_four_joints_meet_there_is_no_hole():
+    mesh, resolution = stones(0.015)
+    around = np.stack(np.meshgrid(*[np.linspace(-0.03, 0.03, 13)] * 2), axis=2).reshape(-1, 2)
+    assert (tops(mesh, resolution, around) - 0.3).min() > 0.7 * DEPTH
+
+
+def test_both_sides_of_a_joint_meet_at_one_height():
+    mesh, resolution = stones(0.015, lower=0.03)
+    along = np.linspace(0.1, 0.4, 31)
+    at = [
+        tops(mesh, resolution, np.stack([np.full_like(along, x), along], axis=1)) for x in (-0.01, 0.0, 0.01)
+    ]
+    assert max(abs(at[0] - at[1]).max(), abs(at[1] - at[2]).max()) < 0.015
+
+
+def test_snow_does_not_bridge_to_a_bare_stone():
+    mesh, resolution = stones(0.015)
+    along = np.linspace(0.1, 0.4, 31)
+    on_bare = np.stack([np.full_like(along, 0.1), along], axis=1)
+    left = tops(mesh, resolution, on_bare, lambda points: np.where(points[:, 0] < 0, DEPTH, 0.0))
+    assert left == pytest.approx(np.full(31, 0.3), abs=0.005)

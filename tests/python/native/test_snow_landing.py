@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Snow that leaves a map lands on what lies below, and none is lost."""
+
+import math
+
+import numpy as np
+import pytest
+import snowbough_native as native
+from checkpoints import restore, save
+from snow_meshes import grid, rotated
+from snow_pieces import pieces, slab, slats
+
+DOWN = (0.0, 0.0, -1.0)
+FRAME = 1.0 / 24.0
+GRAVITY = 9.81
+
+both_engines = pytest.mark.parametrize("engine", ["CPU", "GL"])
+
+
+def sheet(size, z=0.0, resolution=256):
+    positions, triangles, uv = grid(size, size)
+    return positions + np.float32([0.0, 0.0, z]), triangles, uv, resolution
+
+
+def simulation(meshes, shade=(), **settings):
+    settings = {"pixel_size": 0.01, "max_depth": 1.0, "repose": math.radians(65.0), "engine": "CPU", **settings}
+    sim = native.SnowSimulation(**settings)
+    for name, (_, triangles, uv, resolution) in meshes.items():
+        sim.add_object(name, triangles, uv, resolution=resolution, receive=name not in shade)
+    return sim
+
+
+def fall(sim, meshes, depth, steps, begin=0):
+    for step in range(begin, begin + steps):
+        positions = {name: mesh[0] for name, mesh in meshes.items()} if step == 0 else {}
+        sim.step(positions, depth / steps, DOWN, FRAME)
+
+
+def wait(sim, steps=40):
+    for _ in range(steps):
+        sim.step({}, 0.0, DOWN, FRAME)
+
+
+def assert_nothing_is_lost(sim):
+    """Deposited snow is held, in the air, on objects without a map, or out of the scene."""
+    now = sim.statistics()
+    total = now["total"]
+    kept = total["held_volume"] - total["stretched_volume"]
+    away = now["air_volume"] + now["floor_volume"] + now["left_volume"]
+    assert kept + away == pytest.approx(total["deposited_volume"], rel=1e-6)
+    assert min(now["floor_volume"], now["left_volume"], now["air_volume"]) > -1e-6 * total["deposited_volume"]
+    return now
+
+
+def shelf_over_ground(height=1.0):
+    return {"ground": sheet(3.0), "shelf": pieces(slats([0.0], width=0.3, length=0.6, top=height))}
+
+
+@both_engines
+def test_what_falls_off_a_shelf_lies_below_its_edge(engine):
+    meshes = shelf_over_ground()
+    sim = simulation(meshes, engine=engine, throw_speed=0.0)
+    fall(sim, meshes, 0.2, 32)
+    wait(sim)
+    now = assert_nothing_is_lost(sim)
+    objects = now["objects"]
+    assert objects["shelf"]["total"]["slid_volume"] > 0.01
+    # What falls off the ground's own edges leaves the scene.
+    assert now["left_volume"] == pytest.approx(objects["ground"]["total"]["slid_volume"], rel=1e-3)
+    assert now["air_volume"] == 0.0
+    landed = objects["ground"]["total"]["landed_volume"]
+    assert landed == pytest.approx(objects["shelf"]["total"]["slid_volume"], rel=1e-3)
+    heights = sim.height("ground")
+    row = heights[128]
+    assert row[:50].max() < 0.2001 and row.max() > 0.21
+
+
+def test_snow_takes_its_time_to_fall():
+    meshes = shelf_over_ground(2.0)
+    sim = simulation(meshes)
+    sim.step({name: mesh[0] for name, mesh in meshes.items()}, 0.2, DOWN, FRAME)
+    # From 2 m it takes 0.64 s, 15.3 steps.
+    wait(sim, 15)
+    assert sim.statistics()["objects"]["ground"]["total"]["landed_volume"] == 0.0
+    assert sim.statistics()["air_volume"] > 0.0
+    wait(sim, 1)
+    assert sim.statistics()["objects"]["ground"]["total"]["landed_volume"] > 0.0
+    at_once = simulation(meshes, fall_time=False)
+    at_once.step({name: mesh[0] for name, mesh in meshes.items()}, 0.2, DOWN, FRAME)
+    at_once.step({}, 0.0, DOWN, FRAME)
+    assert at_once.statistics()["objects"]["ground"]["total"]["landed_volume"] > 0.0
+
+
+@pytest.mark.parametrize("speed", [0.3, 1.5])
+def test_a_roof_that_sheds_makes_a_berm_outside_its_eave(speed):
+    eave = 2.5
+    positions, triangles, uv, resolution = pieces(slab(count=10, width=1.5, pitch=40.0))
+    roof = positions + np.float32([0.0, 1.0, eave]), triangles, uv, resolution
+    meshes = {"roof": roof, "yard": sheet(6.0, resolution=512)}
+    sim = simulation(meshes, max_depth=0.12, slide_half_life=0.5, pixel_size=0.02, throw_speed=speed)
+    fall(sim, meshes, 0.3, 48)
+    wait(sim)
+    assert_nothing_is_lost(sim)
+    # The lower edge of the roof's top is at y = 1.
+    middle = sim.height("yard")[:, 246:266].mean(axis=1)
+    y = (np.arange(512) + 0.5) / 512
+    y = ((y - 0.02) / 0.96 - 0.5) * 6.0
+    berm = np.where(np.abs(y) < 2.0, np.maximum(middle - 0.301, 0.0), 0.0)
+    assert berm.max() > 0.03
+    assert 1.0 - (berm * y).sum() / berm.sum() == pytest.approx(speed * math.sqrt(2.0 * eave / GRAVITY), abs=0.15)
+
+
+def test_steps_without_duration_land_nothing():
+    meshes = shelf_over_ground(2.0)
+    sim = simulation(meshes)
+    sim.step({name: mesh[0] for name, mesh in meshes.items()}, 0.2, DOWN, FRAME)
+    for _ in range(100):
+        sim.step({}, 0.0, DOWN, 0.0)
+    assert sim.statistics()["objects"]["ground"]["total"]["landed_volume"] == 0.0
+    sim.step({}, 0.0, DOWN, 1.0)
+    assert sim.statistics()["objects"]["ground"]["total"]["landed_volume"] > 0.0
+    assert_nothing_is_lost(sim)
+
+
+def test_objects_without_a_map_keep_what_falls_on_them():
+    meshes = shelf_over_ground()
+    sim = simulation(meshes, shade=["ground"])
+    fall(sim, meshes, 0.2, 16)
+    now = assert_nothing_is_lost(sim)
+    assert now["floor_volume"] > 0.01
+    assert now["left_volume"] < 1e-6
+
+
+def test_a_leaf_that_turns_over_drops_its_snow():
+    leaf = sheet(0.4, 0.5, 64)
+    meshes = {"ground": sheet(2.0), "leaf": leaf}
+    sim = simulation(meshes, slide_half_life=0.05)
+    fall(sim, meshes, 0.05, 8)
+    before = sim.statistics()["objects"]["ground"]["held_volume"]
+    held = sim.statistics()["objects"]["leaf"]["held_volume"]
+    turned = rotated(leaf[0] - np.float32([0, 0, 0.5]), "x", 80.0) + np.float32([0, 0, 0.5])
+    sim.step({"leaf": turned}, 0.0, DOWN, FRAME)
+    wait(sim, 60)
+    now = assert_nothing_is_lost(sim)
+    assert now["objects"]["leaf"]["held_volume"] < 0.2 * held
+    gained = now["objects"]["ground"]["held_volume"] - before
+    # Some falls off the ground's own edges before it is at rest.
+    assert gained > 0.7 * (held - now["objects"]["leaf"]["held_volume"])
+
+
+def test_a_stopped_simulation_goes_on_to_the_same_bytes(tmp_path):
+    meshes = shelf_over_ground(2.0)
+    whole = simulation(meshes)
+    fall(whole, meshes, 0.2, 32)
+    first = simulation(meshes)
+    fall(first, meshes, 0.1, 16)
+    assert first.statistics()["air_volume"] > 0.0
+    save(first, tmp_path / "state")
+    second = simulation(meshes)
+    restore(second, tmp_path / "state")
+    second.step({name: mesh[0] for name, mesh in meshes.items()}, 0.1 / 16, DOWN, FRAME)
+    fall(second, meshes, 0.1 / 16 * 15, 15, begin=17)
+    for name in meshes:
+        assert np.array_equal(second.height(name), whole.height(name)), name
+    assert second.statistics() == whole.statistics()
+
+
+def test_what_moves_goes_on_to_the_same_bytes():
+    """A flag that waves and a cart that drives; half of the steps have no duration."""
+    waving = grid(1.0, 0.6, cells=12)
+    meshes = {
+        "cart": pieces([((0.0, 0.0, 0.15), (0.5, 0.4, 0.3), 0.0)]),
+        "flag": (*waving, 128),
+        "ground": sheet(3.0),
+    }
+
+    def start():
+        sim = native.SnowSimulation(pixel_size=0.01, max_depth=1.0, engine="CPU")
+        for name, (rest, triangles, uv, resolution) in meshes.items():
+            sim.add_object(name, triangles, uv, resolution=resolution, rest=rest)
+        return sim
+
+    def pose(step):
+        flag = waving[0] + np.float32([0.0, 0.0, 0.8])
+        flag[:, 2] += 0.1 * np.sin(5.0 * flag[:, 0] + 0.7 * step)
+        cart = meshes["cart"][0] + np.float32([-1.0 + 0.08 * step, 0.3, 0.0])
+        return {"flag": flag, "cart": cart}
+
+    def snow(sim, begin, end):
+        for step in range(begin, end):
+            moved = pose(step - step % 3) if step % 3 == 0 or step == begin else {}
+            if step == begin:
+                moved["ground"] = meshes["ground"][0]
+            sim.step(moved, 0.01, DOWN, FRAME if step % 2 else 0.0)
+
+    whole = start()
+    snow(whole, 0, 30)
+    assert_nothing_is_lost(whole)
+    for cut in (7, 16, 21):
+        first, second = start(), start()
+        snow(first, 0, cut)
+        native.set_simulation_state(second, native.simulation_state(first))
+        snow(second, cut, 30)
+        for name in meshes:
+            assert np.array_equal(second.height(name), whole.height(name)), (cut, name)
+        assert second.statistics() == whole.statistics()
+
+
+def test_snow_in_the_air_outside_of_a_map_is_refused():
+    meshes = shelf_over_ground()
+    sim = simulation(meshes)
+    fall(sim, meshes, 0.1, 2)
+    state = native.simulation_state(sim)
+    state["landing"]["air"] = [(5, "ground", 256 * 256, False, 1)]
+    with pytest.raises(ValueError, match="'ground' has a place outside of its map"):
+        native.set_simulation_state(sim, state)
+
+
+def test_a_receiver_that_no_snow_reaches_stays_bare():
+    meshes = {"cellar": sheet(0.5, -1.0, 64), "ground": sheet(2.0)}
+    sim = simulation(meshes)
+    fall(sim, meshes, 0.1, 4)
+    assert sim.height("cellar").max() == 0.0
+    assert_nothing_is_lost(sim)
+
+
+def test_without_landing_it_is_gone():
+    meshes = shelf_over_ground()
+    sim = simulation(meshes, landing=False)
+    fall(sim, meshes, 0.2, 16)
+    now = sim.statistics()
+    assert now["total"]["landed_volume"] == 0.0
+    assert now["air_volume"] == now["left_volume"] == now["floor_volume"] == 0.0
