@@ -1,6 +1,6 @@
 #version 410 core
 #extension GL_ARB_shading_language_420pack : require
-// GEOMETRY, Algorithm 1 of the thesis: one point per pixel of the occlusion map, with the pixel's snow for the texel
+// Algorithm 1 of the thesis: one point per pixel of the occlusion map, with the pixel's snow for the texel
 // under its centre.
 #include "glsl/texel_place.glsl"
 #include "glsl/texel_under.glsl"

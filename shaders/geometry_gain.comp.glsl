@@ -1,4 +1,4 @@
-// GEOMETRY: a step's deposit as the gain of its texels: the bits of metres, negative on backs.
+// Algorithm 1 of the thesis: a step's deposit as the gain of its texels: the bits of metres, negative on backs.
 #include "glsl/texel_group.glsl"
 #include "glsl/texel_place.glsl"
 

@@ -3,7 +3,8 @@
 
     git worktree add ../before COMMIT      # and build its module there as its CONTRIBUTING says
     python3 benchmarks/bakes/against_commit.py ../before [--rounds 3] [--demo-tree FILE.obj]
-        [--tree FILE.obj] [--tree-options '{"detail": "GAME"}'] [--shots monkey-1024,monkey-2048,tree,demo] [--json FILE]
+        [--tree FILE.obj] [--tree-options '{"detail": "GAME"}'] [--shots monkey-1024,monkey-2048,tree,demo]
+        [--json FILE]
 
 The other checkout's add-on makes each shot once, as a .blend file that both bake, so mesh, layout, rig and keyed
 snowfall are the same. Settings that the shot does not set have each add-on's own defaults. Each shot is baked with the

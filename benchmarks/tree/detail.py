@@ -37,6 +37,7 @@ import time
 
 import numpy as np
 import snowbough_native as native
+import snowbough_testing as testing
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDER = ROOT / ".." / "shared" / "data" / "trees"
@@ -329,7 +330,7 @@ def normal_length(corners):
 
 def crossings(mesh, branches):
     """(the export's own, those made here): pairs of limbs that cross, themselves included."""
-    pairs = mesh.face_branch[native.crossing_quads(mesh.vertices, mesh.quads)]
+    pairs = mesh.face_branch[testing.crossing_quads(mesh.vertices, mesh.quads)]
     least = THINNEST * np.ptp(mesh.vertices[:, 2])
     own = made = 0
     for first, second in np.unique(np.sort(pairs, axis=1), axis=0):
@@ -402,7 +403,7 @@ def measure(path, details, repeats):
     base_crossings = "{}, {}".format(*crossings(base, branches))
     for detail in details:
         seconds, mesh = best_time(repeats, skeleton=skeleton, detail=detail)
-        layout = native.measure_uv_layout(mesh.uv_snow, mesh.vertices, mesh.quads, 1024)
+        layout = testing.measure_uv_layout(mesh.uv_snow, mesh.vertices, mesh.quads, 1024)
         bad = layout["overlap_texels"] + int(layout["min_face_area"] <= 0) + layout["outside_faces"]
         print_row(
             [

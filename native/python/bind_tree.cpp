@@ -1,7 +1,6 @@
 #include <pybind11/stl.h>
 
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <string>
 
@@ -11,7 +10,6 @@
 #include "numpy_arrays.h"
 #include "python_progress.h"
 #include "tree/build_tree_mesh.h"
-#include "tree/crossings/whole.h"
 #include "tree/mesh/bones.h"
 #include "tree/mesh/bones_reduce.h"
 #include "tree/mesh/mesh_check.h"
@@ -209,29 +207,6 @@ ancestors receive their weights. Its bone_map holds the new bone of each old one
 for a mesh that was built from `skeleton`, looked up on each branch's own polygons. Faces of pieces
 without coordinates have those of uv_bark; None: no piece has any. material: index into
 skeleton.wood_materials, -1 = none.)");
-
-  module.def(
-      "crossing_quads",
-      [](const InputArray<float>& vertices, const InputArray<int32_t>& quads) {
-        const auto points = rows_from_numpy<glm::vec3, float, 3>(vertices, "vertices");
-        const std::vector<glm::dvec3> places(points.begin(), points.end());
-        const auto faces = rows_from_numpy<Quad, int32_t, 4>(quads, "quads");
-        require_corners(faces, points.size());
-        std::vector<int32_t> pairs;
-        {
-          ReleasedGil release;
-          std::vector<int32_t> all(faces.size());
-          std::iota(all.begin(), all.end(), 0);
-          for (const auto& [f, g] : crossing_quads(places, faces, all)) {
-            pairs.push_back(f);
-            pairs.push_back(g);
-          }
-        }
-        const py::ssize_t count = size(pairs.size() / 2);
-        return to_numpy<int32_t>(std::move(pairs), {count, 2});
-      },
-      py::arg("vertices"), py::arg("quads"),
-      "(K, 2) the pairs of intersecting quads. Exact; for measurements, not fast.");
 
   module.def(
       "check_mesh",

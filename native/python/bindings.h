@@ -36,7 +36,7 @@ auto without_gil(Work&& work) {
 void bind_skeleton(pybind11::module_& module);
 /// build_tree_mesh, TreeMesh.
 void bind_tree(pybind11::module_& module);
-/// leaf_uvs, layout_leaf_uvs, measure_uv_layout.
+/// layout_leaf_uvs.
 void bind_tree_uvs(pybind11::module_& module);
 /// gpu_info, Gpu, shader_source.
 void bind_gpu(pybind11::module_& module);

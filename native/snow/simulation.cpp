@@ -46,8 +46,7 @@ SnowSimulation::SnowSimulation(const SimulationSettings& settings)
     : settings_(settings), outputs_(settings.blur_radius) {
   check_settings(settings);
   base::start_thread_pool();
-  scene_ = std::make_unique<EngineScene>(
-      EngineRequest{settings.engine, settings.mapping, settings.device}, objects_);
+  scene_ = std::make_unique<EngineScene>(settings.engine, objects_);
   if (settings.wait_for_gpu) scene_->engine();
 }
 
@@ -127,10 +126,8 @@ void SnowSimulation::change_settings(const SimulationSettings& settings) {
   for (const NumberSetting& one : kNumberSettings) {
     if (!one.can_change) changed.*one.field = settings_.*one.field;
   }
-  changed.mapping = settings_.mapping;
   changed.tile_size = settings_.tile_size;
   changed.engine = settings_.engine;
-  changed.device = settings_.device;
   check_settings(changed);
   settings_ = std::move(changed);
 }

@@ -64,7 +64,7 @@ class SnowSimulation {
             const std::set<std::string>& hidden = {});
 
   /// Applies other settings from the next step on; the snow stays. Numbers that cannot change (see
-  /// NumberSetting), mapping, tile_size, engine and device keep their first values.
+  /// NumberSetting), tile_size and engine keep their first values.
   /// @throws std::invalid_argument for settings out of range.
   void change_settings(const SimulationSettings& settings);
   const SimulationSettings& settings() const { return settings_; }

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
-#include <string>
 
 #include "snow/step/engine/engine_request.h"
 
@@ -28,14 +27,11 @@ struct SimulationSettings {
   /// receivers, if repose is on; and whether its fall takes time.
   bool landing = true;
   bool fall_time = true;
-  DepositMapping mapping = DepositMapping::kCompute;
   /// Largest edge of an occlusion tile in pixels: a power of two from 64 to 4096. It changes memory
   /// use and speed, never the result.
   int32_t tile_size = 2048;
   /// Engine that runs the passes; see EngineChoice.
-  EngineKind engine = EngineKind::kAuto;
-  /// EGL device, see gpu::GlContext.
-  std::string device = {};
+  EngineRequest engine = {};
   /// True: the constructor waits for the engine and throws if there is none. False: the first call
   /// that needs the engine does so, and objects can be added while the driver loads.
   bool wait_for_gpu = true;

@@ -127,6 +127,16 @@ def test_levels_can_be_built_from_a_saved_file_without_its_obj(tmp_path, leafy):
     assert len(read.lods(read.node("leafy_bark_LOD0"))) == 4
 
 
+def test_a_tree_of_a_version_that_counted_levels_gets_coarser_ones(addon, tmp_path):
+    rig, _bark = import_tree()
+    text = addon("tree.skeleton_text")
+    branches, built = text.from_text(rig.data.snowbough_skeleton)
+    del built["detail"]
+    rig.data.snowbough_skeleton = text.to_text(branches, {**built, "fineness": {"lod": 3, "detail": ""}})
+    read = export(tmp_path / "tree.glb", levels=3)
+    assert len(read.lods(read.node("small_maple_bark_LOD0"))) == 3
+
+
 # -- skin and attributes --------------------------------------------------------------------------------
 
 

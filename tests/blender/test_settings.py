@@ -147,7 +147,8 @@ def test_options_of_the_command_line_arrive(addon, arguments, name, value):
 
 
 @pytest.mark.parametrize(
-    "arguments", [["--detail", "FINE"], ["--max-bones", "-1"], ["--snow-resolution", "9000"], ["--width", "THIN"]]
+    "arguments",
+    [["--detail", "FINE"], ["--max-bones", "-1"], ["--snow-resolution", "9000"], ["--width", "THIN"]],
 )
 def test_what_a_property_would_not_take_is_a_wrong_command_line(addon, arguments, capsys):
     assert addon("cli").run(["import", "tree.obj", *arguments]) == 2

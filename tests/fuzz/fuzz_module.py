@@ -158,16 +158,13 @@ class Calls:
             "read_exr": (n.read_exr, {"path": path}),
             "encode_png": (n.encode_png, {"pixels": (HEIGHT * 255).astype(np.uint8)}),
             "check_mesh": (n.check_mesh, quads),
-            "crossing_quads": (n.crossing_quads, quads),
-            "measure_uv_layout": (n.measure_uv_layout, {"uv": UV, "vertices": POINTS, "faces": TRIANGLES,
-                                                        "resolution": 64}),
             "from_branches": (n.Skeleton.from_branches, {"branches": [limb]}),
             "read_tree": (n.read_tree, {"path": str(TREE), "tolerance": 0.5, "levels": "", "height": 0.0,
                                         "unit": 1.0}),
             "build_tree_mesh": (n.build_tree_mesh, {"skeleton": self.skeleton, "detail": "BASE", "snow_resolution": 256,
                                                     "max_influences": 4}),
             "reduce_bones": (n.reduce_bones, {"mesh": self.mesh, "max_bones": 10, "max_bone_level": -1}),
-            "leaf_uvs": (n.leaf_uvs, {"skeleton": self.skeleton, "resolution": 256}),
+            "layout_leaf_uvs": (n.layout_leaf_uvs, {"skeleton": self.skeleton, "resolution": 256}),
             "shader_source": (n.shader_source, {"name": "occlusion.vert.glsl", "defines": []}),
         }  # fmt: skip
 

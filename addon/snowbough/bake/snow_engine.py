@@ -17,7 +17,7 @@ def engine_info(engine, mapping):
     try:
         return engine.info
     except RuntimeError as error:
-        instead = "mapping COMPUTE" if mapping == "GEOMETRY" else "engine CPU, which needs none"
+        instead = "engine CPU, which needs none" if mapping == "COMPUTE" else "mapping COMPUTE"
         raise NoGpu(
             f"Engine GL needs OpenGL, which is unavailable here: {error}. Or choose {instead}"
         ) from error

@@ -85,11 +85,11 @@ void bind_render_trees(py::module_& module, RendererClass& to) {
   module.def(
       "tree_arrays", [](const BoundMesh& mesh) { return tree_arrays(tree_source(mesh.mesh)); },
       "mesh"_a,
-      R"(The input of Renderer.add_tree from a TreeMesh of detail BASE, as arrays by name, for storing in
-a file.)");
+      R"(The input of Renderer.add_tree from a TreeMesh of detail BASE, as arrays by name, for storing
+in a file.)");
   to.def("add_tree", &add_tree, "name"_a, "mesh"_a, "bark_depth"_a = TreeLook{}.bark_depth,
          "bark_dark"_a = Vec3{0.045f, 0.03f, 0.02f}, "bark_light"_a = Vec3{0.24f, 0.18f, 0.13f},
-         R"(Adds a TreeMesh of detail BASE, or its tree_arrays, in its rest pose. bark_depth: amplitude of
+         R"(Adds a BASE TreeMesh, or its tree_arrays, in its rest pose. bark_depth: amplitude of
 the bark's displacement as a fraction of the limb's radius, 0 to 1; colours are linear.)")
       .def("share_tree", &Renderer::share_tree, "name"_a, "tree"_a, py::call_guard<ReleasedGil>(),
            R"(Adds a tree that shares base, bark and leaves with another one, in its rest pose and

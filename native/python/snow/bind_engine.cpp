@@ -4,7 +4,6 @@
 #include "base/thread_pool.h"
 #include "engine_arguments.h"
 #include "python/bindings.h"
-#include "python/choose.h"
 #include "snow/step/choose_engine.h"
 
 namespace py = pybind11;
@@ -16,7 +15,8 @@ namespace {
 class HeldEngine {
  public:
   HeldEngine(const std::string& engine, const std::string& mapping, const std::string& device) {
-    const snow::EngineRequest request{snow::engine_kind(engine), mapping_from(mapping), device};
+    const snow::EngineRequest request{snow::engine_kind(engine), snow::deposit_mapping(mapping),
+                                      device};
     const ReleasedGil release;
     base::start_thread_pool();
     choice_ = std::make_unique<snow::EngineChoice>(request);
@@ -42,13 +42,6 @@ class HeldEngine {
 };
 
 }  // namespace
-
-snow::DepositMapping mapping_from(const std::string& name) {
-  using snow::DepositMapping;
-  return choose<DepositMapping>(
-      "mapping", name,
-      {{"COMPUTE", DepositMapping::kCompute}, {"GEOMETRY", DepositMapping::kGeometry}});
-}
 
 py::dict engine_dict(const snow::EngineInfo& info) {
   py::dict dict;

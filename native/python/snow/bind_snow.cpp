@@ -49,15 +49,14 @@ snow::SimulationSettings with_numbers(snow::SimulationSettings settings, const p
 Holder make_simulation(int64_t seed, const std::string& mapping, int32_t tile_size,
                        const std::string& device, const std::string& engine, bool wait_for_gpu,
                        bool landing, bool fall_time, const py::kwargs& numbers) {
-  const snow::SimulationSettings settings = with_numbers({.seed = static_cast<uint32_t>(seed),
-                                                          .landing = landing,
-                                                          .fall_time = fall_time,
-                                                          .mapping = mapping_from(mapping),
-                                                          .tile_size = tile_size,
-                                                          .engine = snow::engine_kind(engine),
-                                                          .device = device,
-                                                          .wait_for_gpu = wait_for_gpu},
-                                                         numbers, false);
+  const snow::SimulationSettings settings =
+      with_numbers({.seed = static_cast<uint32_t>(seed),
+                    .landing = landing,
+                    .fall_time = fall_time,
+                    .tile_size = tile_size,
+                    .engine = {snow::engine_kind(engine), snow::deposit_mapping(mapping), device},
+                    .wait_for_gpu = wait_for_gpu},
+                   numbers, false);
   const ReleasedGil release;
   return Holder(new SnowSimulation(settings));
 }
@@ -255,7 +254,8 @@ second call.)");
 Settings that are numbers, by keyword, with their defaults:
 )" + describe_numbers() +
       R"(
-mapping: COMPUTE, or GEOMETRY for the thesis's own scatter, which only engine GL has. engine: GL
+mapping: )" +
+      snow::kMappingHelp + R"(. engine: GL
 (shaders), CPU (C++ on all cores, needs no graphics driver) or AUTO: GL on a hardware driver, else
 CPU; `engine` reports the choice. tile_size (a power of two from 64 to 4096) and device do not
 change the result; if a device is named, AUTO means GL. wait_for_gpu: True raises RuntimeError

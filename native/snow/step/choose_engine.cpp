@@ -16,10 +16,10 @@ bool names_a_device(const std::string& device) {
 
 }  // namespace
 
-EngineChoice::EngineChoice(const EngineRequest& request) : mapping_(request.mapping) {
-  const bool is_geometry = request.mapping == DepositMapping::kGeometry;
+EngineChoice::EngineChoice(const EngineRequest& request)
+    : scatters_(request.mapping == DepositMapping::kGeometry) {
   if (request.kind == EngineKind::kCpu) {
-    if (is_geometry) {
+    if (scatters_) {
       throw std::invalid_argument(
           "mapping GEOMETRY needs OpenGL: use engine GL, or mapping COMPUTE");
     }
@@ -27,10 +27,10 @@ EngineChoice::EngineChoice(const EngineRequest& request) : mapping_(request.mapp
     reason_ = "requested";
     return;
   }
-  if (request.kind == EngineKind::kGl || is_geometry || names_a_device(request.device)) {
+  if (request.kind == EngineKind::kGl || scatters_ || names_a_device(request.device)) {
     thread_ = gpu::GpuThread::begin(request.device);
     reason_ = request.kind == EngineKind::kGl ? "requested"
-              : is_geometry                   ? "mapping GEOMETRY needs OpenGL"
+              : scatters_                     ? "mapping GEOMETRY needs OpenGL"
                                               : "a device is named";
     return;
   }
@@ -57,7 +57,7 @@ Engine& EngineChoice::engine() {
     reason_ = "a graphics driver for " + thread_->info().renderer;
   }
   thread_->info();  // throws where there is none
-  engine_ = gl::make_engine(thread_, mapping_);
+  engine_ = gl::make_engine(thread_, scatters_);
   return *engine_;
 }
 

@@ -13,7 +13,7 @@ namespace snowbough::snow {
 /// can be added while a driver loads. For one thread at a time.
 class EngineChoice {
  public:
-  /// @throws std::invalid_argument for GEOMETRY on the CPU, which lacks that mapping.
+  /// @throws std::invalid_argument for a mapping that the engine lacks.
   explicit EngineChoice(const EngineRequest& request);
 
   /// Waits for the engine. @throws std::runtime_error if GL is requested and not available.
@@ -28,7 +28,7 @@ class EngineChoice {
   const std::string& reason() const { return reason_; }
 
  private:
-  DepositMapping mapping_;
+  bool scatters_;
   bool may_fall_back_ = false;
   std::string reason_;
   std::shared_ptr<gpu::GpuThread> thread_;

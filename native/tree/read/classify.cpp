@@ -174,8 +174,9 @@ std::optional<TreeForm> find_squares(const ObjScene& scene, const Parts& parts,
       result.skipped.push_back({p, "a loose triangle in a row of planes"});
     }
   }
-  result.shuffled = turns.all >= kFewestTurns && static_cast<double>(turns.back) >
-                                                     kShuffledShare * static_cast<double>(turns.all);
+  result.shuffled =
+      turns.all >= kFewestTurns &&
+      static_cast<double>(turns.back) > kShuffledShare * static_cast<double>(turns.all);
   if (branches == 0) return std::nullopt;
   // A few groups with many rows each hold whole levels or the whole tree.
   const bool merged = branches == 1 ? rows > 1 : branches <= 8 && rows >= 4 * branches;

@@ -10,7 +10,7 @@ namespace {
 TEST(Simulation, takesFlutterInRadians) {
   const auto make = [](double angle) {
     SimulationSettings settings;
-    settings.engine = EngineKind::kCpu;
+    settings.engine.kind = EngineKind::kCpu;
     settings.flutter = angle;
     const SnowSimulation simulation(settings);
   };

@@ -99,7 +99,7 @@ def test_a_process_may_end_while_a_daemon_thread_builds_a_tree():
     assert run(
         f"def work():\n"
         f"    while True:\n"
-        f"        native.build_tree_mesh(native.read_tree({str(maple)!r}), detail='FILM', progress=lambda share: True)\n"
+        f"        native.build_tree_mesh(native.read_tree({str(maple)!r}), detail='FILM', progress=lambda s: True)\n"
         "threading.Thread(target=work, daemon=True).start()\n"
         "time.sleep(0.2)\n"
         "print('ends')\n"

@@ -23,4 +23,10 @@ EngineKind engine_kind(const std::string& name) {
   throw std::invalid_argument("engine must be AUTO, GL or CPU, not " + name);
 }
 
+DepositMapping deposit_mapping(const std::string& name) {
+  if (name == "COMPUTE") return DepositMapping::kCompute;
+  if (name == "GEOMETRY") return DepositMapping::kGeometry;
+  throw std::invalid_argument("mapping must be one of COMPUTE, GEOMETRY, not '" + name + "'");
+}
+
 }  // namespace snowbough::snow

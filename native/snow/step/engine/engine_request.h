@@ -27,6 +27,13 @@ enum class DepositMapping {
   kGeometry,
 };
 
+/// The choices, for help texts.
+inline constexpr const char* kMappingHelp =
+    "COMPUTE, or GEOMETRY for the thesis's own scatter, which only engine GL has";
+
+/// The mapping of that name. @throws std::invalid_argument for other names.
+DepositMapping deposit_mapping(const std::string& name);
+
 struct EngineRequest {
   EngineKind kind = EngineKind::kAuto;
   DepositMapping mapping = DepositMapping::kCompute;

@@ -170,9 +170,8 @@ int64_t GlEngine::sums_offset(size_t object) const {
   return int64_t{layout().plan.slot[object]} * static_cast<int64_t>(sizeof(shared::ObjectSums));
 }
 
-std::unique_ptr<Engine> make_engine(std::shared_ptr<gpu::GpuThread> thread,
-                                    DepositMapping mapping) {
-  return std::make_unique<GlEngine>(std::move(thread), mapping);
+std::unique_ptr<Engine> make_engine(std::shared_ptr<gpu::GpuThread> thread, bool scatters) {
+  return std::make_unique<GlEngine>(std::move(thread), scatters);
 }
 
 }  // namespace snowbough::snow::gl

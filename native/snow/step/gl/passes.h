@@ -158,7 +158,7 @@ struct Passes {
   OcclusionPass occlusion;
   BackPixelsPass back_pixels;
   DepositPass deposit;
-  /// With mapping GEOMETRY only.
+  /// Only of an engine that scatters.
   std::unique_ptr<GeometryDeposit> geometry;
   StabilityPass stability;
   StatisticsPass statistics;
@@ -174,8 +174,8 @@ struct Passes {
 /// See make_engine (step/gl/engine.h).
 class GlEngine final : public Engine {
  public:
-  GlEngine(std::shared_ptr<gpu::GpuThread> thread, DepositMapping mapping)
-      : thread_(std::move(thread)), by_geometry_(mapping == DepositMapping::kGeometry) {}
+  GlEngine(std::shared_ptr<gpu::GpuThread> thread, bool scatters)
+      : thread_(std::move(thread)), by_geometry_(scatters) {}
   ~GlEngine() override;
   GlEngine(const GlEngine&) = delete;
   GlEngine& operator=(const GlEngine&) = delete;
@@ -200,7 +200,7 @@ class GlEngine final : public Engine {
   }
   void choose_texels() override {
     const auto measured = passes_->timer.measure("texel groups");
-    // GEOMETRY processes all texels.
+    // GeometryDeposit processes all texels.
     passes_->groups.run(passes_->scene, by_geometry_);
   }
   void open_statistics() override {

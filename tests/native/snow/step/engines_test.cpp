@@ -147,7 +147,7 @@ Baked bake(Engine& engine, const Weather& weather) {
 
 TEST(Engines, AgreeOnHeightsVolumesAndWhereSnowLies) {
   const bool in_software = gpu::GpuThread::shared()->run(gpu::renders_in_software);
-  const auto gl = gl::make_engine(gpu::GpuThread::shared(), DepositMapping::kCompute);
+  const auto gl = gl::make_engine(gpu::GpuThread::shared());
   const auto cpu = cpu::make_engine();
   for (const Weather& weather : {Weather{0.02, 1.0, 0.0, 2048}, Weather{0.007, 1.0, 0.5, 64},
                                  Weather{0.05, 0.4, 0.1, 2048}}) {

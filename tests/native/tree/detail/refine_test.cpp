@@ -8,9 +8,9 @@
 #include <string>
 
 #include "native/tree/built_surface.h"
+#include "support/chart_measure.h"
 #include "tree/build_tree_mesh.h"
 #include "tree/crossings/whole.h"
-#include "tree/uv/chart_measure.h"
 
 namespace snowbough::tree {
 namespace {

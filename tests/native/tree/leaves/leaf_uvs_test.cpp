@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "tree/uv/chart_measure.h"
+#include "support/chart_measure.h"
 
 namespace snowbough::tree {
 namespace {

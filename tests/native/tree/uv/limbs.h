@@ -7,9 +7,9 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "support/chart_measure.h"
 #include "tree/skeleton/skeleton.h"
 #include "tree/skeleton/tree_mesh.h"
-#include "tree/uv/chart_measure.h"
 
 namespace snowbough::tree::test {
 

@@ -10,7 +10,7 @@
 
 namespace snowbough::snow {
 
-/// Mapping GEOMETRY: Algorithm 1 of D. T. Reynolds, Real-Time Rendering and Simulation of Trees and
+/// Algorithm 1 of D. T. Reynolds, Real-Time Rendering and Simulation of Trees and
 /// Snow, 2014, kept for comparison. One point per pixel of the occlusion map, placed by a geometry
 /// shader on the texel under the pixel's centre and added by blending. All snow of a pixel goes to
 /// that texel, so volumes are kept but thickness depends on how pixels and texels coincide. Sums

@@ -42,7 +42,7 @@ SceneObject smooth_cylinder() {
 }
 
 /// Bytes that the driver allocates for two steps, and those of the estimate.
-void compare(DepositMapping mapping) {
+void compare(bool scatters) {
   SceneObject cylinder = smooth_cylinder();
   SceneObject ground = square("ground", 4.0f, 0.0f, 512);
   SceneObject roof = square("roof", 1.0f, 3.0f, 64, false);
@@ -51,7 +51,7 @@ void compare(DepositMapping mapping) {
   step.fall = falling({0.0, 0.0, -1.0}, 4.0 / 500.0);
   step.dt = 0.1;
   step.tile_size = 512;
-  const auto engine = gl::make_engine(gpu::GpuThread::shared(), mapping);
+  const auto engine = gl::make_engine(gpu::GpuThread::shared(), scatters);
   Movement movement;
   movement.lay_out({&cylinder, &ground, &roof});
   engine->run([&] {
@@ -70,11 +70,11 @@ void compare(DepositMapping mapping) {
 }
 
 TEST(GlMemory, EstimatesWhatAStepAllocates) {
-  compare(DepositMapping::kCompute);
+  compare(false);
 }
 
 TEST(GlMemory, EstimatesWhatTheMappingGeometryAllocates) {
-  compare(DepositMapping::kGeometry);
+  compare(true);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "tree/uv/chart_measure.h"
+#include "support/chart_measure.h"
 
 #include <algorithm>
 #include <array>
