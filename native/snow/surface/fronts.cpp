@@ -1,7 +1,9 @@
 #include "snow/surface/fronts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
 
 #include "base/parallel_for.h"
 #include "shaders/lib/snow_noise.h"
@@ -23,6 +25,18 @@ constexpr float kInland = 0.6f;
 /// Heights of snow, in widths of a bevel, at which the bevel begins to vanish and has vanished.
 constexpr float kBareBevel = 0.3f;
 constexpr float kCoveredBevel = 1.2f;
+
+/// What lies below a rim is looked for this far outwards, from this far above the rim down to this
+/// depth, as fractions of the depth.
+constexpr float kBeyond = 0.15f;
+constexpr float kAbove = 0.05f;
+constexpr float kDeepest = 1.5f;
+/// A rim is hidden where less than the first part of the height behind it stands above the snow
+/// beyond, and stands free from the second part on.
+constexpr float kHidden = 0.25f;
+constexpr float kStandsFree = 0.6f;
+/// Least upward component of the normal where snow lies below a rim.
+constexpr float kCarriesBelow = 0.3f;
 
 /// Points whose feet are within this many depths of each other belong to one stretch of a rim.
 constexpr float kFullnessReach = 0.4f;
@@ -57,16 +71,36 @@ void smooth_presence(Fronts& fronts, const HeightSamples& samples) {
   }
 }
 
+float mean_at(const Fronts::Inland& at, const std::vector<float>& height) {
+  float sum = 0.0f;
+  for (int k = 0; k < 4; ++k) sum += at.weight[k] * std::max(height[at.point[k]], 0.0f);
+  return sum;
+}
+
 }  // namespace
 
 shared::SnowBehind Fronts::behind(size_t number, const std::vector<float>& height) const {
-  const auto mean = [&](const Inland& at) {
-    float sum = 0.0f;
-    for (int k = 0; k < 4; ++k) sum += at.weight[k] * std::max(height[at.point[k]], 0.0f);
-    return sum;
-  };
   const bool may_bridge = front[number].bridged > 0.0f;
-  return {mean(inland[number]), may_bridge ? mean(across[number]) : 0.0f};
+  return {mean_at(inland[number], height), may_bridge ? mean_at(across[number], height) : 0.0f};
+}
+
+float Fronts::open_part(size_t number, const std::vector<float>& height) const {
+  const Fall& below = fall[number];
+  const float top = mean_at(inland[number], height) / below.own_up;
+  if (!std::isfinite(below.drop) || top <= 0.0f) return 1.0f;
+  const float beyond = mean_at(below.at, height) / below.up - below.drop;
+  return std::clamp((top - beyond) / top, 0.0f, 1.0f);
+}
+
+void Fronts::cover(std::vector<float>& thickness) const {
+  std::vector<std::pair<int32_t, float>> covered;
+  for (size_t f = 0; f < count(); ++f) {
+    if (fall[f].hidden <= 0.0f || front[f].distance >= 0.0f) continue;
+    const float both = 0.5f * (mean_at(inland[f], thickness) + mean_at(fall[f].at, thickness));
+    const float own = thickness[point[f]];
+    covered.emplace_back(point[f], glm::mix(own, std::max(own, both), fall[f].hidden));
+  }
+  for (const auto& [p, height] : covered) thickness[p] = height;
 }
 
 float Fronts::presence(size_t number, const shared::SnowStyle& style,
@@ -81,7 +115,8 @@ float Fronts::presence(size_t number, const shared::SnowStyle& style,
 }
 
 Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zone, const Rims& rims,
-                   const glm::vec2& wind, const glm::vec3& noise_shift, float depth) {
+                   const base::TriangleTree& tree, const glm::vec2& wind,
+                   const glm::vec3& noise_shift, float depth) {
   Fronts fronts;
   if (rims.all().empty()) return fronts;
   // Collect the points inland of rims.
@@ -94,6 +129,16 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zon
     }
   }
   const CellGrid grid(boxes, 0.25f * depth);
+  // And those that snow can lie on.
+  std::vector<CellGrid::Box> lying_boxes;
+  std::vector<int32_t> lying;
+  for (size_t p = 0; p < points.count(); ++p) {
+    const bool is_far = !zone[p].place.is_far_off && zone[p].share < -1e-3f;
+    if (is_far || points.normal[p].z < kCarriesBelow) continue;
+    lying_boxes.push_back({points.mesh.position[p], points.mesh.position[p]});
+    lying.push_back(static_cast<int32_t>(p));
+  }
+  const CellGrid lying_grid(lying_boxes, 0.25f * depth);
 
   for (size_t p = 0; p < points.count(); ++p) {
     if (zone[p].place.is_far_off || zone[p].share >= 1.0f || zone[p].share < -1.6f) continue;
@@ -102,8 +147,10 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zon
   fronts.front.resize(fronts.point.size());
   fronts.inland.resize(fronts.front.size());
   fronts.across.resize(fronts.front.size());
-  // The points inland that are nearest to a place; the point itself if there are none.
-  const auto inland_at = [&](const glm::vec3& place, size_t own, float farthest) {
+  fronts.fall.resize(fronts.front.size());
+  // The points of a grid that are nearest to a place; the point itself if there are none.
+  const auto nearest_of = [&](const CellGrid& grid, const std::vector<int32_t>& of,
+                              const glm::vec3& place, size_t own, float farthest) {
     struct Found {
       float distance;
       int32_t point;
@@ -113,7 +160,7 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zon
     for (float reach = 0.15f * depth; reach < farthest && found.size() < 4; reach *= 1.7f) {
       found.clear();
       grid.visit(place - reach, place + reach, [&](int32_t i) {
-        const int32_t q = inland[i];
+        const int32_t q = of[i];
         const float distance = glm::distance(points.mesh.position[q], place);
         if (distance < reach) found.push_back({distance, q});
       });
@@ -163,11 +210,24 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zon
     front.presence = eased(here.room / depth, 0.03f, 0.09f);
     const float farthest = front.presence > 0.0f ? 3.0f * depth : 0.0f;
     const glm::vec3 behind = here.place.foot - here.place.out * (here.support * 1.02f);
-    fronts.inland[f] = inland_at(behind, p, farthest);
+    fronts.inland[f] = nearest_of(grid, inland, behind, p, farthest);
+    const glm::vec3 beyond = here.place.foot + here.place.level_out * (kBeyond * depth);
+    const double drop = tree.distance_along(
+        0, glm::dvec3(beyond) + glm::dvec3(0.0, 0.0, kAbove * depth), {0.0, 0.0, -1.0}, 1e-5);
+    if (front.presence > 0.0f && drop < kDeepest * depth) {
+      Fronts::Fall& fall = fronts.fall[f];
+      const float below = static_cast<float>(drop) - kAbove * depth;
+      fall.at = nearest_of(lying_grid, lying, beyond - glm::vec3(0.0f, 0.0f, below), p, depth);
+      float up = 0.0f;
+      for (int k = 0; k < 4; ++k) up += fall.at.weight[k] * points.normal[fall.at.point[k]].z;
+      fall.drop = below;
+      fall.up = std::max(up, kCarriesBelow);
+      fall.own_up = std::max(here.place.support.z, kCarriesBelow);
+    }
     if (front.bridged > 0.0f) {
       const glm::vec3 across = here.place.foot + glm::vec3(0.0f, 0.0f, opposite.step) +
                                here.place.level_out * (opposite.gap + here.support * 1.02f);
-      fronts.across[f] = inland_at(across, p, farthest);
+      fronts.across[f] = nearest_of(grid, inland, across, p, farthest);
     }
   });
   fronts.room.resize(fronts.front.size());
@@ -221,6 +281,11 @@ void find_presence(Fronts& fronts, const SurfacePoints& points, const HeightSamp
     const float more = glm::mix(kMoreSnow, kMoreOnWide, wide);
     front.presence *= std::min(more * fullness / (1.0f - fullness), 1.0f);
   });
+  for (size_t f = 0; f < fronts.count(); ++f) {
+    Fronts::Fall& fall = fronts.fall[f];
+    fall.hidden = 1.0f - eased(fronts.open_part(f, thickness), kHidden, kStandsFree);
+    fronts.front[f].presence *= 1.0f - fall.hidden;
+  }
   smooth_presence(fronts, samples);
 }
 

@@ -151,7 +151,7 @@ SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& 
   zones.find(points.mesh, zone);
   surface.samples = height_samples(points.mesh, source, smoothing);
   find_normals(points, surface.samples, kCrease * depth);
-  surface.fronts = find_fronts(points, zone, rims, plan.wind, shift, depth);
+  surface.fronts = find_fronts(points, zone, rims, tree, plan.wind, shift, depth);
   surface.looks = point_looks(points, surface.samples, zone, tree, shift, depth);
 
   const SurfaceFrame frame = frame_of(last, depth);

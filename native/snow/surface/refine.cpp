@@ -391,15 +391,20 @@ RefinedSurface refined_surface(const SurfaceMesh& receiver, const Rims& rims, co
   const PointCounts wanted = wanted_points(receiver, rims, density.depth);
   const double level_part = wanted.level / (wanted.hems + wanted.level);
   Coarseness coarseness;
-  // Factor on the edges of level snow with which `points` become `most`.
+  // Coarser edges of level snow with which `points` become `most`; if that is not enough, the
+  // coarsest.
   const auto coarser_level = [&](double points) {
     const double left = most - points * (1.0 - level_part);
-    const double factor = std::sqrt(points * level_part / std::max(left, 1e-3 * points));
-    return static_cast<float>(std::max(factor, 1.15));
+    const double factor = left > 0.0 ? std::sqrt(points * level_part / left) : most_level;
+    return std::min(coarseness.level * static_cast<float>(std::max(factor, 1.15)), most_level);
   };
-  const double expected = (wanted.hems + wanted.level) / (density.scale * density.scale);
-  if (expected > 2.0 * most) coarseness.level = std::min(coarser_level(expected), most_level);
-  constexpr int kTries = 7;
+  const double scale = density.scale * density.scale;
+  const double expected = (wanted.hems + wanted.level) / scale;
+  if (expected > 2.0 * most) coarseness.level = coarser_level(expected);
+  if (wanted.hems / scale > 4.0 * most) {
+    coarseness.hems = static_cast<float>(std::sqrt(wanted.hems / scale / (4.0 * most)));
+  }
+  constexpr int kTries = 10;
   for (int attempt = 1;; ++attempt) {
     SurfaceMesh mesh = Refiner(rims, zones, heights, density, coarseness, receiver).run();
     const auto points = static_cast<double>(mesh.position.size());
@@ -407,7 +412,7 @@ RefinedSurface refined_surface(const SurfaceMesh& receiver, const Rims& rims, co
     const bool is_least = points < 1.05 * static_cast<double>(receiver.position.size());
     if (points <= most || is_least || attempt == kTries) return {std::move(mesh), coarseness.hems};
     if (coarseness.level < most_level) {
-      coarseness.level = std::min(coarseness.level * coarser_level(points), most_level);
+      coarseness.level = coarser_level(points);
     } else {
       coarseness.hems *= static_cast<float>(std::sqrt(points / most) * 1.1);
     }

@@ -22,6 +22,8 @@ constexpr float kLeastFactor = 0.85f;
 constexpr float kMostFactor = 1.25f;
 /// Volume of a front, as a fraction of the height behind it times the width of its zone.
 constexpr float kUpright = 0.95f;
+/// Height of a front, as a fraction of the height behind it.
+constexpr float kDrawn = 0.94f;
 /// Greatest offset due to a curved receiver, as a fraction of the height.
 constexpr float kMostCurvature = 0.5f;
 
@@ -61,7 +63,7 @@ std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& styl
       const SnowFront& front = fronts.front[f];
       const SnowBehind behind = fronts.behind(f, heights.shown);
       const glm::vec3 drawn = front_offset(
-          front, style, {behind.inland * 0.94f, behind.across * 0.94f}, points.normal[p],
+          front, style, {behind.inland * kDrawn, behind.across * kDrawn}, points.normal[p],
           heights.shown[p], looks.point[p].bumps, std::min(kSink, looks.point[p].deepest));
       offsets[p] = glm::mix(offsets[p], drawn, fronts.presence(f, style, behind));
     }
@@ -80,6 +82,7 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
   const size_t count = points.count();
   SurfaceHeightsNow heights;
   heights.thickness = sampled_heights(samples, frame.height);
+  fronts.cover(heights.thickness);
   smooth(samples, heights.thickness, kRoundsBefore);
   heights.shown.resize(count);
   for_point_blocks(count, [&](size_t, size_t begin, size_t end) {

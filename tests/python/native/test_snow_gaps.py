@@ -25,7 +25,7 @@ def stones(gap, lower=0.0):
 
 def tops(mesh, resolution, points, snow=lambda points: DEPTH):
     """Height of what is drawn at points (N, 2), without noise: see shown_over."""
-    lying = map_of(mesh, resolution, lambda places, up: np.where(up > 0.9, snow(places), 0.0))
+    lying = map_of(mesh, resolution, lambda places, up: np.where(up > 0.7, snow(places) * up, 0.0))
     return shown_over(mesh, lying, DEPTH, np.array(points, np.float64))[0]
 
 
@@ -60,3 +60,52 @@ def test_snow_does_not_bridge_to_a_bare_stone():
     on_bare = np.stack([np.full_like(along, 0.1), along], axis=1)
     left = tops(mesh, resolution, on_bare, lambda points: np.where(points[:, 0] < 0, DEPTH, 0.0))
     assert left == pytest.approx(np.full(31, 0.3), abs=0.005)
+
+
+def step(height):
+    """Two level faces of 0.8 m that meet at x = 0, the left one higher by `height`."""
+    x, y, z = 0.8, 0.5, height
+    faces = [
+        [(-x, -y, z), (0, -y, z), (0, y, z), (-x, y, z)],
+        [(0, -y, z), (0, -y, 0), (0, y, 0), (0, y, z)],
+        [(0, -y, 0), (x, -y, 0), (x, y, 0), (0, y, 0)],
+    ]
+    *mesh, resolution = unfolded([np.array(face, np.float64) for face in faces], 0.01)
+    return mesh, resolution
+
+
+def courses(slope=32.0, length=0.22, lift=0.03, count=8, width=1.6):
+    """Courses of tiles down a roof, each with its lower end on top of the next one."""
+    a = np.radians(slope)
+
+    def at(down, out, y):
+        return (down * np.cos(a) + out * np.sin(a), y, out * np.cos(a) - down * np.sin(a))
+
+    faces, y = [], 0.5 * width
+    for k in range(count):
+        top, end = k * length, (k + 1) * length
+        faces.append([at(top, 0, -y), at(end, lift, -y), at(end, lift, y), at(top, 0, y)])
+        faces.append([at(end, lift, -y), at(end, 0, -y), at(end, 0, y), at(end, lift, y)])
+    *mesh, resolution = unfolded([np.array(face, np.float64) for face in faces], 0.01)
+    return mesh, resolution
+
+
+def test_snow_runs_over_courses_of_tiles():
+    mesh, resolution = courses()
+    down, across = np.meshgrid(np.linspace(0.4, 1.1, 141), np.linspace(-0.4, 0.4, 9))
+    places = np.stack([down.ravel(), across.ravel()], axis=1)
+    drawn = tops(mesh, resolution, places).reshape(down.shape)
+    # Above the plane of the roof: snow and, at the lower end of each tile, the tile.
+    above = drawn + down * np.tan(np.radians(32.0))
+    assert above.mean() > 0.9 * DEPTH
+    assert above.std() < 0.15 * DEPTH
+
+
+def test_snow_ends_in_a_front_at_a_high_step():
+    mesh, resolution = step(0.6)
+    along = np.linspace(-0.2, 0.2, 21)
+    behind, beyond = (
+        tops(mesh, resolution, np.stack([np.full_like(along, x), along], axis=1)) for x in (-0.03, 0.2)
+    )
+    assert behind.min() > 0.6 + 0.6 * DEPTH
+    assert beyond.max() < 1.3 * DEPTH

@@ -85,6 +85,26 @@ def test_a_larger_scale_has_fewer_points_and_most_points_is_a_limit():
     assert few.coarsened > 1.0 == make().coarsened
 
 
+def needles(count=400):
+    """Level cards of 20 x 2 cm, a few centimetres from each other."""
+    card, faces, uv = grid(0.2, 0.02)
+    shift = np.random.default_rng(1).uniform(-0.5, 0.5, (count, 1, 3)).astype(np.float32)
+    number = np.arange(count)[:, None, None]
+    place = (np.stack([number % 20, number // 20], axis=-1) + uv[None]) / 20
+    return (
+        (card[None] + shift).reshape(-1, 3),
+        (faces[None] + 4 * number).reshape(-1, 3).astype(np.int32),
+        place.reshape(-1, 3, 2).astype(np.float32),
+    )
+
+
+def test_many_needles_and_their_cushions_keep_within_their_points():
+    for most in (8000, 20000):
+        surface = make(needles(), most_points=most)
+        assert 0.2 * most < surface.point_count <= most
+        assert surface.coarsened > 1.0
+
+
 def test_receivers_of_other_seeds_have_other_hems():
     assert not np.array_equal(make(seed=1).points(level(), DEPTH), make(seed=2).points(level(), DEPTH))
 
