@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <glm/common.hpp>
-#include <glm/vec2.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <numeric>
 #include <utility>
 

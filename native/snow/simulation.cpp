@@ -96,24 +96,24 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
   if (!std::isfinite(dt) || dt < 0.0) {
     throw std::invalid_argument("step: dt must be 0 seconds or more");
   }
-  const FrameStep frame{.fall = {.direction = unit_fall(direction),
-                                 .pixel_size = settings_.pixel_size,
-                                 .flutter = settings_.flutter,
-                                 .noise_density = settings_.noise_density,
-                                 .depth = depth,
-                                 .seed = settings_.seed,
-                                 .step_number = step_number_},
-                        .stability = {.max_depth = static_cast<float>(settings_.max_depth),
-                                      .half_life = static_cast<float>(settings_.slide_half_life)},
-                        .movement = {.repose = {.angle = settings_.repose,
-                                                .cohesion = settings_.cohesion},
-                                     .landing = {.is_on = settings_.landing,
-                                                 .throw_speed = settings_.throw_speed,
-                                                 .spread = settings_.spread,
-                                                 .heap_grain = settings_.heap_grain,
-                                                 .takes_time = settings_.fall_time}},
-                        .dt = dt,
-                        .tile_size = settings_.tile_size};
+  const FrameStep frame{
+      .fall = {.direction = unit_fall(direction),
+               .pixel_size = settings_.pixel_size,
+               .flutter = settings_.flutter,
+               .noise_density = settings_.noise_density,
+               .depth = depth,
+               .seed = settings_.seed,
+               .step_number = step_number_},
+      .stability = {.max_depth = static_cast<float>(settings_.max_depth),
+                    .half_life = static_cast<float>(settings_.slide_half_life)},
+      .movement = {.repose = {.angle = settings_.repose, .cohesion = settings_.cohesion},
+                   .landing = {.is_on = settings_.landing,
+                               .throw_speed = settings_.throw_speed,
+                               .spread = settings_.spread,
+                               .heap_grain = settings_.heap_grain,
+                               .takes_time = settings_.fall_time}},
+      .dt = dt,
+      .tile_size = settings_.tile_size};
   objects_.set_positions(positions, hidden);
   scene.run_step(frame);
   ++step_number_;

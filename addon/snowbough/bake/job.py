@@ -276,9 +276,7 @@ class BakeJob:
         driver = None if request.allow_other_driver else self._driver
         for other in self._beside():
             other.compare_settings(run.settings, request.units)
-        state, before = resuming.read_checkpoints(
-            self.native, self.receivers, self._beside(), frame, driver
-        )
+        state, before = resuming.read_checkpoints(self.native, self.receivers, self._beside(), frame, driver)
         run.log(f"comparing frames {request.frame_start} to {frame} with the checkpoint")
         added, moved = self._replay_frames(run, frame)
         self._registry.register_changes(added)

@@ -67,7 +67,9 @@ class Splat {
   /// Moves a place to a lattice a quarter of the radius wide, so that neighbours land together.
   int32_t snapped(int32_t place) const {
     const int32_t step = std::max(reach_at(place) / 4, 1);
-    const auto to_middle = [&](int32_t i) { return std::min(i / step * step + step / 2, side_ - 1); };
+    const auto to_middle = [&](int32_t i) {
+      return std::min(i / step * step + step / 2, side_ - 1);
+    };
     const int32_t there = to_middle(place / side_) * side_ + to_middle(place % side_);
     const int32_t from = texel(place);
     const int32_t to = texel(there);
@@ -169,8 +171,7 @@ void Landing::set_state(const LandingState& state) {
   }
 }
 
-void Landing::arrive(double dt, const LandingSettings& settings, MovingMap& map,
-                     Repose& repose) {
+void Landing::arrive(double dt, const LandingSettings& settings, MovingMap& map, Repose& repose) {
   const int64_t until = clock_ + microseconds(dt);
   const auto object = static_cast<int32_t>(map.object);
   std::vector<std::pair<int32_t, int64_t>> landing;
@@ -348,9 +349,8 @@ void Landing::fall(uint32_t step_number, double dt, const LandingSettings& setti
   clock_ += microseconds(dt);
   const std::vector<Exit> falling = merged();
   std::vector<std::vector<Landed>> landed(falling.size());
-  base::for_each_item(falling.size(), 4, [&](size_t i) {
-    trace(falling[i], step_number, settings, landed[i]);
-  });
+  base::for_each_item(falling.size(), 4,
+                      [&](size_t i) { trace(falling[i], step_number, settings, landed[i]); });
   for (const std::vector<Landed>& one : landed) {
     for (const Landed& snow : one) {
       if (snow.point.object < 0) {
@@ -359,7 +359,8 @@ void Landing::fall(uint32_t step_number, double dt, const LandingSettings& setti
         on_floors_ += snow.units;
       } else {
         const double way = settings.takes_time ? std::sqrt(2.0 * snow.drop / kGravity) : 0.0;
-        air_[{clock_ + microseconds(way), snow.point.object, snow.point.place, snow.point.is_back}] += snow.units;
+        air_[{clock_ + microseconds(way), snow.point.object, snow.point.place,
+              snow.point.is_back}] += snow.units;
       }
     }
   }

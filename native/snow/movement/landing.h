@@ -40,9 +40,9 @@ class Landing {
   /// `rays` must know the objects. Snow in the air stays.
   void lay_out(const SceneRays& rays);
 
-  /// Adds the snow that lands on a map within the next `dt` seconds; sets its `landed` and `has_changed`.
-  void arrive(double dt, const LandingSettings& settings, MovingMap& map,
-              Repose& repose);
+  /// Adds the snow that lands on a map within the next `dt` seconds; sets its `landed` and
+  /// `has_changed`.
+  void arrive(double dt, const LandingSettings& settings, MovingMap& map, Repose& repose);
   /// Whether any snow lands within the next `dt` seconds.
   bool has_arrivals(double dt) const {
     return !air_.empty() && std::get<0>(air_.begin()->first) <= clock_ + microseconds(dt);

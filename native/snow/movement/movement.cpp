@@ -24,9 +24,9 @@ void Movement::lay_out(const std::vector<const SceneObject*>& objects) {
   landing_.lay_out(targets_.rays());
   link_tables_ = std::make_unique<ReposeLinkTables>();
   for (const SceneObject* object : objects) {
-    receivers_.push_back(object->description.receive ? std::make_unique<Repose>(
-                                                           *object, *link_tables_, &targets_.rays())
-                                                     : nullptr);
+    receivers_.push_back(object->description.receive
+                             ? std::make_unique<Repose>(*object, *link_tables_, &targets_.rays())
+                             : nullptr);
   }
 }
 
@@ -46,8 +46,7 @@ std::vector<MovingMap*> Movement::shown(std::vector<MovingMap>& maps) const {
   return shown;
 }
 
-void Movement::before(const MovementSettings& settings, double dt,
-                      std::vector<MovingMap>& maps) {
+void Movement::before(const MovementSettings& settings, double dt, std::vector<MovingMap>& maps) {
   // Above hidden receivers snow stays in the air.
   for (MovingMap* map : shown(maps)) {
     landing_.arrive(dt, settings.landing, *map, *receivers_[map->object]);

@@ -13,8 +13,8 @@ struct MovingMap {
   size_t object = 0;
   /// Thickness in metres, row by row, negative on the back.
   std::vector<float>* height = nullptr;
-  /// What stability let slide in this step: row * resolution + column, and volume in m3. Only if the
-  /// step records it.
+  /// What stability let slide in this step: row * resolution + column, and volume in m3. Only if
+  /// the step records it.
   std::vector<std::pair<int32_t, float>> slid_from = {};
   /// Out: volume that left the map, and that landed on it, in m3.
   double slid = 0.0;

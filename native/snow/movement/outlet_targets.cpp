@@ -76,8 +76,7 @@ void OutletTargets::find_gap(const Repose::Outlet& outlet, OutletTarget& target)
   };
   double last = outlet.reach;
   double width = 0.0;
-  for (double way = kNextDistance * last; width == 0.0 && last < kWidestGap;
-       way *= kNextDistance) {
+  for (double way = kNextDistance * last; width == 0.0 && last < kWidestGap; way *= kNextDistance) {
     way = std::min(way, kWidestGap);
     if (is_across(way)) width = way;
     if (width == 0.0) last = way;

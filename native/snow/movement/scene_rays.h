@@ -28,7 +28,9 @@ struct SurfaceHit {
   bool is_open = false;
 
   /// Whether the ray leaves a body here. `down`: it runs downwards, else upwards.
-  bool is_inside(bool down) const { return object >= 0 && !is_open && (down ? up < 0.0 : up > 0.0); }
+  bool is_inside(bool down) const {
+    return object >= 0 && !is_open && (down ? up < 0.0 : up > 0.0);
+  }
 };
 
 /// Rays against all surfaces of a scene in the current pose, whether they receive snow or only

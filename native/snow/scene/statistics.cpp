@@ -22,8 +22,7 @@ StatisticsPair balance_of(const shared::ObjectSums& sums) {
   step.slid_volume = sums.slid;
   step.held_volume = sums.held;
   step.landed_volume = sums.landed;
-  step.stretched_volume = 
-      sums.held - (sums.held_before + sums.deposited + sums.landed - sums.slid);
+  step.stretched_volume = sums.held - (sums.held_before + sums.deposited + sums.landed - sums.slid);
   step.visible_area = sums.visible_area;
   step.back_face_area = sums.back_face_area;
 

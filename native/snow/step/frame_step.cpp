@@ -101,9 +101,8 @@ void run_step(Engine& engine, Movement& movement, const std::vector<SceneObject*
   engine.open_statistics();
   // What lands in a step without movement would not be shaped.
   if (step.moves_snow() && step.dt > 0.0 && movement.has_arrivals(step.dt)) {
-    engine.move_snow([&](std::vector<MovingMap>& maps) {
-      movement.before(step.movement, step.dt, maps);
-    });
+    engine.move_snow(
+        [&](std::vector<MovingMap>& maps) { movement.before(step.movement, step.dt, maps); });
   }
   engine.choose_texels();
   if (tiles.empty()) {

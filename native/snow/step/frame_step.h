@@ -24,9 +24,9 @@ struct FrameStep {
   }
 };
 
-/// Runs a step on the engine's current scene, which must be built for `objects`, as must `movement`;
-/// passes the positions of moved objects first. `hashes`, if any, receives the passes' hashes. On the engine's
-/// thread.
+/// Runs a step on the engine's current scene, which must be built for `objects`, as must
+/// `movement`; passes the positions of moved objects first. `hashes`, if any, receives the passes'
+/// hashes. On the engine's thread.
 void run_step(Engine& engine, Movement& movement, const std::vector<SceneObject*>& objects,
               const FrameStep& step, std::vector<PassHash>* hashes = nullptr);
 

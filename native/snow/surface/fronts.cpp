@@ -212,8 +212,8 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zon
     const glm::vec3 behind = here.place.foot - here.place.out * (here.support * 1.02f);
     fronts.inland[f] = nearest_of(grid, inland, behind, p, farthest);
     const glm::vec3 beyond = here.place.foot + here.place.level_out * (kBeyond * depth);
-    const double drop = tree.distance_along(
-        0, glm::dvec3(beyond) + glm::dvec3(0.0, 0.0, kAbove * depth), {0.0, 0.0, -1.0}, 1e-5);
+    const glm::dvec3 above = glm::dvec3(beyond) + glm::dvec3(0.0, 0.0, kAbove * depth);
+    const double drop = tree.first_along(0, above, {0.0, 0.0, -1.0}, 1e-5).distance;
     if (front.presence > 0.0f && drop < kDeepest * depth) {
       Fronts::Fall& fall = fronts.fall[f];
       const float below = static_cast<float>(drop) - kAbove * depth;

@@ -15,8 +15,7 @@ FRESH = math.radians(65.0)
 def lying(mesh, depth, resolution, cohesion, shading=None, engine="CPU"):
     """The map of a mesh alone under that depth of snow, at rest."""
     with native.SnowSimulation(
-        landing=False,
-        repose=FRESH, cohesion=cohesion, engine=engine, pixel_size=0.002, max_depth=100.0
+        landing=False, repose=FRESH, cohesion=cohesion, engine=engine, pixel_size=0.002, max_depth=100.0
     ) as sim:
         sim.add_object("it", mesh[1], mesh[2], resolution=resolution, shading=shading)
         fall(sim, {"it": mesh}, depth, 24)
@@ -70,8 +69,7 @@ def test_both_engines_hold_the_same():
 def test_it_can_be_changed_while_it_snows():
     mesh = tube(0.01)
     with native.SnowSimulation(
-        landing=False,
-        repose=FRESH, cohesion=0.005, engine="CPU", pixel_size=0.002, max_depth=100.0
+        landing=False, repose=FRESH, cohesion=0.005, engine="CPU", pixel_size=0.002, max_depth=100.0
     ) as sim:
         sim.add_object("it", mesh[1], mesh[2], resolution=64, shading=smooth())
         fall(sim, {"it": mesh}, 0.05, 24)
@@ -94,8 +92,7 @@ def test_without_repose_it_means_nothing():
     maps = []
     for cohesion in (0.0, 0.02):
         with native.SnowSimulation(
-            landing=False,
-            repose=math.pi / 2, cohesion=cohesion, engine="CPU", pixel_size=0.002
+            landing=False, repose=math.pi / 2, cohesion=cohesion, engine="CPU", pixel_size=0.002
         ) as sim:
             sim.add_object("it", mesh[1], mesh[2], resolution=64)
             sim.step({"it": mesh[0]}, 0.02, DOWN)
@@ -109,7 +106,9 @@ def test_limits_that_change_while_nothing_lies_count_where_it_snows_again():
     turned = np.ascontiguousarray(mesh[0][:, [2, 1, 0]] * np.float32((1, 1, -1)))
     maps = []
     for repose in (FRESH, math.radians(30.0)):
-        with native.SnowSimulation(repose=repose, engine="CPU", pixel_size=0.01, max_depth=100.0, landing=False) as sim:
+        with native.SnowSimulation(
+            repose=repose, engine="CPU", pixel_size=0.01, max_depth=100.0, landing=False
+        ) as sim:
             sim.add_object("it", mesh[1], mesh[2], resolution=64)
             fall(sim, {"it": mesh}, 0.1, 4)
             for _ in range(4):

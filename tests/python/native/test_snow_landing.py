@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import snowbough_native as native
 from checkpoints import restore, save
-from snow_meshes import grid, rotated
+from snow_meshes import cylinder, grid, rotated, smooth
 from snow_pieces import pieces, slab, slats
 
 DOWN = (0.0, 0.0, -1.0)
@@ -23,7 +23,13 @@ def sheet(size, z=0.0, resolution=256):
 
 
 def simulation(meshes, shade=(), **settings):
-    settings = {"pixel_size": 0.01, "max_depth": 1.0, "repose": math.radians(65.0), "engine": "CPU", **settings}
+    settings = {
+        "pixel_size": 0.01,
+        "max_depth": 1.0,
+        "repose": math.radians(65.0),
+        "engine": "CPU",
+        **settings,
+    }
     sim = native.SnowSimulation(**settings)
     for name, (_, triangles, uv, resolution) in meshes.items():
         sim.add_object(name, triangles, uv, resolution=resolution, receive=name not in shade)
@@ -107,7 +113,9 @@ def test_a_roof_that_sheds_makes_a_berm_outside_its_eave(speed):
     y = ((y - 0.02) / 0.96 - 0.5) * 6.0
     berm = np.where(np.abs(y) < 2.0, np.maximum(middle - 0.301, 0.0), 0.0)
     assert berm.max() > 0.03
-    assert 1.0 - (berm * y).sum() / berm.sum() == pytest.approx(speed * math.sqrt(2.0 * eave / GRAVITY), abs=0.15)
+    assert 1.0 - (berm * y).sum() / berm.sum() == pytest.approx(
+        speed * math.sqrt(2.0 * eave / GRAVITY), abs=0.15
+    )
 
 
 def test_steps_without_duration_land_nothing():
@@ -222,6 +230,21 @@ def test_a_receiver_that_no_snow_reaches_stays_bare():
     fall(sim, meshes, 0.1, 4)
     assert sim.height("cellar").max() == 0.0
     assert_nothing_is_lost(sim)
+
+
+def test_a_limb_keeps_no_more_than_without_landing():
+    """Nothing that falls off its sides may come back to its top."""
+    limb = cylinder(0.04, 1.0, axis="x")
+    meshes = {"limb": (limb[0] + np.float32([0.0, 0.0, 1.0]), *limb[1:], 256)}
+    shading = smooth(limb[0], limb[1])
+
+    def kept(landing):
+        with native.SnowSimulation(pixel_size=0.005, engine="CPU", landing=landing) as sim:
+            sim.add_object("limb", limb[1], limb[2], resolution=256, shading=shading)
+            fall(sim, meshes, 0.12, 8)
+            return sim.statistics()["total"]["held_volume"]
+
+    assert kept(True) == pytest.approx(kept(False), rel=0.01)
 
 
 def test_without_landing_it_is_gone():

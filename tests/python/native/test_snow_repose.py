@@ -366,7 +366,9 @@ def test_walls_shed_their_snow_once_however_they_are_shaded(smooth):
     up, table = faces_of(positions, triangles, uv)
     walls = np.zeros(128 * 128, bool)
     walls[table["texel"]] = (up[table["triangle"]] > 0.0) & (up[table["triangle"]] < 0.0999)
-    with native.SnowSimulation(pixel_size=0.004, repose=FRESH, engine="CPU", max_depth=10.0, landing=False) as sim:
+    with native.SnowSimulation(
+        pixel_size=0.004, repose=FRESH, engine="CPU", max_depth=10.0, landing=False
+    ) as sim:
         shading = triangles.astype(np.int32) if smooth else None
         sim.add_object("ball", triangles, uv, resolution=128, shading=shading)
         sim.step({"ball": positions}, 0.2, (1.0, 0.0, -1.0), 0.0)

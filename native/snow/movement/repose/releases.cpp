@@ -242,9 +242,11 @@ void Repose::collect_releases(const std::vector<Written>& written) {
       const int32_t last = end % kTileCells;
       const int32_t column = end / kTileCells % side * kReposeBlock + last % kReposeBlock;
       const int32_t row = end / kTileCells / side * kReposeBlock + last / kReposeBlock;
-      releases_.push_back(
-          {Release::kInHollow, texel_at(*object_->table, row * links_->resolution + column),
-           static_cast<double>(units) * unit});
+      const bool is_wall =
+          tiles_[static_cast<size_t>(end / kTileCells)]->snow.is_wall(static_cast<size_t>(last));
+      releases_.push_back({is_wall ? Release::kOffWall : Release::kInHollow,
+                           texel_at(*object_->table, row * links_->resolution + column),
+                           static_cast<double>(units) * unit});
     }
   }
   for (size_t i = 0; i < fallen.size(); ++i) {

@@ -196,7 +196,8 @@ Repose::Written Repose::write_block(int32_t block, float walls_keep,
     const bool wall = (tile.snow.kind[cell] & kWall) != 0;
     const double moved = tile.snow.moved[cell];
     if (wall && moved > 0.0) {
-      written.releases.push_back({Release::kOffWall, texel, moved * static_cast<double>(surface_.unit())});
+      written.releases.push_back(
+          {Release::kOffWall, texel, moved * static_cast<double>(surface_.unit())});
     }
     if (wall ? tile.snow.held[cell] == 0.0f : moved == 0.0) return;
     written.has_changed = true;

@@ -76,7 +76,8 @@ class Repose {
   float top_over(int32_t block, const RimLink& rim) const;
 
   /// Moves snow on `height` in those blocks. `dt`: seconds; a long step may run more rounds.
-  /// `lists_releases`: for take_releases. Returns the volume that fell over rims and off walls, in m3.
+  /// `lists_releases`: for take_releases. Returns the volume that fell over rims and off walls, in
+  /// m3.
   double run(std::vector<float>& height, float dt, bool lists_releases);
 
   /// Snow that left the map in a run.

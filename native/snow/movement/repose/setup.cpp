@@ -242,9 +242,8 @@ glm::dvec3 Repose::world_point(int32_t texel) const {
 
 Repose::Outlet Repose::outlet(const RimLink& rim) const {
   const auto link = static_cast<size_t>(rim.number);
-  const ReposeLinks::Point& at = link >= across_.size()
-                                     ? links_->rims[link - across_.size()].point
-                                     : links_->across[link].seam;
+  const ReposeLinks::Point& at = link >= across_.size() ? links_->rims[link - across_.size()].point
+                                                        : links_->across[link].seam;
   Outlet outlet;
   outlet.point = world_point(at);
   const glm::dvec3 inwards = world_point(rim.texel) - outlet.point;

@@ -57,8 +57,8 @@ void TileSnow::begin_step(bool bare) {
 bool TileSnow::cover(const TileGround& ground, size_t cell, float height, float unit) {
   const float side = shared::snow_side(height, ground.up[cell], ground.two_sided[cell] != 0);
   const bool wall = shared::is_wall(side * ground.up[cell]) || ground.area[cell] <= 0.0f;
-  const auto now = static_cast<uint8_t>((wall ? kWall : 0) | (side < 0.0f ? kBack : 0) |
-                                        (kind[cell] & kFull));
+  const auto now =
+      static_cast<uint8_t>((wall ? kWall : 0) | (side < 0.0f ? kBack : 0) | (kind[cell] & kFull));
   const bool changes = now != kind[cell];
   if (changes) {
     kind[cell] = now;

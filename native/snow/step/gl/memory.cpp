@@ -23,8 +23,7 @@ int64_t texel_bytes(const SceneObject& object, bool has_opacity) {
 
 }  // namespace
 
-MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects,
-                               int32_t tile_size) {
+MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, int32_t tile_size) {
   MemoryEstimate estimate = estimate_shared_memory(objects);
   const bool has_opacity = std::any_of(objects.begin(), objects.end(), [](const auto* object) {
     return !object->fragment_opacity.empty();

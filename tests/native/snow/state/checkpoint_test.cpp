@@ -45,7 +45,8 @@ Checkpoint example() {
   ground.height = {0.1f, -0.0f, 1e-42f, std::nextafter(1.0f, 2.0f), 0.0f, -0.5f, 0.0f, 0.0f, 2.0f};
   for (size_t i = 0; i < ground.sums.size(); ++i) ground.sums[i] = static_cast<double>(i) / 3.0;
   ObjectState cart{"cart", 1, {0.0f}, {}};
-  const LandingState landing{99, {{50, "cart", 0, true, int64_t{1} << 40}, {51, "cart", 0, false, 3}}, 7, -8};
+  const LandingState landing{
+      99, {{50, "cart", 0, true, int64_t{1} << 40}, {51, "cart", 0, false, 3}}, 7, -8};
   return {"9f86d081", {48, {cart, ground}, landing}};
 }
 

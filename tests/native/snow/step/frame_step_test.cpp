@@ -102,9 +102,8 @@ TEST(FrameStep, CallsThePassesInTheirOrder) {
   SceneObject ground = square_at("ground", 0, true, true);
   WritesDown engine({&ground});
   step_on(engine, {&ground}, step_of(0.01));
-  EXPECT_THAT(engine.calls,
-              ElementsAre("positions 0", "triangles", "open", "choose", "occlusion", "back faces",
-                          "first deposit", "stability", "close"));
+  EXPECT_THAT(engine.calls, ElementsAre("positions 0", "triangles", "open", "choose", "occlusion",
+                                        "back faces", "first deposit", "stability", "close"));
 }
 
 TEST(FrameStep, ReadsHeightsBackOnlyIfSnowMoves) {

@@ -55,9 +55,7 @@ inline double all_moved(const ReposeTile& tile) {
 
 /// A level row whose first texel has a rim half a texel away.
 inline std::vector<RimLink> rim_of(const ReposeTiles& tiles) {
-  return {{.top = 0.1f,
-           .limit = 0.005f,
-           .rate = shared::link_rate(tiles[0]->stiffness(0), 0.0f)}};
+  return {{.top = 0.1f, .limit = 0.005f, .rate = shared::link_rate(tiles[0]->stiffness(0), 0.0f)}};
 }
 
 }  // namespace snowbough::snow
