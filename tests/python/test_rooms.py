@@ -24,9 +24,46 @@ FLOORS = {
 ROOMS = {
     "native/render": "data draw tree snow",
     "native/snow": "state texels seams scene movement output surface step",
+    "native/snow/movement": "rays repose",
     "native/snow/step": "engine cpu gl",
     "native/tree": "skeleton obj rings welded read surface crossings mesh tubes rims detail uv leaves original",
 }
+
+
+# Most lines of source per room. A commit that raises one says why; what a change puts in, it should take out elsewhere.
+LINES = {
+    "native/base": 950,
+    "native/gpu": 1900,
+    "native/image": 1100,
+    "native/python": 3250,
+    "native/render": 5100,
+    "native/tree": 21250,
+    "native/snow/movement": 5650,
+    "native/snow/output": 2950,
+    "native/snow/scene": 1650,
+    "native/snow/seams": 2550,
+    "native/snow/state": 450,
+    "native/snow/step": 5250,
+    "native/snow/surface": 4100,
+    "native/snow/texels": 1750,
+    "addon/snowbough/bake": 3500,
+    "addon/snowbough/base": 1100,
+    "addon/snowbough/cache": 1100,
+    "addon/snowbough/gltf": 2800,
+    "addon/snowbough/preview": 1100,
+    "addon/snowbough/realtime": 2250,
+    "addon/snowbough/result": 1750,
+    "addon/snowbough/scene": 2100,
+    "addon/snowbough/settings": 650,
+    "addon/snowbough/surface": 700,
+    "addon/snowbough/tree": 2500,
+    "addon/snowbough/ui": 2050,
+    "addon/snowbough/usd": 550,
+    "shaders": 4950,
+    "benchmarks": 5100,
+    "tests": 49550,
+}
+SOURCES = {".h", ".cpp", ".glsl", ".py"}
 
 
 class Arrow(NamedTuple):
@@ -155,6 +192,25 @@ def test_floors_know_only_floors_listed_before_them():
 def test_listed_rooms_are_there(folder):
     for room in ROOMS[folder].split():
         assert (ROOT / folder / room).is_dir()
+
+
+def lines_in(folder):
+    return sum(len(path.read_bytes().splitlines()) for path in folder.rglob("*") if path.suffix in SOURCES)
+
+
+@pytest.mark.parametrize("room", LINES)
+def test_a_room_stays_within_its_lines(room):
+    count = lines_in(ROOT / room)
+    assert 0 < count <= LINES[room], f"{room} has {count} lines"
+
+
+@pytest.mark.parametrize("floor", ["native", "native/snow", "addon/snowbough"])
+def test_every_room_has_a_budget(floor):
+    for folder in (ROOT / floor).iterdir():
+        if not folder.is_dir() or folder.name == "__pycache__":
+            continue
+        name = folder.relative_to(ROOT).as_posix()
+        assert name in LINES or any(room.startswith(f"{name}/") for room in LINES), name
 
 
 @pytest.fixture

@@ -9,10 +9,10 @@
 #include <tuple>
 #include <vector>
 
-#include "snow/movement/map_point.h"
 #include "snow/movement/moving_map.h"
+#include "snow/movement/rays/map_point.h"
+#include "snow/movement/rays/scene_rays.h"
 #include "snow/movement/repose/repose.h"
-#include "snow/movement/scene_rays.h"
 #include "snow/state/checkpoint.h"
 
 namespace snowbough::snow {

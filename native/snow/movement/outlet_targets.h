@@ -5,9 +5,9 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "snow/movement/map_point.h"
+#include "snow/movement/rays/map_point.h"
+#include "snow/movement/rays/scene_rays.h"
 #include "snow/movement/repose/repose.h"
-#include "snow/movement/scene_rays.h"
 
 namespace snowbough::snow {
 

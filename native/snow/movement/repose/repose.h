@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "base/parallel_for.h"
-#include "snow/movement/map_point.h"
+#include "snow/movement/rays/map_point.h"
+#include "snow/movement/rays/scene_rays.h"
 #include "snow/movement/repose/links.h"
 #include "snow/movement/repose/pose.h"
 #include "snow/movement/repose/slack.h"
 #include "snow/movement/repose/surface.h"
 #include "snow/movement/repose/tile.h"
-#include "snow/movement/scene_rays.h"
 #include "snow/scene/scene_object.h"
 
 namespace snowbough::snow {

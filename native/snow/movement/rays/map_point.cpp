@@ -1,4 +1,4 @@
-#include "snow/movement/map_point.h"
+#include "snow/movement/rays/map_point.h"
 
 #include <algorithm>
 #include <array>

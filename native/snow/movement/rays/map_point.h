@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 
-#include "snow/movement/scene_rays.h"
+#include "snow/movement/rays/scene_rays.h"
 #include "snow/scene/scene_object.h"
 
 namespace snowbough::snow {

@@ -1,4 +1,4 @@
-#include "snow/movement/scene_rays.h"
+#include "snow/movement/rays/scene_rays.h"
 
 #include <algorithm>
 #include <glm/common.hpp>
