@@ -22,7 +22,7 @@ SHOWN_AS = {"metres": "m", "seconds": "s", "degrees": "°", "texels": "texels"}
 FRAMES = re.compile(r"frame|checkpoint_interval")
 UNITLESS = {
     "rate", "strength", "seed", "samples", "surface_overhang", "surface_hem_variation", "surface_bridging",
-    "surface_relief", "active_receiver", "bark_vertices",
+    "surface_relief", "active_receiver", "bark_vertices", "spread",
 }  # fmt: skip
 
 # These push no undo step.

@@ -55,8 +55,8 @@ def spread(points):
 
 
 def level(points):
-    """Mean height of level snow away from rims."""
-    return float(inner(points)[:, 2].mean())
+    """Median height of level snow away from rims: points are denser towards rims, where snow is lower."""
+    return float(np.median(inner(points)[:, 2]))
 
 
 # -- receivers that are not shown on all frames -----------------------------------------------------------------
