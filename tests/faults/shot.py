@@ -79,7 +79,7 @@ def request(cache, **changes):
     """The BakeRequest of the whole shot."""
     snow = {
         "flutter": 0.05, "noise_density": 0.5, "repose": REPOSE, "slide_half_life": 0.5,
-        "mapping": "COMPUTE", "seed": 1,
+        "mapping": "COMPUTE", "seed": 1, "landing": True,
     }  # fmt: skip
     whole = {
         "scene_name": "Scene", "cache": str(cache), "cache_id": "0123456789abcdef", "frame_start": 1,

@@ -24,7 +24,7 @@ FLOORS = {
 ROOMS = {
     "native/render": "data draw tree snow",
     "native/snow": "state texels seams scene movement output surface step",
-    "native/snow/movement": "rays repose",
+    "native/snow/movement": 5700"rays repose",
     "native/snow/step": "engine cpu gl",
     "native/tree": "skeleton obj rings welded read surface crossings mesh tubes rims detail uv leaves original",
 }
@@ -38,7 +38,7 @@ LINES = {
     "native/python": 3250,
     "native/render": 5100,
     "native/tree": 21250,
-    "native/snow/movement": 5650,
+    "native/snow/movement": 5700,
     "native/snow/output": 2950,
     "native/snow/scene": 1650,
     "native/snow/seams": 2550,

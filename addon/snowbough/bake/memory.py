@@ -13,7 +13,7 @@ from ..base.names import sized
 from .map_writer import MAX_WAITING, MAX_WAITING_BYTES
 
 # Bytes per texel of a receiver: its map and texel; data of repose; work data of the output of the largest map.
-MAP, REPOSE, OUTPUT = 50, 92, 89
+MAP, REPOSE, OUTPUT = 50, 124, 89
 # Bytes per texel along the rims of charts, about this many map widths per layout; bytes per triangle.
 RIM, RIM_WIDTHS, TRIANGLE = 1536, 6, 235
 # Bytes per texel of all receivers: tables of the output, copies of tables, coverage, the state at a checkpoint.

@@ -14,8 +14,19 @@ constexpr size_t kManyBlocks = 16;
 }  // namespace
 
 int64_t Movement::memory(const std::vector<const SceneObject*>& objects) {
-  return count_blocks(objects, kReposeBlock) *
-         static_cast<int64_t>(sizeof(ReposeTile) + sizeof(std::array<TilePlane, kForwardLinks>));
+  // See Repose::BareTexels, and where ways end.
+  constexpr int64_t kPerTexel = 5 * 4 + 2 * 4;
+  constexpr int64_t kPerPlace = 4;
+  int64_t bytes =
+      count_blocks(objects, kReposeBlock) *
+      static_cast<int64_t>(sizeof(ReposeTile) + sizeof(std::array<TilePlane, kForwardLinks>));
+  for (const SceneObject* object : objects) {
+    if (!object->description.receive) continue;
+    const int64_t side = object->description.topology.resolution;
+    bytes +=
+        kPerTexel * static_cast<int64_t>(object->table->texel.size()) + kPerPlace * side * side;
+  }
+  return bytes;
 }
 
 void Movement::lay_out(const std::vector<const SceneObject*>& objects) {

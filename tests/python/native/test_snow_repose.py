@@ -331,7 +331,8 @@ def test_the_memory_estimate_counts_repose():
         simulation({"ground": mesh}, resolution=512, repose=STAYS) as stays,
     ):
         kept = moves.memory_estimate()["total"] - stays.memory_estimate()["total"]
-    assert 512 * 512 * 60 < kept < 512 * 512 * 100
+    # Blocks take about 90 bytes per texel, the tables of landing 32.
+    assert 512 * 512 * 100 < kept < 512 * 512 * 140
 
 
 def faces_of(positions, triangles, uv):
