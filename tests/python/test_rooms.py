@@ -24,7 +24,7 @@ FLOORS = {
 ROOMS = {
     "native/render": "data draw tree snow",
     "native/snow": "state texels seams scene movement output surface step",
-    "native/snow/movement": 5700"rays repose",
+    "native/snow/movement": "rays repose",
     "native/snow/step": "engine cpu gl",
     "native/tree": "skeleton obj rings welded read surface crossings mesh tubes rims detail uv leaves original",
 }
