@@ -4,6 +4,7 @@
 import contextlib
 import os
 import socket
+import stat
 import uuid
 from pathlib import Path
 
@@ -18,6 +19,10 @@ except ImportError:  # Windows
 
 # Windows forbids reading bytes that another process has locked, so lock a byte far behind the text.
 _LOCKED_BYTE = 1 << 30
+# A link is not followed, and a pipe does not wait.
+_FLAGS = os.O_RDWR | os.O_CREAT
+for _name in ("O_BINARY", "O_NOFOLLOW", "O_NONBLOCK"):
+    _FLAGS |= getattr(os, _name, 0)
 
 
 def _try_lock(descriptor):
@@ -80,13 +85,21 @@ def lock_folder(folder):
     """Creates a receiver's folder if needed and locks it for one bake. Yields the FolderLock. The system releases the
     lock with the process, so a killed bake does not block others. Raises CacheBusy with the holder's host and
     process."""
+    for place in (Path(folder), Path(folder).parent):
+        if place.is_symlink():
+            raise CacheError(f"{place} is a link, and a bake writes only into its own folders: remove it")
     make_folder(folder)
     path = Path(folder) / LOCK
     while True:
         try:
-            descriptor = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
+            descriptor = os.open(path, _FLAGS, 0o666)
         except OSError as error:
+            if path.is_symlink():
+                raise CacheError(f"{path} is a link, not the lock of a bake: remove it") from error
             raise failed(path, "opened", error) from error
+        if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+            os.close(descriptor)
+            raise CacheError(f"{path} is not the lock of a bake: remove it")
         if not _try_lock(descriptor):
             text = os.read(descriptor, 200).decode(errors="replace")
             os.close(descriptor)

@@ -357,3 +357,31 @@ def test_fingerprints_tell_shapes_and_values_apart():
     assert fingerprint(a) != fingerprint(a.reshape(2, 3))
     assert fingerprint(a) != fingerprint(a + 1)
     assert fingerprint(np.empty((0, 3))) == fingerprint(np.empty((0, 3)))
+
+
+@pytest.mark.skipif(not hasattr(os, "O_NOFOLLOW"), reason="this system has no such links")
+def test_a_link_in_place_of_the_lock_is_not_followed(tmp_path):
+    own = tmp_path / "letter.txt"
+    own.write_text("keep me")
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "lock").symlink_to(own)
+    with pytest.raises(errors.CacheError, match="lock is a link"), lock.lock_folder(tmp_path / "a"):
+        pass
+    assert own.read_text() == "keep me"
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes")
+def test_a_pipe_in_place_of_the_lock_ends_at_once(tmp_path):
+    (tmp_path / "a").mkdir()
+    os.mkfifo(tmp_path / "a" / "lock")
+    with pytest.raises(errors.CacheError, match="not the lock of a bake"), lock.lock_folder(tmp_path / "a"):
+        pass
+
+
+@pytest.mark.skipif(not hasattr(os, "O_NOFOLLOW"), reason="this system has no such links")
+def test_a_folder_that_is_a_link_is_not_written_to(tmp_path):
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "a").symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(errors.CacheError, match="a is a link"), lock.lock_folder(tmp_path / "a"):
+        pass
+    assert list((tmp_path / "elsewhere").iterdir()) == []
