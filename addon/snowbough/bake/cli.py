@@ -187,7 +187,7 @@ def _attempt(args, report, pressed):
     try:
         if args.frames:
             first, last = plan.parse_frames(args.frames, first, last)
-        objects = [name.strip() for name in (args.objects or "").split(",") if name.strip()]
+        objects = plan.parse_names(args.objects)
         request = make_request(
             scene,
             # An attempt continues the bake that the one before began.

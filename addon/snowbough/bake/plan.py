@@ -21,6 +21,7 @@ simulation counts the steps and picks the direction by the count, so resumed and
 import functools
 import itertools
 import math
+import re
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -213,13 +214,20 @@ def automatic_pixel_size(texel_sizes, low, high):
     return max(min(texel_sizes), math.sqrt(area / MAX_AUTOMATIC_PIXELS))
 
 
+def parse_names(text):
+    """The names in a list with commas, empty for None. Raises ValueError for a list without a name."""
+    names = [name.strip() for name in (text or "").split(",") if name.strip()]
+    if text is not None and not names:
+        raise ValueError(f"'{text}' names no receiver: write them like Ground,Bench")
+    return names
+
+
 def parse_frames(text, frame_start, frame_end):
-    """(first, last) from ``"5-20"`` or ``"7"``. Raises ValueError unless it is inside the shot."""
-    first, dash, last = text.strip().partition("-")
-    try:
-        first, last = int(first), int(last if dash else first)
-    except ValueError:
-        raise ValueError(f"'{text}' is not a frame range: write it like 1-48") from None
+    """(first, last) from ``"5-20"``, ``"-3-7"`` or ``"7"``. Raises ValueError unless it is inside the shot."""
+    match = re.fullmatch(r"\s*(-?\d+)(?:-(-?\d+))?\s*", text, re.ASCII)
+    if not match:
+        raise ValueError(f"'{text}' is not a frame range: write it like 1-48")
+    first, last = int(match[1]), int(match[2] or match[1])
     if not frame_start <= first <= last <= frame_end:
         raise ValueError(
             f"Frames {first}-{last} are not inside the shot: the scene's range is {frame_start}-{frame_end}"

@@ -183,6 +183,16 @@ def test_the_automatic_pixel_is_the_finest_texel_until_the_scene_is_too_large():
 def test_frames_of_the_command_line_lie_inside_the_shot():
     assert plan.parse_frames("3-20", 1, 48) == (3, 20)
     assert plan.parse_frames("7", 1, 48) == (7, 7)
-    for text in ("0-5", "5-3", "40-49", "a-b", ""):
+    assert plan.parse_frames("-3-2", -10, 48) == (-3, 2)
+    assert plan.parse_frames("-9--4", -10, 48) == (-9, -4)
+    for text in ("0-5", "5-3", "40-49", "a-b", "", "-"):
         with pytest.raises(ValueError):
             plan.parse_frames(text, 1, 48)
+
+
+def test_a_list_of_names_names_something():
+    assert plan.parse_names("Ground, Bench,") == ["Ground", "Bench"]
+    assert plan.parse_names(None) == []
+    for text in (",,,", "", " "):
+        with pytest.raises(ValueError, match="names no receiver"):
+            plan.parse_names(text)
