@@ -4,7 +4,7 @@
 // for both engines; see native/snow/step/cpu/kernel.h. In C++ inputs are members, views are pointers, and the formats
 // in KERNEL_VIEW are the elements that texelFetch returns. Such a source writes float literals with f, builds short
 // vectors from long ones by constructors instead of swizzles, and has only plain input parameters. Why views are buffer
-// textures: CONTRIBUTING.md, "Writing shaders for software renderers".
+// textures: docs/dev/shaders.md.
 #ifdef SNOWBOUGH_GLSL
 #define KERNEL_CONSTANT const
 /// A struct of so many members.

@@ -46,7 +46,7 @@ COVERED = {
 
 
 def documented():
-    texts = [*ROOT.glob("docs/*.md"), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
+    texts = [*ROOT.glob("docs/**/*.md"), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
     return {
         name for text in texts for name in re.findall(r"benchmarks/([\w/]+\.py)", text.read_text("utf-8"))
     }

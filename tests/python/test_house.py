@@ -1,4 +1,4 @@
-"""The set-up itself: the module is built, and the README names everything it needs."""
+"""The set-up itself: the module is built, and a page names everything it needs."""
 
 import os
 import re
@@ -35,9 +35,9 @@ def test_the_module_asks_numpy_for_no_size_of_an_element():
     assert [place for place in lines if asking.search(place[1])] == []
 
 
-def test_readme_names_every_dependency():
-    readme = (ROOT / "README.md").read_text()
-    assert [package for package, _ in dependencies() if f"`{package}`" not in readme] == []
+def test_a_page_names_every_dependency():
+    page = (ROOT / "docs" / "dev" / "packages.md").read_text()
+    assert [package for package, _ in dependencies() if f"`{package}`" not in page] == []
 
 
 def test_every_dependency_says_what_it_is_for():

@@ -12,7 +12,7 @@ namespace snowbough::snow {
 int64_t available_memory(const gpu::GpuInfo& info);
 
 /// Work-group size of passes in which each invocation takes every n-th texel or pixel of a run: 64,
-/// as GPUs run them together; 8 on software renderers (see CONTRIBUTING.md). At most
+/// as GPUs run them together; 8 on software renderers (docs/dev/shaders.md). At most
 /// shared::kMaxLocalSize. For the current context. GPU thread.
 int32_t local_size();
 
