@@ -48,7 +48,7 @@ LINES = {
     "native/snow/texels": 1750,
     "addon/snowbough/bake": 3500,
     "addon/snowbough/base": 1100,
-    "addon/snowbough/cache": 1100,
+    "addon/snowbough/cache": 1150,
     "addon/snowbough/gltf": 2800,
     "addon/snowbough/preview": 1100,
     "addon/snowbough/realtime": 2250,
