@@ -195,6 +195,8 @@ INTERRUPTED_READ = """
 import signal, sys, threading, time
 import snowbough_native
 
+# A job in the background ignores it, and so do its children.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 sent = []
 
 def press():

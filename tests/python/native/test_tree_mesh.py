@@ -273,6 +273,8 @@ INTERRUPTED_BUILD = """
 import signal, sys
 import snowbough_native
 
+# A job in the background ignores it, and so do its children.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 skeleton = snowbough_native.read_tree(sys.argv[1])
 # Ctrl-C is pressed while the surface is under way.
 asked = []
