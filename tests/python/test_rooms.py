@@ -38,7 +38,7 @@ LINES = {
     "native/python": 3250,
     "native/render": 5100,
     "native/tree": 21250,
-    "native/snow/movement": 5700,
+    "native/snow/movement": 5780,
     "native/snow/output": 2950,
     "native/snow/scene": 1650,
     "native/snow/seams": 2550,

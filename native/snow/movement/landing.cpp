@@ -243,7 +243,11 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
       exit.key[static_cast<size_t>(axis)] =
           static_cast<int64_t>(std::floor(exit.point[axis] / settings.heap_grain));
     }
-    exits_.push_back(exit);
+    Exit& cell = exits_[exit.key];
+    const auto weight = static_cast<double>(units);
+    cell.units += units;
+    cell.point += weight * exit.point;
+    cell.outwards += weight * exit.outwards;
   };
   for (const Repose::Release& release : repose.take_releases()) add(release);
   repose.bare_texels();
@@ -278,26 +282,20 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
   left_ += units_of(map.slid + slid) - listed;
 }
 
-/// The exits, those within a cube of the grid as one.
+/// What leaves each cube, at the mean point, in a fixed order.
 std::vector<Landing::Exit> Landing::merged() {
-  std::stable_sort(exits_.begin(), exits_.end(),
-                   [](const Exit& a, const Exit& b) { return a.key < b.key; });
   std::vector<Exit> merged;
-  for (size_t begin = 0, end = 0; begin < exits_.size(); begin = end) {
-    Exit sum;
-    sum.key = exits_[begin].key;
-    for (end = begin; end < exits_.size() && exits_[end].key == sum.key; ++end) {
-      const auto weight = static_cast<double>(exits_[end].units);
-      sum.units += exits_[end].units;
-      sum.point += weight * exits_[end].point;
-      sum.outwards += weight * exits_[end].outwards;
-    }
-    sum.point /= static_cast<double>(sum.units);
-    const double length = glm::length(sum.outwards);
-    sum.outwards = length > 0.0 ? sum.outwards / length : glm::dvec2(0.0);
+  for (const auto& [key, sum] : exits_) {
     merged.push_back(sum);
+    Exit& cell = merged.back();
+    cell.key = key;
+    cell.point /= static_cast<double>(sum.units);
+    const double length = glm::length(sum.outwards);
+    cell.outwards = length > 0.0 ? sum.outwards / length : glm::dvec2(0.0);
   }
   exits_.clear();
+  std::sort(merged.begin(), merged.end(),
+            [](const Exit& a, const Exit& b) { return a.key < b.key; });
   return merged;
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 #include <tuple>
+#include <unordered_map>
 #include <vector>
 
 #include "snow/movement/moving_map.h"
@@ -57,10 +58,18 @@ class Landing {
   void set_state(const LandingState& state);
 
  private:
+  /// A cube with edges of heap_grain.
+  using Cube = std::array<int64_t, 3>;
+  struct HashOfCube {
+    size_t operator()(const Cube& cube) const {
+      uint64_t h = 0;
+      for (const int64_t i : cube) h = (h ^ static_cast<uint64_t>(i)) * 0x9E3779B97F4A7C15u;
+      return static_cast<size_t>(h ^ (h >> 32));
+    }
+  };
   /// Snow that leaves a surface, or falls together.
   struct Exit {
-    /// The cube of heap_grain in which it begins.
-    std::array<int64_t, 3> key{};
+    Cube key{};
     glm::dvec3 point{0.0};
     glm::dvec2 outwards{0.0};
     int64_t units = 0;
@@ -83,7 +92,8 @@ class Landing {
   using Place = std::tuple<int64_t, int32_t, int32_t, bool>;
   const SceneRays* rays_ = nullptr;
   std::vector<std::string> names_;
-  std::vector<Exit> exits_;
+  /// By cube, what leaves it in this step; points and directions are sums, weighted by units.
+  std::unordered_map<Cube, Exit, HashOfCube> exits_;
   /// See LandingState.
   int64_t clock_ = 0;
   std::map<Place, int64_t> air_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/parallel_for.h"
 #include "shaders/lib/texel_repose.h"
@@ -10,10 +11,12 @@ namespace snowbough::snow {
 namespace {
 
 /// Widest gap in metres that snow can close.
-constexpr double kWidestGap = 0.25;
+constexpr float kWidestGap = 0.25f;
+/// A gap wider than this times the depth of the snow beside it stays open.
+constexpr float kDepthsOfGap = 4.0f;
 /// Factor between the distances at which a gap's far side is searched, and the bisections that
 /// follow.
-constexpr double kNextDistance = 1.6;
+constexpr float kNextDistance = 1.6f;
 constexpr int kBisections = 3;
 /// Raises an outlet above all snow.
 constexpr float kClosed = 1e6f;
@@ -63,8 +66,10 @@ MapPoint OutletTargets::below(const glm::dvec3& from, double over, bool& is_clos
   return {};
 }
 
-/// The far side of a gap: the first surface that is no farther above or below than away.
-void OutletTargets::find_gap(const Repose::Outlet& outlet, OutletTarget& target) const {
+/// Searches on for the far side of a gap, up to about `widest` metres: the first surface that is no
+/// farther above or below than away. The distances do not depend on where earlier searches ended.
+void OutletTargets::find_gap(const Repose::Outlet& outlet, float widest,
+                             OutletTarget& target) const {
   const auto beyond = [&](double distance, double over, bool& is_closed) {
     return below(outlet.point + glm::dvec3(outlet.outwards * distance, 0.0), over, is_closed);
   };
@@ -74,14 +79,18 @@ void OutletTargets::find_gap(const Repose::Outlet& outlet, OutletTarget& target)
     return is_closed ||
            (point.object >= 0 && std::abs(point.z - static_cast<float>(outlet.point.z)) < distance);
   };
-  double last = outlet.reach;
   double width = 0.0;
-  for (double way = kNextDistance * last; width == 0.0 && last < kWidestGap; way *= kNextDistance) {
-    way = std::min(way, kWidestGap);
-    if (is_across(way)) width = way;
-    if (width == 0.0) last = way;
+  while (width == 0.0 && target.searched < widest) {
+    const float way = std::min(kNextDistance * target.searched, kWidestGap);
+    if (is_across(way)) {
+      width = way;
+    } else {
+      target.searched = way < kWidestGap ? way : std::numeric_limits<float>::infinity();
+    }
   }
   if (width == 0.0) return;
+  double last = target.searched;
+  target.searched = std::numeric_limits<float>::infinity();
   for (int i = 0; i < kBisections; ++i) {
     const double middle = 0.5 * (last + width);
     (is_across(middle) ? width : last) = middle;
@@ -100,9 +109,14 @@ OutletTarget OutletTargets::find(const Repose::Outlet& outlet) const {
   target.is_known = true;
   const glm::dvec3 from = outlet.point + glm::dvec3(outlet.outwards * outlet.reach, 0.0);
   target.fall = below(from, kAbove * outlet.reach, target.is_closed);
-  if (target.is_closed) return target;
+  if (target.is_closed) {
+    target.searched = std::numeric_limits<float>::infinity();
+    return target;
+  }
   const float drop = static_cast<float>(outlet.point.z) - target.fall.z;
-  if (target.fall.object < 0 || drop > static_cast<float>(outlet.reach)) find_gap(outlet, target);
+  const auto reach = static_cast<float>(outlet.reach);
+  target.searched =
+      target.fall.object < 0 || drop > reach ? reach : std::numeric_limits<float>::infinity();
   return target;
 }
 
@@ -113,15 +127,17 @@ void OutletTargets::raise(size_t object, Repose& repose,
   targets.resize(repose.outlet_count());
   const std::vector<int32_t>& blocks = repose.chosen();
   base::for_each_item(blocks.size(), 1, [&](size_t i) {
+    const float widest = kDepthsOfGap * repose.highest_near(blocks[i]);
     for (RimLink& rim : repose.outlets_of(blocks[i])) {
       if (!(rim.limit < kNoLink) || !repose.holds_snow(blocks[i], rim)) continue;
       const Repose::Outlet outlet = repose.outlet(rim);
       OutletTarget& target = targets[static_cast<size_t>(rim.number)];
       if (!target.is_known) target = find(outlet);
+      find_gap(outlet, widest, target);
       const auto z = static_cast<float>(outlet.point.z);
       float above = target.is_closed ? kClosed : 0.0f;
       if (target.fall.object >= 0) above = std::max(above, top_at(target.fall, heights) - z);
-      if (target.width > 0.0f) {
+      if (target.width > 0.0f && target.width <= widest) {
         // Snow beside a gap is low because of the gap, so the snow a width away counts, too.
         float far = top_at(target.far, heights) - z;
         if (target.farther.object >= 0) far = std::max(far, top_at(target.farther, heights) - z);

@@ -18,7 +18,10 @@ struct OutletTarget {
   bool is_closed = false;
   /// The first surface below; none if snow leaves the scene.
   MapPoint fall;
-  /// The nearest surface of about the same height across the air, in metres; 0: none.
+  /// Distance in metres within which no surface of about the same height lies across the air;
+  /// infinite if none is to be searched.
+  float searched = 0.0f;
+  /// The distance of the nearest such surface; 0: not found yet.
   float width = 0.0f;
   /// The surfaces that wide a way beyond the outlet, twice as far, and the same way before it.
   MapPoint far, farther, before;
@@ -55,7 +58,7 @@ class OutletTargets {
   bool is_near(size_t object, const Bounds& moved) const;
   MapPoint below(const glm::dvec3& from, double over, bool& is_closed) const;
   OutletTarget find(const Repose::Outlet& outlet) const;
-  void find_gap(const Repose::Outlet& outlet, OutletTarget& target) const;
+  void find_gap(const Repose::Outlet& outlet, float widest, OutletTarget& target) const;
 
   SceneRays rays_;
   /// By object: its bounds when its targets were last forgotten.

@@ -18,6 +18,8 @@ class ReposePose {
   bool set(const std::vector<glm::vec3>& rest, const std::vector<glm::vec3>& positions,
            int32_t count);
 
+  /// Whether that part does not depend on where the object stands and how it is turned.
+  bool is_rigid() const { return is_rigid_; }
   /// The vertices, up to a translation and a rotation about the vertical.
   const std::vector<glm::vec3>& positions() const { return is_rigid_ ? turned_ : *positions_; }
 

@@ -10,6 +10,7 @@
 
 #include "base/parallel_for.h"
 #include "snow/movement/rays/map_point.h"
+#include "snow/movement/rays/object_rays.h"
 #include "snow/movement/rays/scene_rays.h"
 #include "snow/movement/repose/links.h"
 #include "snow/movement/repose/pose.h"
@@ -44,7 +45,7 @@ class Repose {
   /// `object` must have positions; both must outlive it.
   /// `rays` find the room above sheltered texels; null: it is not limited.
   Repose(const SceneObject& object, ReposeLinkTables& tables, const SceneRays* rays = nullptr)
-      : object_(&object), link_tables_(&tables), rays_(rays) {}
+      : object_(&object), link_tables_(&tables), rays_(rays), own_rays_(object) {}
 
   /// Call it when the object's positions have changed.
   void forget_pose() { has_pose_ = false; }
@@ -71,6 +72,8 @@ class Repose {
   std::vector<RimLink>& outlets_of(int32_t block) { return rims_[static_cast<size_t>(block)]; }
   size_t outlet_count() const { return across_.size() + links_->rims.size(); }
   Outlet outlet(const RimLink& rim) const;
+  /// The highest snow in a block and its neighbours at the start of the step.
+  float highest_near(int32_t block) const;
   bool holds_snow(int32_t block, const RimLink& rim) const;
   /// Height of the snow's surface above the outlet.
   float top_over(int32_t block, const RimLink& rim) const;
@@ -163,8 +166,11 @@ class Repose {
   bool cover_tile(int32_t block, const std::vector<float>& height);
   void set_up_ends(int32_t block);
   bool fill_rooms(int32_t block);
-  float room_above(int32_t texel, size_t cell, const ReposeTile& tile) const;
-  glm::dvec3 world_point(const ReposeLinks::Point& at) const;
+  float room_above(int32_t texel, size_t cell, ReposeTile& tile);
+  glm::dvec3 point_on(const ReposeLinks::Point& at, const std::vector<glm::vec3>& positions) const;
+  glm::dvec3 world_point(const ReposeLinks::Point& at) const {
+    return point_on(at, object_->positions);
+  }
   glm::dvec3 world_point(int32_t texel) const;
   struct Cell;
   RimLink rim_link(const Cell& a, const ReposeLinks::End& end, const glm::vec3& at) const;
@@ -203,6 +209,8 @@ class Repose {
   /// Shared with copies of the object; null before the first pose.
   std::shared_ptr<const ReposeLinks> links_;
   ReposePose pose_;
+  /// Rays against pose_.positions().
+  ObjectRays own_rays_;
   ReposeSurface surface_;
   bool has_pose_ = false;
   bool on_all_cores_ = false;

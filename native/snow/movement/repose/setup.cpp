@@ -53,6 +53,7 @@ void Repose::update_pose() {
   }
   if (links_ == nullptr) find_links();
   surface_.set_pose(*object_, pose_.positions(), limits_.cohesion > 0.0f);
+  own_rays_.set_pose(pose_.positions());
   slack_.assign(links_->block_count(), std::nullopt);
   has_bare_ = false;
   for (const std::unique_ptr<ReposeTile>& tile : stored_tiles_) {
@@ -224,12 +225,12 @@ void Repose::reuse_tiles(Marks& changes) {
   }
 }
 
-glm::dvec3 Repose::world_point(const ReposeLinks::Point& at) const {
+/// A point of the surface, if its vertices are at `positions`.
+glm::dvec3 Repose::point_on(const ReposeLinks::Point& at,
+                            const std::vector<glm::vec3>& positions) const {
   const int32_t* const corners =
       &object_->description.topology.triangles[3 * static_cast<size_t>(at.triangle)];
-  const auto corner = [&](int k) {
-    return glm::dvec3(object_->positions[static_cast<size_t>(corners[k])]);
-  };
+  const auto corner = [&](int k) { return glm::dvec3(positions[static_cast<size_t>(corners[k])]); };
   const glm::dvec3 a = corner(0);
   return a + static_cast<double>(at.weights.x) * (corner(1) - a) +
          static_cast<double>(at.weights.y) * (corner(2) - a);
@@ -269,6 +270,16 @@ Repose::Outlet Repose::outlet(const RimLink& rim) const {
   const ReposeSurface::Texel texel = surface_.texel(rim.texel);
   outlet.reach = 0.5 * std::sqrt(static_cast<double>(texel.area));
   return outlet;
+}
+
+float Repose::highest_near(int32_t block) const {
+  float highest = 0.0f;
+  const int32_t* const near = &links_->near_begin[static_cast<size_t>(block)];
+  for (int32_t n = near[0]; n < near[1]; ++n) {
+    highest =
+        std::max(highest, highest_[static_cast<size_t>(links_->near[static_cast<size_t>(n)])]);
+  }
+  return highest;
 }
 
 bool Repose::holds_snow(int32_t block, const RimLink& rim) const {
@@ -313,14 +324,30 @@ bool Repose::fill_rooms(int32_t block) {
 }
 
 /// The vertical distance from a texel to the first surface above, 0 within a body.
-float Repose::room_above(int32_t texel, size_t cell, const ReposeTile& tile) const {
+float Repose::room_above(int32_t texel, size_t cell, ReposeTile& tile) {
   const float reach = 0.5f * std::sqrt(tile.ground.area[cell]);
-  const SurfaceHit above =
-      rays_->first_along(world_point(texel), {0.0, 0.0, 1.0}, kOwnSurface * reach);
-  if (above.is_inside(false)) return 0.0f;
-  const auto room = static_cast<float>(above.distance);
-  // Nothing flows into a slit.
-  return room < reach ? 0.0f : room;
+  const double least = kOwnSurface * reach;
+  const glm::dvec3 up(0.0, 0.0, 1.0);
+  const auto room_below = [&](const SurfaceHit& above) {
+    const auto room = static_cast<float>(above.distance);
+    // Nothing flows into a slit.
+    return above.is_inside(false) || room < reach ? 0.0f : room;
+  };
+  const bool is_rigid = pose_.is_rigid();
+  const float others = room_below(rays_->first_along(world_point(texel), up, least,
+                                                     std::numeric_limits<double>::infinity(),
+                                                     is_rigid ? object_ : nullptr));
+  if (!is_rigid) return others;
+  float& own = tile.ground.own_room[cell];
+  if (own < 0.0f) {
+    const auto i = static_cast<size_t>(texel);
+    const glm::dvec3 from =
+        point_on({object_->table->triangle[i], object_->table->barycentric[i]}, pose_.positions());
+    const auto hit =
+        own_rays_.first_along(from, up, least, std::numeric_limits<double>::infinity());
+    own = room_below(own_rays_.surface_at(hit, 0, from, up));
+  }
+  return std::min(own, others);
 }
 
 /// Call it when other objects near this one have moved.

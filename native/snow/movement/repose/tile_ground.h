@@ -39,6 +39,9 @@ struct TileGround {
   /// Vertical distance in metres to the first surface above, infinite under the sky, 0 within a
   /// body; negative: not known.
   TilePlane room;
+  /// The same to the object's own surface; kept while a rigid body turns about the vertical or moves
+  /// along, so that it needs no rays.
+  TilePlane own_room;
 
   void forget_rooms() { room.fill(-1.0f); }
   /// Resets to no surface and no links, in the current pose.
@@ -47,6 +50,7 @@ struct TileGround {
     forward.fill(0);
     two_sided.fill(0);
     forget_rooms();
+    own_room.fill(-1.0f);
     link_count.fill(static_cast<uint8_t>(shared::kLinks));
     has_pose = true;
     any_two_sided = false;

@@ -48,8 +48,9 @@ SNOWBOUGH_WIDE_FLAT void mark_below(const Ring& ring, size_t first, int32_t step
     const float way_x = ring.x[other] - ring.x[own];
     const float way_y = ring.y[other] - ring.y[own];
     const float over = ring.top[other] - ring.top[own];
-    const float limit = slope * std::sqrt(way_x * way_x + way_y * way_y);
-    marks[i] |= ((over > limit) & (ring.gives[other] >= 1.0f)) ? 1 : 0;
+    const float square = slope * slope * (way_x * way_x + way_y * way_y);
+    const bool is_steep = (over > 0.0f) & (over * over > square);
+    marks[i] |= (is_steep & (ring.gives[other] >= 1.0f)) ? 1 : 0;
   }
 }
 
