@@ -4,7 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "gpu/gl_context.h"
 #include "gpu/timer.h"
+#include "render/data/pictures.h"
 #include "render/scene_objects.h"
 #include "render/shadow_map.h"
 #include "render/snow/flakes.h"

@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "render/data/sources.h"
+#include "render/data/view.h"
 #include "render/draw/mesh_passes.h"
-#include "render/renderer.h"
 #include "render/tree/scene_tree.h"
 #include "render/tree/tree_patches.h"
 
