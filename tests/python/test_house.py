@@ -3,10 +3,12 @@
 import os
 import re
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 import snowbough_native
+import test_rooms
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -118,3 +120,26 @@ def test_summary_gives_googletest_and_pytest_reasons_for_skips(tmp_path):
         "       5 s  python",
         "     6.2 s  python: a c",
     ]
+
+
+def test_the_drawing_shows_every_room_that_data_passes():
+    sys.path.insert(0, str(ROOT / "tools"))
+    import draw_rooms
+
+    drawn = [room for rooms in draw_rooms.PIPELINES.values() for room in rooms]
+    native = [
+        f"{floor}/{room}"
+        for floor in ("native/tree", "native/snow")
+        for room in test_rooms.ROOMS[floor].split()
+    ]
+    addon = [
+        f"addon/snowbough/{path.name}" for path in (ROOT / "addon" / "snowbough").iterdir() if path.is_dir()
+    ]
+    # Used by all of them, or above them.
+    beside = {f"addon/snowbough/{name}" for name in ("base", "ui", "__pycache__")}
+    assert set(native + addon) - beside - set(drawn) == set()
+    assert [room for room in drawn if draw_rooms.lines_of(room) == 0] == []
+    picture = draw_rooms.DRAWING.read_text()
+    assert [
+        name for rooms in draw_rooms.PIPELINES.values() for name in rooms.values() if name not in picture
+    ] == []
