@@ -27,17 +27,16 @@ std::vector<uint8_t> filled_tiles(const std::vector<float>& map, int32_t resolut
 }  // namespace
 
 CpuFilter::CpuFilter(const TexelTable& table, const SeamTable& seams,
-                     const SmoothingSettings& settings, const std::vector<glm::vec3>& normals,
-                     int32_t threads)
+                     const SmoothingSettings& settings, int32_t threads)
     : table_(table),
       seams_(seams),
       threads_(std::max(1, threads)),
       is_smoothed_(settings.blur_radius > 0.0f),
-      parts_(build_parts(table, seams, is_smoothed_, normals)),
+      parts_(build_parts(table, seams, is_smoothed_)),
       smoother_(parts_.grid, settings, threads) {}
 
 CpuFilter::Parts CpuFilter::build_parts(const TexelTable& table, const SeamTable& seams,
-                                        bool is_smoothed, const std::vector<glm::vec3>& normals) {
+                                        bool is_smoothed) {
   std::optional<SeamLeveller> leveller;
   std::optional<MapContinuation> continuation;
   SmoothingGrid grid;
@@ -46,7 +45,7 @@ CpuFilter::Parts CpuFilter::build_parts(const TexelTable& table, const SeamTable
       leveller.emplace(is_smoothed ? seams.levelling : SeamLevelling());
     } else {
       continuation.emplace(table, seams);
-      if (is_smoothed) grid = build_smoothing_grid(table, seams, normals);
+      if (is_smoothed) grid = build_smoothing_grid(table, seams);
     }
   });
   return {std::move(*leveller), std::move(*continuation), std::move(grid)};

@@ -33,10 +33,9 @@ struct OutputSurface {
 /// Several threads may call run() at once: one smooths a map while another levels the previous one.
 class CpuFilter {
  public:
-  /// `table` and `seams` must outlive it. `normals`: see build_smoothing_grid. `threads` does not
-  /// change the result.
+  /// `table` and `seams` must outlive it. `threads` does not change the result.
   CpuFilter(const TexelTable& table, const SeamTable& seams, const SmoothingSettings& settings,
-            const std::vector<glm::vec3>& normals = {}, int32_t threads = 2);
+            int32_t threads = 2);
 
   /// `map`: resolution^2 stored heights in metres, row 0 = v 0, 0 for texels without owner; its
   /// memory is reused for the output.
@@ -49,8 +48,7 @@ class CpuFilter {
     MapContinuation continuation;
     SmoothingGrid grid;
   };
-  static Parts build_parts(const TexelTable& table, const SeamTable& seams, bool is_smoothed,
-                           const std::vector<glm::vec3>& normals);
+  static Parts build_parts(const TexelTable& table, const SeamTable& seams, bool is_smoothed);
 
   const TexelTable& table_;
   const SeamTable& seams_;

@@ -1,28 +1,10 @@
 #include "snow/output/output_filter.h"
 
 #include <exception>
-#include <glm/geometric.hpp>
 
 #include "base/thread_pool.h"
 
 namespace snowbough::snow {
-namespace {
-
-/// Unit normals; NaN for triangles without area.
-std::vector<glm::vec3> triangle_normals(const MapTopology& topology,
-                                        const std::vector<glm::vec3>& positions) {
-  std::vector<glm::vec3> normals;
-  normals.reserve(topology.triangles.size() / 3);
-  for (size_t t = 0; t + 2 < topology.triangles.size(); t += 3) {
-    const glm::vec3& first = positions[topology.triangles[t]];
-    normals.push_back(glm::normalize(glm::cross(positions[topology.triangles[t + 1]] - first,
-                                                positions[topology.triangles[t + 2]] - first)));
-  }
-  return normals;
-}
-
-}  // namespace
-
 OutputFilter::OutputFilter(std::shared_ptr<const SceneObject> receiver, double blur_radius)
     : receiver_(std::move(receiver)), blur_radius_(blur_radius) {}
 
@@ -33,8 +15,7 @@ void OutputFilter::build() {
     seams_ = build_seam_table(topology, *receiver_->table,
                               {rest.begin(), rest.begin() + topology.vertex_count});
     cpu_filter_ = std::make_unique<CpuFilter>(*receiver_->table, seams_,
-                                              SmoothingSettings{static_cast<float>(blur_radius_)},
-                                              triangle_normals(topology, rest));
+                                              SmoothingSettings{static_cast<float>(blur_radius_)});
   });
 }
 

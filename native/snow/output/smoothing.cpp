@@ -92,7 +92,6 @@ class Smoother::Workspace {
 void Smoother::make_level(size_t number) {
   const auto fit = [&](Level& level) {
     level.loose.resize(static_cast<size_t>(band_count(grid_.levels[number])));
-    level.edge_cells.resize(level.loose.size());
     level.stray_joins.resize(grid_.levels[number].strays.size());
   };
   if (number < levels_.size()) {
@@ -108,10 +107,7 @@ void Smoother::make_level(size_t number) {
        {&level.height, &level.next, &level.right, &level.above, &level.inverse_weight}) {
     *values = base::ZeroedArray<float>(count);
   }
-  level.feet.proximity = base::ZeroedArray<uint8_t>(count);
-  level.feet.at_distance.resize(kAtFoot);
   if (number > 0) level.before = base::ZeroedArray<float>(count);
-  if (number == 0) level.edges = base::ZeroedArray<uint8_t>(3 * count);
   level.run_row.assign(static_cast<size_t>(size) + 1, 0);
 }
 
@@ -140,16 +136,11 @@ void Smoother::for_each_run(size_t number, const std::function<void(Run run)>& w
 /// are overwritten.
 void Smoother::clear_beyond_runs(size_t number, const std::vector<Run>& before) {
   Level& level = levels_[number];
-  const EdgeArrays edges = number == 0 ? edge_arrays(level) : EdgeArrays{};
   const auto clear = [&](int32_t begin, int32_t end) {
     if (begin >= end) return;
     for (base::ZeroedArray<float>* values :
          {&level.height, &level.next, &level.right, &level.above}) {
       std::fill(level.at(*values) + begin, level.at(*values) + end, 0.0f);
-    }
-    if (number > 0) return;
-    for (uint8_t* values : {edges.distance, edges.right, edges.above}) {
-      std::fill(values + begin, values + end, uint8_t{0});
     }
   };
   size_t next = 0;
@@ -280,14 +271,13 @@ void Smoother::prolong_from(size_t number) {
   float* const height = fine.at(fine.height);
   const float* const now = level.at(level.height);
   const float* const before = level.at(level.before);
-  const uint8_t* const proximity = level.feet.proximity.data() + level.margin;
   for_each_run(number, [&](Run run) {
     const int32_t child = run.begin / grid.size * 2 * fine_grid.size + run.begin % grid.size * 2;
     prolong_run(height + child, height + child + fine_grid.size,
                 block_rows(fine_grid, fine.at(fine.inverse_weight), child), before + run.begin,
                 now + run.begin,
-                {grid.to_right() + run.begin, grid.upwards() + run.begin, proximity + run.begin,
-                 least_variance_, done_below_[number]},
+                {grid.to_right() + run.begin, grid.upwards() + run.begin, least_variance_,
+                 done_below_[number]},
                 run.end - run.begin);
   });
   for (size_t s = 0; s < fine_grid.strays.size(); ++s) {
@@ -296,6 +286,13 @@ void Smoother::prolong_from(size_t number) {
     height[cell] =
         changed(height[cell], before[parent], now[parent], damping_of_block(number, parent));
   }
+}
+
+float Smoother::damping_of_block(size_t number, int32_t block) const {
+  const Level& level = levels_[number];
+  const SmoothingLevel& grid = grid_.levels[number];
+  const float closeness = from_half(std::max(grid.to_right()[block], grid.upwards()[block]));
+  return damping(level.at(level.before)[block], closeness, least_variance_, done_below_[number]);
 }
 
 void Smoother::cycle(size_t number, float variance) {
@@ -308,7 +305,6 @@ void Smoother::cycle(size_t number, float variance) {
   stages(number, kStagesUp);
   make_level(next);
   restrict_to(next);
-  restrict_feet(next);
   open_loose_links(next);
   conduct(next);
   cycle(next, variance);
@@ -319,8 +315,7 @@ void Smoother::cycle(size_t number, float variance) {
 void Smoother::store(std::vector<float>& map) {
   Level& level = levels_[0];
   for_each_run(0, [&](Run run) {
-    store_run(level.at(level.height), grid_.inverse_area.data(), level.at(level.inverse_weight),
-              map.data(), run.begin, run.end);
+    store_run(level.at(level.height), grid_.inverse_area.data(), map.data(), run.begin, run.end);
   });
 }
 
@@ -332,12 +327,9 @@ std::vector<uint8_t> Smoother::run(std::vector<float>& map) {
   std::vector<uint8_t> filled = tiles_of_runs();
   if (!levels_[0].runs.empty() && least_variance_ > 0.0f) {
     load(map);
-    const bool has_edges = shape_edges();
-    const float variance = conduct(0);
-    if (has_edges) divide_by_profile();
-    cycle(0, variance);
+    open_loose_links(0);
+    cycle(0, conduct(0));
     store(map);
-    clear_feet();
   }
   Workspace::shared().give(size, std::move(levels_));
   levels_.clear();

@@ -10,7 +10,6 @@
 namespace snowbough::snow {
 
 struct ConductanceTerms;
-struct EdgeArrays;
 
 /// Amount of smoothing: the standard deviation is the larger of `blur_radius` and a third of the
 /// local depth, in metres. 0: no smoothing.
@@ -28,15 +27,8 @@ void check_smoothing(const SmoothingSettings& settings);
 ///   where it tapers off: sigma = blur_radius or a third of the depth, whichever is larger.
 /// - Nothing flows onto bare texels, onto texels that hold less than a fiftieth of their neighbour,
 ///   or between front (positive heights) and back (negative heights).
-/// - At such an edge, snow gets a rounded shoulder: the filter diffuses the height divided by the
-///   shoulder's profile, a parabola that rises from 0 at the edge to 1 within one sigma. Snow that
-///   tapers off keeps doing so, up to half as steep again at its foot. At the end of the surface
-///   itself nothing is rounded.
-/// - At the foot of a steep slope on continuing ground, or at an open end of the surface, spread
-///   snow would pile up, because nothing flows over the foot, and make the slope steeper than snow
-///   lies. There sigma (except blur_radius) is at most a tenth of the distance to the foot, and the
-///   slope gets steeper by one or two per cent. Rims, and ridges that are steep on both sides
-///   (posts, twigs), are exempt: roundness matters more there.
+///
+/// A map says how much snow lies where; how its edges look is up to the snow's surface.
 ///
 /// Every stage is explicit and moves at most a fifth of a difference, which keeps all heights
 /// within their previous range. Over long distances snow moves between blocks of 2 x 2, 4 x 4, ..
@@ -78,39 +70,26 @@ class Smoother {
     std::vector<Cell> cells;
     std::vector<OpenLink> links;
   };
-  /// The cells of a level near the foot of a slope.
-  struct SlopeFeet {
-    std::vector<int32_t> cells;
-    /// Per cell of the level, after its margin: proximity of the foot, see cells_to_foot.
-    base::ZeroedArray<uint8_t> proximity;
-    /// The cells by distance, in eighths of a cell.
-    std::vector<std::vector<int32_t>> at_distance;
-  };
   /// Working data of a level. Arrays have a margin of kMargin cells and a row before the first
   /// cell.
   struct Level {
     ptrdiff_t margin = 0;
-    /// Height over profile in metres, before and after a stage.
+    /// Height in metres, before and after a stage.
     base::ZeroedArray<float> height;
     base::ZeroedArray<float> next;
     /// Conductance of the links to the right and above, m2 per stage. 0 beyond the runs.
     base::ZeroedArray<float> right;
     base::ZeroedArray<float> above;
-    /// 1 / (area * profile), 0 where bare.
+    /// 1 / area.
     base::ZeroedArray<float> inverse_weight;
     /// The height before the level's stages.
     base::ZeroedArray<float> before;
     /// Per band of rows.
     std::vector<OpenLinks> loose;
-    /// Level 0 only: EdgeArrays, one after the other. 0 beyond the runs.
-    base::ZeroedArray<uint8_t> edges;
-    /// Level 0 only, per band of rows: the cells at an edge.
-    std::vector<std::vector<int32_t>> edge_cells;
     std::vector<Run> runs;
     /// Per row, where its runs begin.
     std::vector<int32_t> run_row;
     std::vector<uint8_t> stray_joins;
-    SlopeFeet feet;
 
     float* at(const base::ZeroedArray<float>& values) const { return values.data() + margin; }
   };
@@ -129,30 +108,9 @@ class Smoother {
   std::vector<uint8_t> tiles_of_runs() const;
   void clear_beyond_runs(size_t number, const std::vector<Run>& before);
   void load(const std::vector<float>& map);
-  /// Lists the open links across seams, and calls `on_closed(band, cell, link)` for the closed ones
-  /// of cells with snow.
-  void open_loose_links(
-      size_t number,
-      const std::function<void(size_t band, int32_t cell, int32_t link)>& on_closed = nullptr);
-  bool open_links(const EdgeArrays& edges);
-  float find_edges(const EdgeArrays& edges);
-  std::vector<int32_t> spread_distance(const EdgeArrays& edges, int32_t rounds) const;
-  /// Includes the shoulder profile in the weights, up to as many links from the edge as the widest
-  /// shoulder has texels. Returns whether there is an edge.
-  bool shape_edges();
-  void find_feet();
-  template <typename Visit>
-  void for_each_across(size_t number, int32_t cell, const Visit& visit) const;
-  void spread_feet(size_t number);
-  static void note_proximity(SlopeFeet& feet, int32_t cell, int32_t proximity);
-  std::vector<int32_t> propagate_proximity(size_t number);
-  void remove_ridges(size_t number, const std::vector<int32_t>& crests);
-  void restrict_feet(size_t number);
-  void limit_run(size_t number, Run run, const ConductanceTerms& terms);
+  /// Lists the open links across seams.
+  void open_loose_links(size_t number);
   float damping_of_block(size_t number, int32_t block) const;
-  void clear_feet();
-  /// Converts heights to heights over profile.
-  void divide_by_profile();
   /// Returns the largest variance over distance^2 of a link.
   float conduct(size_t number);
   void stages(size_t number, int32_t count);
@@ -160,8 +118,6 @@ class Smoother {
   void prolong_from(size_t number);
   void cycle(size_t number, float variance);
   void store(std::vector<float>& map);
-
-  EdgeArrays edge_arrays(Level& level) const;
 
   const SmoothingGrid& grid_;
   float least_variance_;

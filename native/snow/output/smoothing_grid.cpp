@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/geometric.hpp>
 
 #include "base/zeroed_array.h"
 
@@ -14,11 +13,6 @@ constexpr int32_t kMostLevels = 7;
 constexpr int32_t kSmallestLevel = 8;
 /// Maximum number of whole links per cell: each moves at most a fifth of a difference.
 constexpr float kMostLinks = 5.0f;
-
-/// Cosine of the angle by which a surface bends at a rim.
-constexpr float kRimCosine = 0.7071f;
-/// Number of links beyond the bend within which snow that ends counts as overhanging.
-constexpr int32_t kRimReach = 3;
 
 /// A link across a seam. a < b.
 struct LooseLink {
@@ -86,13 +80,11 @@ void lay_links(SmoothingLevel& level, std::vector<LooseLink>& links) {
   for (const LooseLink& link : links) ++count[link.a], ++count[link.b];
   std::vector<int32_t> next(cells, 0);
   level.link_row.assign(static_cast<size_t>(level.size) + 1, 0);
-  level.linked.assign(cells / 64 + 1, 0);
   int32_t total = 0;
   for (size_t i = 0; i < cells; ++i) {
     if (count[i] == 0) continue;
     level.link_cell.push_back(static_cast<int32_t>(i));
     level.link_begin.push_back(total);
-    level.linked[i / 64] |= uint64_t{1} << (i % 64);
     ++level.link_row[i / static_cast<size_t>(level.size) + 1];
     next[i] = total;
     total += count[i];
@@ -119,7 +111,7 @@ float closeness_of(float length) {
 /// The links of one axis: within runs on the grid, at their ends to the texels of the first ghost.
 /// Both sides of a seam contribute half a link each.
 void link_texels(const TexelTable& table, const SeamTable& seams, int axis, SmoothingLevel& level,
-                 std::vector<LooseLink>& loose, std::vector<SurfaceEnd>& end) {
+                 std::vector<LooseLink>& loose) {
   const TexelLines& lines = axis == 0 ? seams.u : seams.v;
   std::vector<uint16_t>& links = axis == 0 ? level.right : level.above;
   std::vector<int32_t> texel_at(static_cast<size_t>(lines.length), -1);
@@ -137,9 +129,6 @@ void link_texels(const TexelTable& table, const SeamTable& seams, int axis, Smoo
     const int32_t place = lines.ghost_place[g];
     const bool is_begin = g / kFilterReach % 2 == 0;
     const int32_t own = texel_at[place + (is_begin ? 1 : -1)];
-    if (lines.ghosts.begin[g] == lines.ghosts.begin[g + 1]) {
-      end[table.texel[own]] = SurfaceEnd::kOpen;
-    }
     for (int32_t t = lines.ghosts.begin[g]; t < lines.ghosts.begin[g + 1]; ++t) {
       const int32_t other = lines.ghosts.source[t];
       if (other == own) continue;
@@ -264,64 +253,12 @@ SmoothingLevel coarsened(SmoothingLevel& level, const Cells& cells, Cells& block
   return next;
 }
 
-/// Calls visit(other) for all cells linked to a cell.
-template <typename Visit>
-void for_each_linked(const SmoothingLevel& level, int32_t cell, const Visit& visit) {
-  const uint16_t* const right = level.to_right() + cell;
-  const uint16_t* const above = level.upwards() + cell;
-  if (right[0] != 0) visit(cell + 1);
-  if (right[-1] != 0) visit(cell - 1);
-  if (above[0] != 0) visit(cell + level.size);
-  if (above[-level.size] != 0) visit(cell - level.size);
-  level.for_each_link(cell, visit);
-}
-
-/// Texels whose neighbours' surface faces another direction, and those beside them.
-void find_rims(const TexelTable& table, const SmoothingLevel& level,
-               const std::vector<glm::vec3>& normals, std::vector<SurfaceEnd>& end) {
-  const auto count = static_cast<size_t>(level.size) * static_cast<size_t>(level.size);
-  const base::ZeroedArray<int32_t> triangle(count);
-  for (size_t i = 0; i < table.texel.size(); ++i) {
-    triangle.data()[table.texel[i]] = table.triangle[i];
-  }
-  std::vector<int32_t> rim;
-  const auto mark = [&](int32_t cell) {
-    if (end[cell] == SurfaceEnd::kRim) return;
-    end[cell] = SurfaceEnd::kRim;
-    rim.push_back(cell);
-  };
-  const auto compare = [&](int32_t i, int32_t j) {
-    const int32_t one = triangle.data()[i];
-    const int32_t other = triangle.data()[j];
-    if (one == other || !(glm::dot(normals[one], normals[other]) < kRimCosine)) return;
-    mark(i);
-    mark(j);
-  };
-  for (const int32_t i : table.texel) {
-    if (level.to_right()[i] != 0) compare(i, i + 1);
-    if (level.upwards()[i] != 0) compare(i, i + level.size);
-  }
-  for (size_t k = 0; k < level.link_cell.size(); ++k) {
-    for (int32_t t = level.link_begin[k]; t < level.link_begin[k + 1]; ++t) {
-      compare(level.link_cell[k], level.link_other[t]);
-    }
-  }
-  size_t begun = 0;
-  for (int32_t round = 0; round < kRimReach; ++round) {
-    for (const size_t last = rim.size(); begun < last; ++begun) {
-      for_each_linked(level, rim[begun], mark);
-    }
-  }
-}
-
 }  // namespace
 
-SmoothingGrid build_smoothing_grid(const TexelTable& table, const SeamTable& seams,
-                                   const std::vector<glm::vec3>& normals) {
+SmoothingGrid build_smoothing_grid(const TexelTable& table, const SeamTable& seams) {
   const auto texels = static_cast<size_t>(table.resolution) * static_cast<size_t>(table.resolution);
   SmoothingGrid grid;
   grid.inverse_area.assign(texels, 0.0f);
-  grid.end.assign(texels, SurfaceEnd::kNone);
   Cells cells{std::vector<int32_t>(texels, -1), std::vector<float>(texels, 0.0f), {}};
   for (size_t i = 0; i < table.texel.size(); ++i) {
     const float area = seams.texel_area[i];
@@ -334,13 +271,9 @@ SmoothingGrid build_smoothing_grid(const TexelTable& table, const SeamTable& sea
   first.size = table.resolution;
   first.right.assign(texels + static_cast<size_t>(first.size), 0);
   first.above.assign(texels + static_cast<size_t>(first.size), 0);
-  link_texels(table, seams, 0, first, cells.loose, grid.end);
-  link_texels(table, seams, 1, first, cells.loose, grid.end);
+  link_texels(table, seams, 0, first, cells.loose);
+  link_texels(table, seams, 1, first, cells.loose);
   lay_links(first, cells.loose);
-  if (!normals.empty()) find_rims(table, first, normals, grid.end);
-  for (size_t i = 0; i < texels; ++i) {
-    if (grid.end[i] == SurfaceEnd::kOpen) grid.open_ends.push_back(static_cast<int32_t>(i));
-  }
   while (grid.levels.size() < kMostLevels && grid.levels.back().size >= 2 * kSmallestLevel) {
     Cells blocks;
     SmoothingLevel next = coarsened(grid.levels.back(), cells, blocks);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <vector>
 
 #include "snow/seams/seam_table.h"
@@ -35,21 +34,6 @@ struct SmoothingLevel {
   std::vector<int32_t> link_cell;
   std::vector<int32_t> link_begin;
   std::vector<int32_t> link_row;
-  /// One bit per cell: whether it is in link_cell.
-  std::vector<uint64_t> linked;
-  bool is_linked(int32_t cell) const {
-    return (linked[static_cast<size_t>(cell) / 64] >> (cell % 64) & 1) != 0;
-  }
-  /// Calls visit(other) for a cell's links across seams.
-  template <typename Visit>
-  void for_each_link(int32_t cell, const Visit& visit) const {
-    if (!is_linked(cell)) return;
-    const auto cells = link_cell.begin();
-    const int32_t row = cell / size;
-    const auto at = std::lower_bound(cells + link_row[row], cells + link_row[row + 1], cell);
-    const auto k = static_cast<size_t>(at - cells);
-    for (int32_t t = link_begin[k]; t < link_begin[k + 1]; ++t) visit(link_other[t]);
-  }
   std::vector<int32_t> link_other;
   /// The link's weight as a fraction of a whole link, 0 to 1, and the closeness of its ends.
   std::vector<float> link_weight;
@@ -67,32 +51,17 @@ struct SmoothingLevel {
   std::vector<Stray> strays;
 };
 
-/// How the surface continues beyond a texel.
-enum class SurfaceEnd : uint8_t {
-  kNone,
-  /// The surface ends.
-  kOpen,
-  /// The surface turns away: snow that ends there overhangs.
-  kRim,
-};
-
 /// The graph over which snow moves on a map's surface: texels, and blocks of texels, with links
 /// across seams like any others.
 struct SmoothingGrid {
   /// 1 / m2 of every texel of the map in the rest pose; 0 without surface.
   std::vector<float> inverse_area;
-  /// Per texel of the map.
-  std::vector<SurfaceEnd> end;
-  /// The texels whose end is kOpen, ascending.
-  std::vector<int32_t> open_ends;
   /// Level 0 has one cell per texel; each further level has one cell per 2 x 2 cells of the same
   /// chart of the level before.
   std::vector<SmoothingLevel> levels;
 };
 
-/// `normals`: per triangle, of unit length; neighbouring texels whose normals differ by more than
-/// 45 degrees form a rim. Empty: no rims. O(texels).
-SmoothingGrid build_smoothing_grid(const TexelTable& table, const SeamTable& seams,
-                                   const std::vector<glm::vec3>& normals = {});
+/// O(texels).
+SmoothingGrid build_smoothing_grid(const TexelTable& table, const SeamTable& seams);
 
 }  // namespace snowbough::snow

@@ -19,66 +19,6 @@ SNOWBOUGH_WIDE void load_run(const float* __restrict map, const float* __restric
   }
 }
 
-namespace {
-
-/// State of a link between these heights for EdgeArrays.
-inline uint8_t noted_link(uint16_t link, float own, float beside) {
-  const bool linked = link != 0;
-  const float other = linked ? beside : 0.0f;
-  const float one = linked ? std::fabs(own) : 0.0f;
-  const float two = std::fabs(other);
-  const int32_t own_edge = ((one >= two) & (one > 0.0f)) ? kOwnEdge : 0;
-  const int32_t other_edge = ((two >= one) & (two > 0.0f)) ? kOtherEdge : 0;
-  const int32_t edges = own_edge | other_edge;
-  return static_cast<uint8_t>(is_open(own, other) ? kOpenLink : edges);
-}
-
-}  // namespace
-
-SNOWBOUGH_WIDE void open_upwards_run(const float* __restrict height, const ClosenessView& closeness,
-                                     uint8_t* __restrict above, int32_t begin, int32_t end) {
-  const uint16_t* __restrict upwards = closeness.above;
-  const ptrdiff_t size = closeness.size;
-  for (int32_t i = begin; i < end; ++i) {
-    above[i] = noted_link(upwards[i], height[i], height[i + size]);
-  }
-}
-
-SNOWBOUGH_WIDE bool open_links_run(const float* __restrict height, const ClosenessView& closeness,
-                                   const EdgeArrays& edges, int32_t begin, int32_t end) {
-  uint8_t* __restrict right = edges.right;
-  uint8_t* __restrict above = edges.above;
-  const uint16_t* __restrict to_right = closeness.right;
-  // The cell before the run is bare; its link may lead into the run.
-  for (int32_t i = begin - 1; i < end; ++i) {
-    right[i] = noted_link(to_right[i], height[i], height[i + 1]);
-  }
-  open_upwards_run(height, closeness, above, begin, end);
-  uint8_t noted = 0;
-  for (int32_t i = begin; i < end; ++i) noted |= right[i] | above[i];
-  return (noted & ~kOpenLink) != 0;
-}
-
-SNOWBOUGH_WIDE void mark_edges_run(const EdgeArrays& edges, ptrdiff_t size, int32_t begin,
-                                   int32_t end) {
-  const uint8_t* __restrict right = edges.right;
-  const uint8_t* __restrict above = edges.above;
-  uint8_t* __restrict distance = edges.distance;
-  for (int32_t i = begin; i < end; ++i) {
-    const int32_t after = (right[i] | above[i]) & kOwnEdge;
-    const int32_t before = (right[i - 1] | above[i - size]) & kOtherEdge;
-    distance[i] = (after | before) != 0 ? 0 : kFarFromEdge;
-  }
-}
-
-float shoulder_profile(uint8_t distance, float height, float closest, float least_variance,
-                       float widest) {
-  const float variance = std::max(least_variance, third_squared(height));
-  const float width = std::max(1.0f, std::min(widest, kShoulder * std::sqrt(variance * closest)));
-  const float part = (static_cast<float>(distance) + 0.5f) / width;
-  return part < 1.0f ? part * (2.0f - part) : 1.0f;
-}
-
 SNOWBOUGH_WIDE float conduct_run(const float* __restrict height, const float* __restrict inverse,
                                  const ClosenessView& closeness, float* __restrict right,
                                  float* __restrict above, const ConductanceTerms& of, int32_t begin,
@@ -100,31 +40,6 @@ SNOWBOUGH_WIDE float conduct_run(const float* __restrict height, const float* __
     largest = std::max(largest, std::bit_cast<int32_t>(across.wanted));
   }
   return std::bit_cast<float>(largest);
-}
-
-SNOWBOUGH_WIDE bool any_near_foot(const uint8_t* proximity, int32_t count) {
-  uint8_t bits = 0;
-  for (int32_t i = 0; i < count; ++i) bits |= proximity[i];
-  return bits != 0;
-}
-
-SNOWBOUGH_WIDE void limit_feet_run(const uint8_t* __restrict proximity,
-                                   const float* __restrict inverse, const ClosenessView& closeness,
-                                   float* __restrict right, float* __restrict above,
-                                   const ConductanceTerms& of, int32_t begin, int32_t end) {
-  const ConductanceTerms terms = of;
-  const uint16_t* __restrict to_right = closeness.right;
-  const uint16_t* __restrict upwards = closeness.above;
-  const ptrdiff_t size = closeness.size;
-  for (int32_t i = begin; i < end; ++i) {
-    const float along = foot_conductance(proximity[i], proximity[i + 1], inverse[i], inverse[i + 1],
-                                         from_half(to_right[i]), terms);
-    const float across = foot_conductance(proximity[i], proximity[i + size], inverse[i],
-                                          inverse[i + size], from_half(upwards[i]), terms);
-    // `along` is NaN where both cells are bare.
-    right[i] = along < right[i] ? along : right[i];
-    above[i] = across < above[i] ? across : above[i];
-  }
 }
 
 namespace {
@@ -168,14 +83,12 @@ SNOWBOUGH_WIDE void prolong_run(float* __restrict low, float* __restrict high,
                                 const float* __restrict now, const DampingTerms& of,
                                 int32_t count) {
   const DampingTerms terms = of;
-  const uint8_t* __restrict proximity = of.proximity;
   const uint8_t* __restrict low_joins = rows.joins[0];
   const uint8_t* __restrict high_joins = rows.joins[1];
   for (int32_t i = 0; i < count; ++i) {
     const float closeness =
         from_half(terms.right[i] > terms.above[i] ? terms.right[i] : terms.above[i]);
-    const float kept =
-        damping(before[i], closeness, proximity[i], terms.least_variance, terms.done_below);
+    const float kept = damping(before[i], closeness, terms.least_variance, terms.done_below);
     const float mean = before[i] != 0.0f ? before[i] : 1.0f;
     const float ratio = now[i] / mean;
     const float base = now[i] * (1.0f - kept);
@@ -192,23 +105,9 @@ SNOWBOUGH_WIDE void prolong_run(float* __restrict low, float* __restrict high,
   }
 }
 
-SNOWBOUGH_WIDE void divide_run(float* __restrict height, const float* __restrict inverse_area,
-                               const float* __restrict inverse_weight, int32_t begin, int32_t end) {
-  for (int32_t i = begin; i < end; ++i) {
-    const float area = inverse_area[i];
-    const float ratio = inverse_weight[i] / (area > 0.0f ? area : 1.0f);
-    height[i] *= ratio;
-  }
-}
-
 SNOWBOUGH_WIDE void store_run(const float* __restrict height, const float* __restrict inverse_area,
-                              const float* __restrict inverse_weight, float* __restrict map,
-                              int32_t begin, int32_t end) {
-  for (int32_t i = begin; i < end; ++i) {
-    const float weight = inverse_weight[i];
-    const float profile = inverse_area[i] / (weight > 0.0f ? weight : 1.0f);
-    map[i] = weight > 0.0f ? height[i] * profile : map[i];
-  }
+                              float* __restrict map, int32_t begin, int32_t end) {
+  for (int32_t i = begin; i < end; ++i) map[i] = inverse_area[i] > 0.0f ? height[i] : map[i];
 }
 
 SNOWBOUGH_WIDE void stage_run(const float* __restrict from, float* __restrict to,

@@ -7,8 +7,7 @@
 
 namespace snowbough::snow {
 
-void Smoother::open_loose_links(
-    size_t number, const std::function<void(size_t band, int32_t cell, int32_t link)>& on_closed) {
+void Smoother::open_loose_links(size_t number) {
   Level& level = levels_[number];
   const SmoothingLevel& grid = grid_.levels[number];
   const float* const height = level.at(level.height);
@@ -28,8 +27,6 @@ void Smoother::open_loose_links(
           const int32_t other = grid.link_other[t];
           if (is_open(height[cell], height[other])) {
             links.push_back({other, grid.link_weight[t], grid.link_closeness[t], 0.0f});
-          } else if (on_closed) {
-            on_closed(band, cell, t);
           }
         }
         if (links.size() > before) cells.push_back({cell, static_cast<int32_t>(links.size())});
@@ -44,7 +41,6 @@ float Smoother::conduct(size_t number) {
   const ConductanceTerms terms{least_variance_, done_below_[number], kStages};
   const float* const height = level.at(level.height);
   const float* const inverse = level.at(level.inverse_weight);
-  const uint8_t* const proximity = level.feet.proximity.data() + level.margin;
   std::vector<float> largest(static_cast<size_t>(grid.size), 0.0f);
   std::vector<float> loose_largest(level.loose.size(), 0.0f);
   for_each_row_band(grid, [&](size_t band, int32_t first, int32_t last) {
@@ -55,7 +51,6 @@ float Smoother::conduct(size_t number) {
             largest[y],
             conduct_run(height, inverse, {grid.to_right(), grid.upwards(), grid.size},
                         level.at(level.right), level.at(level.above), terms, run.begin, run.end));
-        limit_run(number, run, terms);
       }
     }
     OpenLinks& loose = level.loose[band];
@@ -66,10 +61,7 @@ float Smoother::conduct(size_t number) {
         const LinkConductance crosses =
             conductance(height[at.cell], height[link.other], inverse[at.cell], inverse[link.other],
                         link.closeness, terms);
-        const float most =
-            foot_conductance(proximity[at.cell], proximity[link.other], inverse[at.cell],
-                             inverse[link.other], link.closeness, terms);
-        link.conductance = link.weight * std::min(crosses.conductance, most);
+        link.conductance = link.weight * crosses.conductance;
         loose_largest[band] = std::max(loose_largest[band], crosses.wanted);
       }
     }

@@ -100,9 +100,9 @@ MemoryEstimate estimate_shared_memory(const std::vector<const SceneObject*>& obj
     const auto corners = static_cast<int64_t>(object->description.shading.size());
     estimate.geometry += corners * (4 + 4 + 16 + 16);
   }
-  // Two workspaces of seven arrays and the proximity to feet, a third more for the coarse levels;
-  // the map, a normal, tables, and the ends of the surface.
-  estimate.output = largest_map * (2 * (28 + 2) + 4 + 12 + 12 + 1);
+  // Two workspaces of six arrays, a third more for the coarse levels;
+  // the map, a normal, and tables.
+  estimate.output = largest_map * (2 * 28 + 4 + 12 + 12);
   return estimate;
 }
 

@@ -20,8 +20,8 @@ LaidOutMesh bunny() {
 TEST(CpuFilter, doesNotDependOnTheNumberOfThreads) {
   const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 256));
   const auto stored = random_map(map, 5);
-  const auto one = CpuFilter(map.table, map.seams, {0.03f}, {}, 1).run(stored).height;
-  EXPECT_EQ(CpuFilter(map.table, map.seams, {0.03f}, {}, 3).run(stored).height, one);
+  const auto one = CpuFilter(map.table, map.seams, {0.03f}, 1).run(stored).height;
+  EXPECT_EQ(CpuFilter(map.table, map.seams, {0.03f}, 3).run(stored).height, one);
 }
 
 TEST(CpuFilter, mapsMadeAtOnceAreWhatTheyAreAlone) {
