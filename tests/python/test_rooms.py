@@ -42,7 +42,7 @@ LINES = {
     "native/render": 5100,
     "native/tree": 21250,
     "native/snow/movement": 5780,
-    "native/snow/output": 2200,
+    "native/snow/output": 2950,
     "native/snow/scene": 1650,
     "native/snow/seams": 2550,
     "native/snow/state": 450,

@@ -106,12 +106,13 @@ class PairFinder {
   }
 
   /// Median of the faces' beginnings along an axis.
-  float middle(std::vector<int32_t>& part, int axis) const {
-    const auto half = part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
-    std::nth_element(part.begin(), half, part.end(), [&](int32_t a, int32_t b) {
-      return faces_[a].low[axis] < faces_[b].low[axis];
-    });
-    return faces_[*half].low[axis];
+  float middle(const std::vector<int32_t>& part, int axis) const {
+    std::vector<float> lows;
+    lows.reserve(part.size());
+    for (const int32_t i : part) lows.push_back(faces_[i].low[axis]);
+    const auto half = lows.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
+    std::nth_element(lows.begin(), half, lows.end());
+    return *half;
   }
 
   /// Sweeps along the axis with the largest extent.

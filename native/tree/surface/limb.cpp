@@ -341,14 +341,6 @@ class LimbBuilder {
 
 }  // namespace
 
-bool LimbStart::grows_like(const LimbStart& other) const {
-  return hole.corners == other.hole.corners && hole.centre == other.hole.centre &&
-         hole.normal == other.hole.normal && hole.corner == other.hole.corner &&
-         hole.parent_corner == other.hole.parent_corner && continues == other.continues &&
-         frame.u == other.frame.u && frame.v == other.frame.v &&
-         frame.normal == other.frame.normal && corner == other.corner;
-}
-
 LimbPart build_limb(const LimbPlan& plan, int32_t branch,
                     const std::vector<uint8_t>& narrowing_steps, const LimbStart& start,
                     const LimbHull* parent) {

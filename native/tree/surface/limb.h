@@ -20,9 +20,6 @@ struct LimbStart {
   Frame frame;
   /// Corner radius of the end ring.
   double corner = 0.0;
-
-  /// Whether a child grows in the same way from both; vertex indices do not matter.
-  bool grows_like(const LimbStart& other) const;
 };
 
 /// One limb's part of the surface. Its own vertices are numbered from 0; those of its start are -1
@@ -54,7 +51,7 @@ struct LimbPlan {
 };
 
 /// Builds one limb.
-/// @param narrowing_steps  see SurfaceBuilder; those of the branch and of its children matter.
+/// @param narrowing_steps  see build_surface; those of the branch and of its children matter.
 /// @param start, parent  the branch's start, and its parent's hull; null for a root.
 LimbPart build_limb(const LimbPlan& plan, int32_t branch,
                     const std::vector<uint8_t>& narrowing_steps, const LimbStart& start,

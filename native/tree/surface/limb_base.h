@@ -34,7 +34,7 @@ struct Exit {
 /// @param own of the parent's own centreline: beside its first row the path is straight from its
 ///   hole to its first ring, so a child on one of them may be on the wrong side of the other.
 /// @param attach arc length of the child's attach point on the parent's path.
-/// @param narrowing_steps see SurfaceBuilder.
+/// @param narrowing_steps see build_surface.
 Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
                const LimbPath& child, int32_t child_index, const SurfaceScale& scale,
                int narrowing_steps);

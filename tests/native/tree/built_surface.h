@@ -18,19 +18,11 @@ struct Built {
   Surface surface;
 };
 
-inline Surface build_surface(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
-                             const SurfaceScale& scale, const std::vector<uint8_t>& narrowing_steps,
-                             const std::vector<uint8_t>& only = {}) {
-  SurfaceBuilder builder(skeleton, paths, scale, {}, 1);
-  builder.build(narrowing_steps);
-  return builder.surface(only);
-}
-
 inline Built build(const Skeleton& skeleton) {
   Built built;
   built.scale = surface_scale(skeleton);
   built.paths = limb_paths(skeleton, limb_widths(skeleton, {}), built.scale);
-  built.surface = build_surface(skeleton, built.paths, built.scale,
+  built.surface = build_surface(skeleton, built.paths, built.scale, {},
                                 std::vector<uint8_t>(built.paths.size(), 0));
   return built;
 }

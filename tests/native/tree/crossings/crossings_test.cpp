@@ -25,17 +25,15 @@ struct Plan {
   explicit Plan(const Skeleton& tree)
       : skeleton(tree),
         scale(surface_scale(tree)),
-        paths(limb_paths(tree, limb_widths(tree, {}), scale)),
-        narrowing_steps(paths.size(), 0) {}
+        paths(limb_paths(tree, limb_widths(tree, {}), scale)) {}
 
-  Surface build(const std::vector<uint8_t>& only = {}) const {
-    return build_surface(skeleton, paths, scale, narrowing_steps, only);
+  Surface build() const {
+    return build_surface(skeleton, paths, scale, {}, std::vector<uint8_t>(paths.size(), 0));
   }
 
   Skeleton skeleton;
   SurfaceScale scale;
   std::vector<LimbPath> paths;
-  std::vector<uint8_t> narrowing_steps;
 };
 
 /// The faces that have a vertex of `vertices`.
@@ -121,49 +119,8 @@ TEST(Crossings, AreThoseThatTheExactTestFindsAmongAllPairs) {
 TEST(Crossings, DoNotDependOnTheNumberOfThreads) {
   for (uint32_t seed = 0; seed < kSeeds; ++seed) {
     const Surface surface = Plan(RandomSkeleton(seed).make()).build();
-    EXPECT_EQ(find_crossings(surface, {}, {1, {}}), find_crossings(surface, {}, {7, {}}));
+    EXPECT_EQ(find_crossings(surface, {}, 1), find_crossings(surface, {}, 7));
   }
-}
-
-TEST(Surface, APartLiesWhereItLiesInTheWhole) {
-  for (uint32_t seed = 0; seed < kSeeds; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const Plan plan(RandomSkeleton(seed).make());
-    const Surface whole = plan.build();
-    // The last branch with its ancestors.
-    std::vector<uint8_t> only(plan.paths.size(), 0);
-    for (auto b = static_cast<int32_t>(only.size()) - 1; b >= 0;
-         b = plan.skeleton.branches[b].parent) {
-      only[b] = 1;
-    }
-    const Surface part = plan.build(only);
-    for (size_t b = 0; b < only.size(); ++b) {
-      if (only[b] == 0) {
-        EXPECT_LE(part.limbs[b].rings.size(), 1u);
-        continue;
-      }
-      ASSERT_EQ(part.limbs[b].rings.size(), whole.limbs[b].rings.size());
-      for (size_t ring = 0; ring < part.limbs[b].rings.size(); ++ring) {
-        for (int k = 0; k < 4; ++k) {
-          EXPECT_EQ(part.vertices[part.limbs[b].rings[ring].vertices[k]],
-                    whole.vertices[whole.limbs[b].rings[ring].vertices[k]]);
-        }
-      }
-    }
-  }
-}
-
-TEST(Surface, TheBranchesLeftOutNearAJunctionAreNamed) {
-  const auto side = [](float height) {
-    const glm::vec3 root(0.0f, 0.0f, height);
-    return make_branch(0, 1, {root, root + glm::vec3(1, 0, 0), root + glm::vec3(2, 0, 0)},
-                       {0.05f, 0.05f, 0.05f});
-  };
-  const Plan plan(make_skeleton({trunk(), side(2.5f), side(2.8f), side(8.5f)}));
-  const Surface part = plan.build({1, 1, 0, 0});
-  ASSERT_EQ(part.junctions.size(), 3u);
-  EXPECT_THAT(missing_limbs(part, {1, 0, 0}), testing::ElementsAre(2));
-  EXPECT_THAT(missing_limbs(plan.build({1, 1, 1, 0}), {1, 0, 0}), testing::IsEmpty());
 }
 
 TEST(UncrossedSurface, LeavesTheSurfaceClosedAndWhatIsSaidToCrossCrosses) {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tree/crossings/neighbourhoods.h"
+#include "tree/surface/surface.h"
 
 namespace snowbough::tree {
 namespace {
@@ -33,16 +33,6 @@ TEST(CrossingFace, FacesAboveEachOtherDoNotCross) {
 
 TEST(CrossingFace, FacesThatOnlyShareAnEdgeDoNotCross) {
   EXPECT_FALSE(cross(square_and({{1, 0, 1}, {1, 1, 1}}, {1, 4, 5, 2})));
-}
-
-TEST(VertexFaces, AreTheFacesAroundEachVertexAscending) {
-  const VertexFaces around(square_and({{1, 0, 1}, {1, 1, 1}}, {1, 4, 5, 2}));
-  const auto of = [&](int32_t v) {
-    return std::vector<int32_t>(around.at(v).begin(), around.at(v).end());
-  };
-  EXPECT_EQ(of(0), (std::vector<int32_t>{0}));
-  EXPECT_EQ(of(1), (std::vector<int32_t>{0, 1}));
-  EXPECT_EQ(of(5), (std::vector<int32_t>{1}));
 }
 
 }  // namespace

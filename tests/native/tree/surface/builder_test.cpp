@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <random>
-
 #include "native/tree/built_surface.h"
 #include "tree/skeleton/width.h"
 #include "tree/surface/limb_path.h"
@@ -43,34 +41,13 @@ struct PlannedTree {
   std::vector<LimbPath> paths;
 };
 
-TEST(SurfaceBuilder, BuildsAfterOtherReliefWhatItBuildsAtOnce) {
+TEST(BuildSurface, DoesNotDependOnTheNumberOfThreads) {
   for (uint32_t seed = 0; seed < kTreeSeeds; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const PlannedTree plan(seed);
-    std::mt19937 random(seed);
-    SurfaceBuilder builder(plan.skeleton, plan.paths, plan.scale, {}, 1);
-    std::vector<uint8_t> narrowing_steps(plan.paths.size(), 0);
-    builder.build(narrowing_steps);
-    for (int round = 0; round < 3; ++round) {
-      for (uint8_t& steps : narrowing_steps) {
-        steps = random() % 4 == 0 ? static_cast<uint8_t>(random() % 3) : steps;
-      }
-      builder.build(narrowing_steps);
-      expect_same(builder.surface(),
-                  build_surface(plan.skeleton, plan.paths, plan.scale, narrowing_steps));
-    }
-  }
-}
-
-TEST(SurfaceBuilder, DoesNotDependOnTheNumberOfThreads) {
-  for (uint32_t seed = 0; seed < kTreeSeeds; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const PlannedTree plan(seed);
-    SurfaceBuilder builder(plan.skeleton, plan.paths, plan.scale, {}, 7);
-    const std::vector<uint8_t> narrowing_steps(plan.paths.size(), 0);
-    builder.build(narrowing_steps);
-    expect_same(builder.surface(),
-                build_surface(plan.skeleton, plan.paths, plan.scale, narrowing_steps));
+    const std::vector<uint8_t> steps(plan.paths.size(), 0);
+    expect_same(build_surface(plan.skeleton, plan.paths, plan.scale, {}, steps, 7),
+                build_surface(plan.skeleton, plan.paths, plan.scale, {}, steps, 1));
   }
 }
 

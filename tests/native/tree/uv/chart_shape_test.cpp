@@ -119,7 +119,7 @@ TEST(BarkUvs, GoOnceRoundAndGrowByLengthOverCircumference) {
   const Skeleton skeleton = make_skeleton({trunk()});
   const SurfaceScale scale = surface_scale(skeleton);
   const std::vector<LimbPath> paths = limb_paths(skeleton, limb_widths(skeleton, {}), scale);
-  const Surface surface = build_surface(skeleton, paths, scale, {0});
+  const Surface surface = build_surface(skeleton, paths, scale, {}, {0});
   const std::vector<QuadUv> uvs = layout_bark_uvs(surface);
   ASSERT_EQ(uvs.size(), surface.quads.size());
   const LimbSurface& limb = surface.limbs[0];
