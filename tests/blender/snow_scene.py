@@ -2,6 +2,7 @@
 """Small scenes for tests of the bake, and their maps read back."""
 
 import hashlib
+import json
 import math
 from pathlib import Path
 
@@ -89,6 +90,16 @@ def folder_of(root, name, version=1, scene="Scene"):
     found = sorted(Path(root).glob(f"{scene}*/v{version:03d}/{name}-*"))
     assert len(found) == 1, found
     return found[0]
+
+
+def manifest_of(root, name):
+    """A receiver's object.json, with the entries of frames.tsv as ``frames``."""
+    folder = folder_of(root, name)
+    lines = (folder / "frames.tsv").read_text(encoding="utf-8").splitlines()[1:]
+    return {
+        **json.loads((folder / "object.json").read_text(encoding="utf-8")),
+        "frames": [json.loads(line.split("\t")[1]) for line in lines],
+    }
 
 
 def height(native, root, name, frame, version=1):

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The bake in the background: receivers, amounts of snow, output files and errors."""
 
-import json
 import math
 import os
 
@@ -134,7 +133,7 @@ def test_metres_are_units_times_the_scale_length(native, tmp_path):
     s.bake()
     map_ = s.height(native, tmp_path, "Ground", 4)
     assert s.texel(map_, 0.1, 0.5) == pytest.approx(0.1, rel=0.05) and s.texel(map_, 0.5, 0.5) == 0
-    manifest = json.loads((s.folder_of(tmp_path, "Ground") / "object.json").read_text())
+    manifest = s.manifest_of(tmp_path, "Ground")
     assert manifest["frames"][-1]["volume"] == pytest.approx(0.1 * 3.0, rel=0.03)
 
 
@@ -249,13 +248,13 @@ def test_the_manifest_says_settings_and_statistics(tmp_path):
     s.settings(tmp_path)
     s.bake()
     folder = s.folder_of(tmp_path, "Ground")
-    manifest = json.loads((folder / "object.json").read_text())
+    manifest = s.manifest_of(tmp_path, "Ground")
     assert manifest["complete"] and manifest["object"] == "Ground" and len(manifest["hash"]) == 32
     assert [frame["frame"] for frame in manifest["frames"]] == [1, 2, 3, 4]
     assert manifest["frames"][-1]["depth"] == pytest.approx(0.1, rel=1e-6)
     assert manifest["frames"][-1]["volume"] == pytest.approx(0.1 * 4.0, rel=5e-3)
     heights = [f"height_000{i}.exr" for i in range(1, 5)]
-    assert sorted(os.listdir(folder)) == ["ever_covered.exr", *heights, "inputs.json", "object.json"]
+    assert sorted(os.listdir(folder)) == ["ever_covered.exr", "frames.tsv", *heights, "object.json"]
 
 
 def test_a_bake_writes_every_kind_of_map_whose_switch_is_on(addon, native, tmp_path):
@@ -424,7 +423,7 @@ def test_a_bake_of_the_same_object_at_the_same_time_is_refused(addon, tmp_path):
     s.receive(s.square("Ground"))
     s.settings(tmp_path, checkpoint_interval=2)
     key = addon("base.names").receiver_key("Ground", ("", "", ""))
-    with addon("cache.lock").lock_folder(tmp_path / "Scene" / "v001" / key):
+    with addon("cache.lock").lock_receivers(tmp_path / "Scene" / "v001", [key]):
         refused("Ground-.* is being baked by process")
     s.bake()
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Leaves occlude and gather snow by their alpha: from a material's nodes to the baked map."""
 
-import json
 from types import SimpleNamespace
 
 import bpy
@@ -80,8 +79,7 @@ def test_a_leaf_gathers_snow_only_where_it_is_there(native, tmp_path):
     assert is_ring(bake_ground(native, tmp_path))
     leaf = s.height(native, tmp_path, "Leaf", 2)
     assert s.texel(leaf, 0.5, 0.5) == 0 and s.texel(leaf, 0.12, 0.5) == pytest.approx(0.1, rel=0.1)
-    frames = [json.loads((s.folder_of(tmp_path, name) / "object.json").read_text())["frames"][-1]
-              for name in ("Ground", "Leaf")]  # fmt: skip
+    frames = [s.manifest_of(tmp_path, name)["frames"][-1] for name in ("Ground", "Leaf")]
     assert [frame["volume"] for frame in frames] == pytest.approx([0.1 * 3.25, 0.1 * 0.75], rel=0.02)
 
 
@@ -341,9 +339,7 @@ def test_the_leaves_of_an_imported_tree_gather_by_their_texture(tmp_path, there)
     s.settings(tmp_path / "cache", (1, 2), pixel_size=0.01)
     s.bake()
     volumes = {
-        name: json.loads((s.folder_of(tmp_path / "cache", name) / "object.json").read_text())["frames"][-1][
-            "volume"
-        ]
+        name: s.manifest_of(tmp_path / "cache", name)["frames"][-1]["volume"]
         for name in ("leafy_leaves", "leafy_bark")
     }
     assert volumes["leafy_bark"] > 0

@@ -341,21 +341,21 @@ def test_killed_at_random_moments_a_bake_resumes_to_the_same_bytes(addon, undist
 def test_the_lock_of_a_bake_killed_at_its_very_end_goes_with_the_next_one(addon, undisturbed, tmp_path):
     """Killed after one of two receivers was finished, or after both but before the unlock."""
     s.bake()
-    lock_folder = addon("cache.lock").lock_folder
-    folders = sorted(path.parent for path in (tmp_path / "cache").rglob("object.json"))
-    assert len(folders) == 3
-    for folder in folders:
-        (folder / "lock").write_text("process 1 on elsewhere\n")
-    with lock_folder(folders[0]):
+    (version,) = {path.parent.parent for path in (tmp_path / "cache").rglob("object.json")}
+    dead = version / "lock-0123abcd"
+    dead.write_text("process 1 on elsewhere\n")
+    with addon("cache.lock").lock_receivers(version, ["another"]):
+        dead.write_text("process 1 on elsewhere\n")
         s.bake(resume=True)
-        assert [(folder / "lock").exists() for folder in folders] == [True, False, False]
+        assert len(list(version.glob("lock*"))) == 1 and not dead.exists()
     assert s.files_of(tmp_path / "cache") == undisturbed
 
 
 def locked_half(addon, tmp_path):
     """Bakes the first four frames; returns a lock on the folder of one receiver."""
     assert s.bake_part(addon, 1, 4).error is None
-    return addon("cache.lock").lock_folder(next((tmp_path / "cache").rglob("object.json")).parent)
+    folder = next((tmp_path / "cache").rglob("object.json")).parent
+    return addon("cache.lock").lock_receivers(folder.parent, [folder.name])
 
 
 def start_waiting(addon, tmp_path, *arguments):
@@ -424,7 +424,7 @@ def as_printed(path):
     return json.dumps(str(path))[1:-1]
 
 
-@pytest.mark.parametrize("name", ["height_0004.exr", "surface.pc2", "object.json"])
+@pytest.mark.parametrize("name", ["height_0004.exr", "surface.pc2", "object.json", "frames.tsv"])
 def test_a_damaged_file_of_a_finished_bake_is_made_again(addon, undisturbed, tmp_path, name):
     s.bake()
     path = next((tmp_path / "cache").rglob(f"Flag-*/{name}"))
@@ -466,8 +466,8 @@ def test_a_bake_whose_lock_was_taken_stops_with_its_own_code_and_leaves_the_othe
     """The lock is deleted by hand, and a second bake clears the folder and goes ahead."""
     report = tmp_path / "report.json"
     first = start_baking(addon, tmp_path, report)
-    locks = sorted((tmp_path / "cache").rglob("lock"))
-    assert len(locks) == 3
+    locks = sorted((tmp_path / "cache").rglob("lock-*"))
+    assert len(locks) == 1
     os.kill(first.pid, signal.SIGSTOP)
     for lock in locks:
         lock.unlink()

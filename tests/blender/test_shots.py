@@ -4,7 +4,6 @@
 Unless a test says otherwise, 0.1 m of snow falls straight down in frames 1 to 4, a quarter of it in each frame.
 """
 
-import json
 import os
 import subprocess
 from pathlib import Path
@@ -153,7 +152,7 @@ def test_a_receiver_may_grow_from_scale_0(tmp_path, native):
     s.settings(tmp_path, frames=(1, 6), pixel_size=0.0, texel_size=2.0 / 256.0)
     s.bake()
     assert s.height(native, tmp_path, "Cart", 6).shape == (256, 256)
-    manifest = json.loads((s.folder_of(tmp_path, "Cart") / "object.json").read_text())
+    manifest = s.manifest_of(tmp_path, "Cart")
     assert manifest["settings"]["snowfall"]["pixel_size"] == pytest.approx(2.0 / 256.0)
     assert [entry.get("hidden", False) for entry in manifest["frames"]] == [True] + [False] * 5
 

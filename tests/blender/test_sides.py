@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which sides of a receiver take snow, and where it is shaded smooth: from the scene to the baked map."""
 
-import json
 import math
 from types import SimpleNamespace
 
@@ -97,7 +96,7 @@ def test_what_is_negative_counts_as_covered_and_as_high(native, tmp_path):
     s.bake()
     folder = s.folder_of(tmp_path, "Leaf")
     assert native.read_exr(str(folder / "ever_covered.exr"))[0].mean() > 0.95
-    manifest = json.loads((folder / "object.json").read_text())
+    manifest = s.manifest_of(tmp_path, "Leaf")
     assert manifest["frames"][-1]["highest"] == pytest.approx(0.1, rel=1e-2)
     assert manifest["settings"]["receiver"]["sides"] == "AUTO"
 

@@ -30,10 +30,9 @@ def bakes(memory_folder):
     found["killed"] = root / "killed" / "cache"
     shutil.copytree(found["finished"], found["killed"])
     for path in found["killed"].rglob("object.json"):
-        sidecar = folder.read_sidecar(path.parent, 6)
         whole = manifest.read_manifest(path.parent)
-        whole.pop("checksums", None)
-        manifest.write_manifest(path.parent, {**whole, "complete": False, "frames": sidecar["frames"]})
+        del whole["checksums"], whole["end"]
+        manifest.write_manifest(path.parent, {**whole, "complete": False})
     return found
 
 

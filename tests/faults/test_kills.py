@@ -73,7 +73,7 @@ def finish(bake):
 def kill(bake, cache, moments):
     """Kills a bake after a random number of frames and a random time; returns the number of frames."""
     wanted, lines = moments.randrange(FRAMES + 1), 0
-    while wanted == 0 and not list(cache.rglob("lock")) and bake.poll() is None:
+    while wanted == 0 and not list(cache.rglob("lock-*")) and bake.poll() is None:
         time.sleep(0.005)
     while lines < wanted and (line := bake.stdout.readline()):
         lines += line.startswith("SNOWBOUGH frame=")

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How a resumed bake treats each kind of missing or damaged file, other bakes and other scenes."""
 
+import json
 import os
 import shutil
 
 import pytest
 import shot
 from snowbough.bake import resuming
-from snowbough.cache import files, folder, integrity, manifest, versions
+from snowbough.cache import files, folder, integrity, journal, manifest, sealed, versions
 from snowbough.cache.errors import CacheError, InputsChanged, LockLost, NoCheckpoint
 
 
@@ -162,17 +163,15 @@ def test_a_damaged_checkpoint_names_the_file(stopped, whole):
 
 def test_frames_behind_the_checkpoint_of_a_killed_bake_are_baked_again(finished, whole):
     for path in finished.rglob("object.json"):
-        known = folder.read_sidecar(path.parent, 3)
-        shot_manifest = {**manifest.read_manifest(path.parent), "complete": False, "frames": known["frames"]}
-        manifest.write_manifest(
-            path.parent, {key: shot_manifest[key] for key in shot_manifest if key != "checksums"}
-        )
+        killed = {**manifest.read_manifest(path.parent), "complete": False}
+        del killed["checksums"], killed["end"]
+        manifest.write_manifest(path.parent, killed)
         folder.remove_checkpoint(path.parent, 6)
         flip(path.parent / "height_0004.exr")
         (path.parent / "height_0003.exr.12ab34cd.tmp").write_bytes(b"half")
         (path.parent / "state_0006.json").write_bytes(b"{}")
     job = shot.bake(finished, resume=True)
-    assert job.results[0].frame == 4 and job.repaired == []
+    assert job.results[0].frame == 4 and len(job.repaired) == 3
     assert shot.files_of(finished) == whole
 
 
@@ -211,7 +210,7 @@ def test_a_lock_that_is_taken_stops_the_bake_before_the_next_file(tmp_path):
 
     def evaluate(frame, subframe):
         if frame == 4 and not taken:
-            for path in cache.rglob("lock"):
+            for path in cache.rglob("lock-*"):
                 path.unlink()
                 path.write_text("another")
             taken.append(len(list(cache.rglob("height_*"))))
@@ -222,19 +221,98 @@ def test_a_lock_that_is_taken_stops_the_bake_before_the_next_file(tmp_path):
         shot.bake(cache, evaluate)
     # Files whose writing had begun may still be finished.
     assert len(list(cache.rglob("height_*"))) <= taken[0] + 1
-    assert all(path.read_text() == "another" for path in cache.rglob("lock"))
+    assert all(path.read_text() == "another" for path in cache.rglob("lock-*"))
 
 
-def test_a_bake_of_before_without_checksums_is_not_damaged(finished, whole):
-    for path in finished.rglob("object.json"):
-        old = manifest.read_manifest(path.parent)
-        old.pop("checksums")
-        frames = [{key: entry[key] for key in entry if key != "checksums"} for entry in old["frames"]]
-        manifest.write_manifest(path.parent, {**old, "frames": frames})
+def pictures(known):
+    """Of files_of: all but the JSON and text files. Format 2 did not have the identity of a cache."""
+    return {name: data for name, data in known.items() if not name.endswith((".json", ".tsv"))}
+
+
+@pytest.mark.parametrize("number", [2, 3])
+def test_a_stopped_bake_of_before_is_converted_and_resumed(stopped, whole, number):
+    shot.as_before(stopped, number)
+    job = shot.bake(stopped, resume=True)
+    assert [result.frame for result in job.results] == [6, 7, 8]
+    select = pictures if number == 2 else dict
+    assert select(shot.files_of(stopped)) == select(whole)
+
+
+@pytest.mark.parametrize("number", [2, 3])
+def test_a_finished_bake_of_before_is_sealed_by_the_first_resume(finished, whole, number):
+    shot.as_before(finished, number)
+    before = {
+        path.parent: manifest.read_manifest(path.parent)["frames"] for path in finished.rglob("object.json")
+    }
+    assert shot.bake(finished, resume=True).results == []
+    for place, frames in before.items():
+        after = manifest.read_manifest(place)
+        assert after["format"] == 4 and after["complete"]
+        assert [entry["frame"] for entry in after["frames"]] == [entry["frame"] for entry in frames]
+        assert all(len(entry["checksums"]) == 2 for entry in after["frames"])
+    select = pictures if number == 2 else dict
+    assert select(shot.files_of(finished)) == select(whole)
+    flip(found(finished, "Cart-*/normal_0004.exr"))
+    assert shot.bake(finished, resume=True).results[0].frame == 4
+
+
+@pytest.mark.parametrize("name", ["object.json", "state_0003.json", "frames.tsv"])
+def test_a_conversion_that_is_interrupted_starts_again(stopped, whole, monkeypatch, name):
+    shot.as_before(stopped, 3)
+
+    def fail_at(path, data, write=files.write_bytes):
+        if path.name == name:
+            raise CacheError("the power went")
+        write(path, data)
+
+    with monkeypatch.context() as broken:
+        for module in (sealed, journal):
+            broken.setattr(module, "write_bytes", fail_at)
+        with pytest.raises(CacheError, match="the power went"):
+            shot.bake(stopped, resume=True)
+    shot.bake(stopped, resume=True)
+    assert shot.files_of(stopped) == whole
+
+
+def test_a_bake_of_before_without_checksums_is_not_damaged(finished):
+    shot.as_before(finished, 2)
     flip(found(finished, "Cart-*/normal_0004.exr"))
     assert shot.bake(finished, resume=True).results == []
     found(finished, "Cart-*/height_0008.exr").unlink()
     assert shot.bake(finished, resume=True).results[0].frame == 7
+
+
+@pytest.mark.parametrize("name", ["frames.tsv", "object.json"])
+def test_a_flip_in_the_frames_is_repaired_from_the_checkpoint_before_it(stopped, whole, name):
+    path = found(stopped, f"Ground-*/{name}")
+    lines = path.read_bytes().splitlines(keepends=True)
+    if name == "frames.tsv":  # the line of frame 4
+        lines[4] = lines[4].replace(b"depth", b"dEpth")
+        path.write_bytes(b"".join(lines))
+        job = shot.bake(stopped, resume=True)
+        assert job.results[0].frame == 4 and "frames.tsv was missing or damaged" in job.repaired[0]
+    else:
+        path.unlink()
+        shot.bake(stopped, resume=True)
+    assert shot.files_of(stopped) == whole
+
+
+def test_a_checkpoint_takes_the_same_bytes_early_and_late(tmp_path):
+    shot.bake(tmp_path / "cache", frame_end=40, last=40, rates=(1.0,) * 40, receivers=shot.SPECS[:1])
+    sidecars = (found(tmp_path, f"Cart-*/state_{frame:04d}.json").read_text() for frame in (39, 3))
+    late, early = (len(text) - len(json.loads(text)["covered"]) for text in sidecars)
+    assert abs(late - early) < 10
+    lines = found(tmp_path, "Cart-*/frames.tsv").read_bytes().splitlines()
+    assert abs(len(lines[40]) - len(lines[2])) < 100 and len(lines) == 41
+
+
+def test_lines_of_a_finished_bake_that_are_cut_are_baked_again(finished, whole):
+    path = found(finished, "Ground-*/frames.tsv")
+    os.truncate(path, path.stat().st_size - 40)
+    with pytest.raises(CacheError, match="frames.tsv is missing or damaged from frame 8 on. Resume"):
+        manifest.read_manifest(path.parent)
+    assert shot.bake(finished, resume=True).results[0].frame == 7
+    assert shot.files_of(finished) == whole
 
 
 def test_damage_is_found_by_bytes_and_by_absence(tmp_path):

@@ -49,9 +49,9 @@ LINES = {
     "native/snow/step": 5250,
     "native/snow/surface": 4100,
     "native/snow/texels": 1750,
-    "addon/snowbough/bake": 3500,
+    "addon/snowbough/bake": 3550,
     "addon/snowbough/base": 1100,
-    "addon/snowbough/cache": 1150,
+    "addon/snowbough/cache": 1850,
     "addon/snowbough/gltf": 2800,
     "addon/snowbough/preview": 1100,
     "addon/snowbough/realtime": 2250,
@@ -64,7 +64,7 @@ LINES = {
     "addon/snowbough/usd": 550,
     "shaders": 4950,
     "benchmarks": 5100,
-    "tests": 49400,
+    "tests": 49900,
 }
 SOURCES = {".h", ".cpp", ".glsl", ".py"}
 

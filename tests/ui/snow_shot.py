@@ -55,7 +55,9 @@ def bake_in_the_background(window, folder):
 
 def assert_resumable(window, folder):
     """No stray data remains, and Resume finds a checkpoint and finishes the (shortened) shot."""
-    assert [path.name for path in folder.rglob("*") if path.name == "lock" or ".tmp" in path.name] == []
+    assert [
+        path.name for path in folder.rglob("*") if path.name.startswith("lock") or ".tmp" in path.name
+    ] == []
     assert len(list(folder.rglob("state_*.json"))) >= 2
     written = len(heights(folder))
     window.run(

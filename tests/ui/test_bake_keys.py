@@ -95,7 +95,9 @@ except RuntimeError as error:
     )
     window.run(f"bpy.ops.wm.open_mainfile(filepath={str(tmp_path / 'shot.blend')!r})\nresult = True")
     if script == "delete" and outcome == "done":  # then the frames since lack the object, and Resume says so
-        assert [path.name for path in tmp_path.rglob("*") if path.name == "lock" or ".tmp" in path.name] == []
+        assert [
+            path.name for path in tmp_path.rglob("*") if path.name.startswith("lock") or ".tmp" in path.name
+        ] == []
         return
     assert_resumable(window, tmp_path)
 

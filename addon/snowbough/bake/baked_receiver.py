@@ -2,7 +2,7 @@
 """A receiver of a bake: its size, its settings, its manifest and its checkpoints. No ``bpy``."""
 
 import contextlib
-from dataclasses import astuple, dataclass, field
+from dataclasses import astuple, dataclass
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +23,8 @@ from ..cache.files import (
     state_file,
 )
 from ..cache.integrity import checksums_of, first_damage
-from ..cache.manifest import describe_changes, read_manifest, write_inputs, write_manifest
+from ..cache.journal import Journal
+from ..cache.manifest import describe_changes, read_head, write_manifest
 from ..scene.uv_overlap import outside_share
 from ..surface.compute import damaged as damaged_surface
 from ..surface.compute import update as update_surface
@@ -52,8 +53,11 @@ class BakedReceiver:
     cache: str = ""
     """Identity of the .blend's cache."""
     lock: object = None
-    """cache.lock.FolderLock of the folder; required for writing."""
-    frames: list = field(default_factory=list)
+    """cache.lock.BakeLock; required for writing."""
+    journal: Journal = None
+    """Of the folder, while it is written."""
+    last_frame: int = None
+    """The last frame whose maps were written."""
     covered: Coverage = None
     wanted: WantedPoints = WantedPoints()
     """Its part in the surface points of the scene."""
@@ -78,7 +82,7 @@ class BakedReceiver:
     def compare_settings(self, shot, units):
         """Raises InputsChanged, naming the differences, if the folder was baked with other settings. units: those of
         the request."""
-        manifest = read_manifest(self.folder)
+        manifest = read_head(self.folder)
         if manifest is None:
             return
         changes = describe_changes(manifest["settings"], self.settings(shot), units)
@@ -95,10 +99,13 @@ class BakedReceiver:
         receiver_folder.remove_stray_files(self.folder)
         self.covered = Coverage(self.resolution)
         self.write_manifest(shot, complete=False)
+        with self._writing():
+            self.journal = Journal.start(self.folder, self._described(shot))
 
-    def write_maps(self, native, output, entry):
-        """Writes the result of a native OutputSnapshot's output(). entry: what the manifest stores about the frame, a
-        dict with its number as ``frame``; the greatest height on either side and checksums are added."""
+    def write_maps(self, native, output, entry, poses):
+        """Writes the result of a native OutputSnapshot's output(). entry: what the journal stores about the frame, a
+        dict with its number as ``frame``; the greatest height on either side and checksums are added. poses: of the
+        frame, cache.journal.packed."""
         frame, height = entry["frame"], output["height"]
         with self._writing():
             for name, values in output.items():
@@ -106,9 +113,10 @@ class BakedReceiver:
                 native.write_exr(str(path), kind.encoded(values), half=kind.is_half)
             checksums = checksums_of(self.folder, [frame_file(name, frame) for name in output])
         self.covered.add(height)
-        self.frames.append(
-            {**entry, "highest": float(max(height.max(), -height.min())), "checksums": checksums}
-        )
+        entry = {**entry, "highest": float(max(height.max(), -height.min())), "checksums": checksums}
+        with self._writing():
+            self.journal.append(entry, poses)
+        self.last_frame = frame
 
     def _described(self, shot):
         """The part of the manifest that is known before the first frame."""
@@ -128,9 +136,9 @@ class BakedReceiver:
             **self._described(shot),
             "files": bake_files(shot["frame_start"], shot["frame_end"]),
             "complete": complete,
-            "frames": self.frames,
         }
         if complete:
+            manifest["end"] = self.journal.end.as_dict()
             manifest["checksums"] = checksums_of(self.folder, self._written_once())
         write_manifest(self.folder, manifest)
 
@@ -142,7 +150,7 @@ class BakedReceiver:
     def first_damage(self):
         """(frame, path) of the first file that is missing or damaged: the bake must go on before that frame. None if
         all files of the manifest are intact."""
-        manifest = read_manifest(self.folder)
+        manifest = read_head(self.folder)
         if manifest is None:
             return None
         found = first_damage(self.folder, manifest)
@@ -160,13 +168,12 @@ class BakedReceiver:
         with self._writing():
             self.recorder.add(frame, pose.known_at(self.key))
 
-    def make_surface(self, shot, native, progress):
+    def make_surface(self, native, progress):
         """Computes the snow surface of all baked frames. Returns False if progress(0 to 1) asked to stop."""
-        if self.recorder is None or not self.frames:
+        if self.recorder is None or self.last_frame is None:
             return True
         with self._writing():
             self.recorder.finish()
-            self.write_manifest(shot, complete=False)
         if self.recorder.changed_at is not None:
             return True
         with self._writing():
@@ -176,48 +183,47 @@ class BakedReceiver:
         if self.recorder is not None:
             self.recorder.close()
 
-    def write_checkpoint(self, native, frame, shot, state, driver, inputs, beside=()):
+    def write_checkpoint(self, native, frame, shot, state, driver, beside=()):
         """Writes the checkpoint of ``frame``, the last frame whose maps were written. state: from simulation_state;
-        driver: the engine and driver that ran (snow_engine.driver_text); inputs: all poses so far (scene.inputs);
-        beside: keys of other receivers whose state to include."""
+        driver: the engine and driver that ran (snow_engine.driver_text); beside: keys of other receivers whose state to
+        include."""
+        with self._writing():
+            self.journal.flush()
         sidecar = {
             "beside": list(beside),
             "covered": self.covered.pack(),
             "driver": driver,
-            "frames": self.frames,
-            "inputs": inputs,
-            "manifest": self._described(shot),
+            "end": self.journal.end.as_dict(),
         }
         own = {**state, "objects": {key: state["objects"][key] for key in (self.key, *beside)}}
         with self._writing():
             receiver_folder.write_sidecar(self.folder, frame, sidecar)
-        with self._writing():
-            self.write_manifest(shot, complete=False)
         with self._writing():
             native.write_checkpoint(str(self.folder / state_file(frame)), own)
         with self._writing():
             self._remove_passed_checkpoints(shot, frame)
 
     def read_checkpoint(self, native, frame, sizes):
-        """Restores coverage and frames from a checkpoint; returns (state, driver, inputs). sizes: {key: resolution} of
+        """Restores coverage and journal from a checkpoint; returns (state, driver, poses). sizes: {key: resolution} of
         the receivers that it may hold."""
         receiver_folder.remove_stray_files(self.folder)
-        sidecar, state = self._read_checkpoint(native, frame, sizes)
-        self.frames = sidecar["frames"]
-        return state, sidecar["driver"], sidecar["inputs"]
+        state, driver, lines = self._read_checkpoint(native, frame, sizes)
+        self.journal, self.last_frame = Journal(self.folder, lines.ends[-1]), frame
+        return state, driver, lines.poses
 
     def peek_checkpoint(self, native, frame, sizes):
         """The same without changing anything, for a receiver that another bake may be writing."""
-        sidecar, state = self._read_checkpoint(native, frame, sizes)
-        return state, sidecar["driver"], sidecar["inputs"]
+        state, driver, lines = self._read_checkpoint(native, frame, sizes)
+        return state, driver, lines.poses
 
     def _read_checkpoint(self, native, frame, sizes):
         sidecar = receiver_folder.read_sidecar(self.folder, frame)
+        lines = receiver_folder.lines_until(self.folder, frame, sidecar)
         try:
             self.covered = Coverage.unpack(self.resolution, sidecar["covered"])
             state = native.read_checkpoint(str(self.folder / state_file(frame)), sizes)
             state["objects"][self.key]  # raises if it is missing
-            return sidecar, state
+            return state, sidecar["driver"], lines
         except KeyError:
             raise CacheError(
                 f"{self.folder / state_file(frame)} belongs to another receiver: free the bake, then bake again"
@@ -241,16 +247,18 @@ class BakedReceiver:
         """Removes everything that was baked after a checkpoint, which read_checkpoint has read."""
         self.lock.check()
         self.write_manifest(shot, complete=False)
-        receiver_folder.remove_frames_after(self.folder, frame)
+        # Before the lines that they stand on.
         for later in receiver_folder.checkpoints(self.folder):
             if later > frame:
                 receiver_folder.remove_checkpoint(self.folder, later)
+        self.journal.cut()
+        receiver_folder.remove_frames_after(self.folder, frame)
 
-    def complete(self, shot, native, inputs):
-        """Finishes the receiver. inputs: the poses it was baked from. Nothing is written to it afterwards."""
+    def complete(self, shot, native):
+        """Finishes the receiver. Nothing is written to it afterwards."""
         try:
             with self._writing():
-                write_inputs(self.folder, inputs)
+                self.journal.flush()
                 self.covered.write(native, self.folder / EVER_COVERED)
                 self._remove_passed_checkpoints(shot, shot["frame_end"] + 1)
             with self._writing():

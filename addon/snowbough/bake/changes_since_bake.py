@@ -14,7 +14,7 @@ from ..base import session
 from ..base.names import unit_of, with_unit
 from ..cache.errors import CacheError
 from ..cache.files import MANIFEST
-from ..cache.manifest import read_inputs, read_manifest
+from ..cache.manifest import read_head, read_inputs
 from ..scene import inputs
 from ..scene.pose import metres_per_unit
 from ..scene.reader import SceneReader
@@ -31,7 +31,7 @@ def _manifest(folder):
         changed = path.stat().st_mtime_ns
         known = session.manifests.get(path)
         if known is None or known[0] != changed:
-            known = session.manifests[path] = (changed, read_manifest(path.parent))
+            known = session.manifests[path] = (changed, read_head(path.parent))
     except (OSError, CacheError):
         return None
     return known[1]

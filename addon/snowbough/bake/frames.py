@@ -6,6 +6,7 @@ import time
 from dataclasses import dataclass
 
 from ..cache.folder import checkpoints
+from ..cache.journal import packed
 from . import memory
 from .request import FrameResult
 from .snow_engine import driver_text, other_engine
@@ -19,7 +20,7 @@ class FrameWork:
     poses: list
     """(scene.tracker.Changes, direction of the fall, [plan.Step, ...]) of each pose."""
     inputs: list
-    """Fingerprints of the poses up to this frame (scene.inputs)."""
+    """Fingerprints of the poses since the frame before (scene.inputs)."""
     depth: float
     """Metres on open, level ground after the frame."""
     places: dict
@@ -63,14 +64,11 @@ class FrameBaker:
         self._log = log
         # Whether the simulation's state is that of the last reported frame.
         self._between_frames = True
-        self._places = {}
         # A file for tools/compare_hashes.py.
         self._hash_file = os.environ.get("SNOWBOUGH_PASS_HASHES")
         if self._hash_file:
             simulation.hash_passes(True)
             open(self._hash_file, "w", encoding="utf-8").close()
-        self.inputs = []
-        """Fingerprints of the poses up to the last frame (scene.inputs)."""
 
     def bake(self, work):
         """Simulates the steps of a FrameWork. The writer makes its maps and, at the interval, a checkpoint. Returns a
@@ -99,7 +97,6 @@ class FrameBaker:
         reading = -clock()
         volume, slid = self._take_snapshots(work)
         reading += clock()
-        self.inputs = work.inputs
         saving = clock()
         if request.is_checkpoint(frame):
             self._checkpoint(frame)
@@ -113,9 +110,9 @@ class FrameBaker:
         """Writes a checkpoint of the last complete frame. If the simulation failed within a frame, its state belongs to
         no frame, and the last regular checkpoint remains."""
         self._writer.flush()
-        done = self._receivers[0].frames
-        if self._between_frames and done and done[-1]["frame"] not in checkpoints(self._receivers[0].folder):
-            self._checkpoint(done[-1]["frame"])
+        done = self._receivers[0].last_frame
+        if self._between_frames and done is not None and done not in checkpoints(self._receivers[0].folder):
+            self._checkpoint(done)
             self._writer.flush()
 
     def _write_hashes(self, frame):
@@ -140,6 +137,7 @@ class FrameBaker:
         """Passes the snow of each receiver to the writer; returns the volumes of held and of slid snow in m3."""
         volume = slid = 0.0
         balance = self._simulation.statistics()["objects"]
+        poses = packed(work.inputs)
         for receiver in self._receivers:
             snapshot = self._simulation.snapshot(receiver.key, **self._request.maps)
             total = balance[receiver.key]["total"]
@@ -152,30 +150,23 @@ class FrameBaker:
                 "slid": own_slid,
                 "landed": float(total["landed_volume"]),
                 "direction": list(work.poses[-1][1]),
-                "to_world": self._place(receiver.key, work.places[receiver.key]),
+                "to_world": work.places[receiver.key].ravel().tolist(),
             }
             if receiver.key in work.hidden:
                 entry["hidden"] = True
             self._writer.call(
                 lambda output, receiver=receiver, entry=entry: receiver.write_maps(
-                    self._native, output, entry
+                    self._native, output, entry, poses
                 ),
                 snapshot.output,
                 memory.output_bytes(receiver.resolution, self._request.maps["normal"]),
             )
         return volume, slid
 
-    def _place(self, key, matrix):
-        """The matrix (4, 4) as a list: the same one while a receiver stands still, for memory."""
-        values = matrix.ravel().tolist()
-        if self._places.get(key) != values:
-            self._places[key] = values
-        return self._places[key]
-
     def _checkpoint(self, frame):
         """Reads the state back. The writer packs and writes it, after the maps before it."""
         state = self._native.simulation_state(self._simulation)
-        inputs, driver = self.inputs, driver_text(self._simulation.engine)
+        driver = driver_text(self._simulation.engine)
         beside = []
         if not self._request.is_checkpoint(frame):
             # The bakes of other receivers may have no checkpoint of this frame.
@@ -183,6 +174,6 @@ class FrameBaker:
         for receiver in self._receivers:
             self._writer.call(
                 lambda receiver=receiver: receiver.write_checkpoint(
-                    self._native, frame, self._settings, state, driver, inputs, beside
+                    self._native, frame, self._settings, state, driver, beside
                 )
             )

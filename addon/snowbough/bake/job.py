@@ -28,7 +28,8 @@ from ..cache import owner, versions
 from ..cache.errors import CacheError, CacheFinished
 from ..cache.files import MANIFEST, digest, make_folder
 from ..cache.folder import restore_manifest
-from ..cache.lock import drop_dead_lock, lock_folder
+from ..cache.lock import drop_dead_locks, lock_receivers
+from ..cache.migration import is_of_before, migrate
 from ..cache.versions import is_finished
 from ..scene.tracker import SceneTracker
 from ..surface.side_by_side import run_side_by_side
@@ -84,6 +85,8 @@ class BakeJob:
         self._simulation = None
         self._registry = None
         self._tracker = SceneTracker()
+        # Number of its poses that the journals have.
+        self._noted = 0
         # Positions for the next step of the simulation.
         self._positions = {}
         self._driver = ""
@@ -160,17 +163,17 @@ class BakeJob:
             except BakeCancelled:
                 # Make surfaces of the finished frames while the user waits; Update Surface makes the rest.
                 with contextlib.suppress(BakeCancelled):
-                    self._make_surfaces(settings, shaping, takes_longer_than(self.stopping_seconds))
+                    self._make_surfaces(shaping, takes_longer_than(self.stopping_seconds))
                 raise
             if request.last < request.frame_end:
                 baker.stop()
             writer.flush()
-            self._make_surfaces(settings, shaping, lambda share: cancelled())
+            self._make_surfaces(shaping, lambda share: cancelled())
             if request.last == request.frame_end:
                 for receiver in self.receivers:
-                    receiver.complete(settings, self.native, baker.inputs)
+                    receiver.complete(settings, self.native)
 
-    def _make_surfaces(self, settings, shaping, cancelled):
+    def _make_surfaces(self, shaping, cancelled):
         """Computes the surfaces after the last map, because the faces of snow depend on the whole shot.
         cancelled(0 to 1): whether to stop when this share is done."""
 
@@ -178,7 +181,7 @@ class BakeJob:
             shaping(share)
             return not cancelled(share)
 
-        jobs = [partial(receiver.make_surface, settings, self.native) for receiver in self.receivers]
+        jobs = [partial(receiver.make_surface, self.native) for receiver in self.receivers]
         if not run_side_by_side(jobs, progress):
             raise BakeCancelled
 
@@ -244,11 +247,19 @@ class BakeJob:
         for receiver in self.receivers:
             if receiver.key in finished:
                 receiver.compare_settings(settings, self.request.units)
-                drop_dead_lock(receiver.folder)
         damaged = resuming.find_damage([own for own in self.receivers if own.key in finished])
         self.receivers = [own for own in self.receivers if own.key not in finished or own.key in damaged]
+        old = [own for own in [*self.baked, *self.others] if self._may_resume() and is_of_before(own.folder)]
+        locked = {own.key for own in [*self.receivers, *old]}
+        if not locked:
+            drop_dead_locks(self.version)
+            return
+        lock = stack.enter_context(lock_receivers(self.version, sorted(locked)))
+        for receiver in old:
+            receiver.compare_settings(settings, self.request.units)
+            migrate(receiver.folder)
         for receiver in self.receivers:
-            receiver.lock = stack.enter_context(lock_folder(receiver.folder))
+            receiver.lock = lock
             if self._may_resume() and restore_manifest(receiver.folder):
                 self.repaired.append(
                     f"{receiver.folder / MANIFEST} was damaged and is restored from a checkpoint"
@@ -279,6 +290,7 @@ class BakeJob:
         state, before = resuming.read_checkpoints(self.native, self.receivers, self._beside(), frame, driver)
         run.log(f"comparing frames {request.frame_start} to {frame} with the checkpoint")
         added, moved = self._replay_frames(run, frame)
+        self._new_poses()
         self._registry.register_changes(added)
         self._positions.update(moved)
         recorded = {**resuming.finished_inputs(self.baked, self.receivers), **before}
@@ -426,11 +438,17 @@ class BakeJob:
         return FrameWork(
             frame,
             poses,
-            [list(entry) for entry in self._tracker.inputs.poses],
+            self._new_poses(),
             run.snowfall.totals[frame - self.request.frame_start],
             {receiver.key: pose.known_at(receiver.key).to_world for receiver in self.receivers},
             frozenset(pose.hidden),
         )
+
+    def _new_poses(self):
+        """The fingerprints of the poses since the last call."""
+        poses = self._tracker.inputs.poses
+        begin, self._noted = self._noted, len(poses)
+        return poses[begin:]
 
     def _close_simulation(self):
         if self._simulation is not None:

@@ -9,7 +9,7 @@ from ..base import session
 from ..base.names import counted
 from ..cache.errors import CacheError
 from ..cache.folder import baked_frames
-from ..cache.manifest import read_manifest
+from ..cache.manifest import read_head
 from ..result import displacement
 from ..result.snow_surface import blend_path
 from ..scene.libraries import library_name
@@ -93,7 +93,7 @@ def _forget_outcome(*_):
 def _baked_name(entry):
     """The name of a receiver at its bake, for files of older versions that did not store it."""
     try:
-        manifest = read_manifest(Path(bpy.path.abspath(entry.folder)))
+        manifest = read_head(Path(bpy.path.abspath(entry.folder)))
     except CacheError:
         manifest = None
     if manifest is None:

@@ -7,7 +7,7 @@ from ..base import session
 from ..cache import versions
 from ..cache.errors import CacheError
 from ..cache.files import folders_in
-from ..cache.manifest import read_manifest
+from ..cache.manifest import read_head
 from .cache_place import existing_cache
 
 # Seconds between looks into the cache, which read a few files; panels redraw with every movement of the mouse.
@@ -43,7 +43,7 @@ def _has_unfinished(root):
     folder = versions.version_folder(root, numbers[-1])
     for child in map(folder.joinpath, folders_in(folder)):
         try:
-            manifest = read_manifest(child)
+            manifest = read_head(child)
         except CacheError:  # resuming restores it
             return True
         if manifest is not None and not manifest["complete"]:

@@ -6,11 +6,11 @@
     <cache>/<scene>-<id>/v001/<safe object name>-<id>/height_0001.exr   metres
                                                       normal_0001.exr   and other maps on request (map_kinds)
                                                       ever_covered.exr  1 where snow lay in any frame
-                                                      inputs.json       fingerprints of the baked scene
+                                                      frames.tsv        a line for each frame (journal)
                                                       object.json       the manifest (read_manifest)
                                                       state_0010        checkpoint: the simulation's own file
-                                                      state_0010.json   other data of the checkpoint: inputs, coverage
-                                                      lock              while a bake writes here
+                                                      state_0010.json   other data of the checkpoint: coverage
+    <cache>/<scene>-<id>/v001/lock-0123abcd                             while a bake writes there (lock)
     <cache>/<scene>-<id>/owner.json                                     the .blend that bakes here (owner)
     <cache>/<scene>-<id>/logs/                                          times and the engine, one file per bake
 
@@ -19,8 +19,8 @@ lists the files of its bake (files.bake_files); only listed files are ever remov
 
 Each receiver has its own folder in a version, so several machines can fill one version without a shared file. A
 finished receiver is never written again; the next bake uses the next version. Every file is written under a temporary
-name and renamed. ``state_NNNN`` is written last, and a checkpoint is valid only with it. The manifest contains no
-times, so equal bakes give equal bytes.
+name and renamed, except that lines are appended to ``frames.tsv``. ``state_NNNN`` is written last, and a checkpoint is
+valid only with it. The manifest and the lines contain no times, so equal bakes give equal bytes.
 
 A checkpoint that a stop left between the regular ones is removed when the resumed bake has passed it, so the folder
 ends as if the bake had never stopped.

@@ -2,6 +2,7 @@
 """Names of a bake's files, and writing of small files as a whole or not at all. No ``bpy``."""
 
 import contextlib
+import errno
 import hashlib
 import io
 import json
@@ -19,6 +20,7 @@ MANIFEST = "object.json"
 LOCK = "lock"
 EVER_COVERED = "ever_covered.exr"
 INPUTS = "inputs.json"
+FRAMES = "frames.tsv"
 OWNER = "owner.json"
 RECEIVER = "receiver.ply"
 POSITIONS = "positions.pc2"
@@ -32,7 +34,7 @@ PROBE = ".probe-"
 # Files of a bake in a receiver's folder: those that exist once, and those of each frame, with the number of the frame.
 # The manifest lists them (bake_files); files that it does not list are never removed.
 ONCE = (
-    MANIFEST, INPUTS, EVER_COVERED, RECEIVER, POSITIONS, SURFACE_FACES, SURFACE_POINTS, SURFACE,
+    MANIFEST, FRAMES, INPUTS, EVER_COVERED, RECEIVER, POSITIONS, SURFACE_FACES, SURFACE_POINTS, SURFACE,
 )  # fmt: skip
 EACH_FRAME = (*(f"{kind.name}_{{:04d}}.exr" for kind in MAP_KINDS), "state_{:04d}", "state_{:04d}.json")
 
@@ -42,14 +44,15 @@ REMOVED_MANIFEST = f"{MANIFEST}.removed"
 # Folder in which Cycles stores its copies of images, beside the images (Blender 5.2).
 TEXTURE_CACHE = "blender_tx"
 
+LOCK_PATTERN = re.compile(r"lock-[0-9a-f]{8}$")
 VERSION_PATTERN = re.compile(r"v(\d{3,})$")
-STATE_PATTERN = re.compile(r"state_(\d{4,})$")
+STATE_PATTERN = re.compile(r"state_(\d{4,7})$")
 _KINDS = "|".join(BY_NAME)
-FRAME_PATTERN = re.compile(rf"(?:{_KINDS})_(\d{{4,}})\.exr$")
+FRAME_PATTERN = re.compile(rf"(?:{_KINDS})_(\d{{4,7}})\.exr$")
 LOG_PATTERN = re.compile(r"\d{8}T\d{6}-[A-Za-z0-9._-]+-\d+\.log$")
 # Temporary names, as made by write_bytes and by the native module.
 _TEMPORARY = re.compile(r"(.+?)(?:\.\d+\.\d+|\.[0-9a-f]{8})?\.tmp$")
-_TEXTURE = re.compile(rf"((?:{_KINDS})_\d{{4,}}|ever_covered)(?![A-Za-z0-9]).*\.tx$")
+_TEXTURE = re.compile(rf"((?:{_KINDS})_\d{{4,7}}|ever_covered)(?![A-Za-z0-9]).*\.tx$")
 
 
 def frame_file(kind, frame):
@@ -68,12 +71,16 @@ def bake_files(first, last):
 
 def is_bake_file(name):
     """Whether bake_files could give the name."""
-    number = re.search(r"_(\d{4,})", name)
+    number = number_in(name, None)
     return (
-        name in ONCE
-        or bool(number)
-        and any(name == pattern.format(int(number.group(1))) for pattern in EACH_FRAME)
+        name in ONCE or number is not None and any(name == pattern.format(number) for pattern in EACH_FRAME)
     )
+
+
+def number_in(name, otherwise):
+    """The frame in the name of a file of each frame, else `otherwise`."""
+    number = re.search(r"_(\d{4,7})(?!\d)", name)
+    return int(number.group(1)) if number else otherwise
 
 
 def finished_name(name):
@@ -96,6 +103,15 @@ def is_regular(path):
         return False
 
 
+def open_regular(path):
+    """Opens a file for reading, as bytes. A pipe or a device with its name is an OSError and does not wait."""
+    descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0))
+    if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+        os.close(descriptor)
+        raise OSError(errno.EINVAL, "it is not a file", str(path))
+    return os.fdopen(descriptor, "rb")
+
+
 def folders_in(path):
     """Sorted names of the folders in a folder, without links; empty if the folder does not exist."""
     try:
@@ -103,6 +119,15 @@ def folders_in(path):
             return sorted(entry.name for entry in entries if entry.is_dir(follow_symlinks=False))
     except OSError:
         return []
+
+
+def replace(temporary, path):
+    """Renames a finished temporary file. A device or a pipe, also behind a link, is an OSError and stays."""
+    with contextlib.suppress(FileNotFoundError):
+        mode = os.stat(path).st_mode
+        if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):  # the system refuses folders itself
+            raise OSError(errno.EINVAL, "a device or a pipe has this name", str(path))
+    os.replace(temporary, path)
 
 
 def write_bytes(path, data):
@@ -113,7 +138,7 @@ def write_bytes(path, data):
             stream.write(data)
             stream.flush()
             os.fsync(stream.fileno())
-        os.replace(temporary, path)
+        replace(temporary, path)
     except OSError as error:
         with contextlib.suppress(OSError):
             temporary.unlink()

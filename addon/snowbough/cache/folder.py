@@ -9,6 +9,7 @@ from pathlib import Path
 from .errors import CacheError, NoCheckpoint, failed
 from .files import (
     FRAME_PATTERN,
+    FRAMES,
     LOCK,
     MANIFEST,
     PROBE,
@@ -22,8 +23,10 @@ from .files import (
     state_file,
     texture_source,
 )
-from .manifest import FRAMES, POSES, listing, read_any_manifest, read_manifest, write_manifest
-from .sealed import FORMAT, read_sealed, text, write_sealed
+from .journal import Place, read_lines
+from .manifest import listing, read_any_head, read_head, write_manifest
+from .sealed import read_sealed, write_sealed
+from .shapes import SIDECARS
 
 
 def checkpoints(folder):
@@ -36,11 +39,10 @@ def checkpoints(folder):
 
 
 def read_sidecar(folder, frame):
-    """Reads the file of write_sidecar. Raises NoCheckpoint if it is missing, CacheError if it is damaged."""
-    shape = {"covered": text, "driver": text, "frames": FRAMES, "inputs": POSES}
+    """Reads the file of write_sidecar, or of an earlier format. Raises NoCheckpoint if it is missing, CacheError if it
+    is damaged."""
     remedy = "Delete it to resume from the checkpoint before it, or free the bake and bake again"
-    shapes = {0: shape, FORMAT: shape}
-    sidecar = read_sealed(Path(folder) / f"{state_file(frame)}.json", remedy, shapes.get)
+    sidecar = read_sealed(Path(folder) / f"{state_file(frame)}.json", remedy, SIDECARS.get)
     if sidecar is None:
         raise NoCheckpoint(f"{Path(folder) / state_file(frame)} has no {state_file(frame)}.json beside it")
     return sidecar
@@ -51,24 +53,36 @@ def write_sidecar(folder, frame, sidecar):
     write_sealed(Path(folder) / f"{state_file(frame)}.json", sidecar)
 
 
+def lines_until(folder, frame, sidecar):
+    """The journal's Lines, with their poses, up to the checkpoint of a frame. Raises CacheError if they are damaged."""
+    if "end" not in sidecar:
+        raise CacheError(
+            f"{Path(folder) / state_file(frame)} is from an earlier version of Snowbough: bake again"
+        )
+    end = Place(**sidecar["end"])
+    lines = read_lines(folder, with_poses=True, until=end)
+    if not lines.ends or lines.ends[-1] != end or lines.next_frame != frame + 1:
+        raise CacheError(
+            f"{Path(folder) / FRAMES} is missing or damaged before the checkpoint of frame {frame}: delete "
+            f"{Path(folder) / state_file(frame)} to resume from the one before it, or free the bake and bake again"
+        )
+    return lines
+
+
 def restore_manifest(folder):
-    """Replaces a damaged manifest by that of the newest checkpoint, of an unfinished bake. Returns whether it was
-    damaged. Raises CacheError if no checkpoint has one."""
+    """Replaces a damaged manifest by the description in the journal, of an unfinished bake, if there is a checkpoint to
+    resume from. Returns whether it was damaged. Raises CacheError otherwise."""
     try:
-        read_manifest(folder)
+        read_head(folder)
         return False
     except CacheError:
         for frame in reversed(checkpoints(folder)):
             with contextlib.suppress(CacheError):
-                sidecar = read_sidecar(folder, frame)
-                if "manifest" in sidecar:
-                    known = sidecar["manifest"]
-                    shot = known["settings"]["snowfall"]
-                    listed = bake_files(shot["frame_start"], shot["frame_end"])
-                    write_manifest(
-                        folder, {**known, "files": listed, "complete": False, "frames": sidecar["frames"]}
-                    )
-                    return True
+                header = lines_until(folder, frame, read_sidecar(folder, frame)).header
+                shot = header["settings"]["snowfall"]
+                listed = bake_files(shot["frame_start"], shot["frame_end"])
+                write_manifest(folder, {**header, "files": listed, "complete": False})
+                return True
         raise
 
 
@@ -103,22 +117,21 @@ def listed_files(folder):
     """Paths of the files in a receiver's folder that its manifest lists, the manifest last, including temporary files
     of a killed bake and Cycles' copies of images, but no links. Empty without a manifest."""
     folder = Path(folder)
-    manifest = read_any_manifest(folder)
+    manifest = read_any_head(folder)
     if manifest is None:
         return []
-    listed = listing(manifest)
+    is_listed = listing(manifest)
     names = sorted(os.listdir(folder), key=lambda name: (name in (MANIFEST, REMOVED_MANIFEST), name))
-    own = [folder / name for name in names if finished_name(name) in listed or name == REMOVED_MANIFEST]
+    own = [folder / name for name in names if is_listed(finished_name(name)) or name == REMOVED_MANIFEST]
     textures = folder / TEXTURE_CACHE
     if textures.is_dir() and not textures.is_symlink():
-        own = [
-            textures / name for name in sorted(os.listdir(textures)) if texture_source(name) in listed
-        ] + own
+        names = sorted(os.listdir(textures))
+        own = [textures / name for name in names if is_listed(texture_source(name) or "")] + own
     return [path for path in own if is_regular(path)]
 
 
 def clear(folder):
-    """Removes listed_files(), and the folder if it is empty then. Returns the number of removed files."""
+    """Removes listed_files(). Returns their number."""
     folder = Path(folder)
     listed = listed_files(folder)
     try:
@@ -130,9 +143,8 @@ def clear(folder):
             path.unlink(missing_ok=True)
     except OSError as error:
         raise failed(error.filename, "removed", error) from error
-    for emptied in (folder / TEXTURE_CACHE, folder):
-        with contextlib.suppress(OSError):
-            emptied.rmdir()
+    with contextlib.suppress(OSError):
+        (folder / TEXTURE_CACHE).rmdir()
     return len(listed)
 
 
@@ -161,5 +173,5 @@ def baked_frames(folder):
     """Frames that have a height map, ascending."""
     if not Path(folder).is_dir():
         return []
-    matches = (re.match(r"height_(\d{4,})\.exr$", name) for name in os.listdir(folder))
+    matches = (re.match(r"height_(\d{4,7})\.exr$", name) for name in os.listdir(folder))
     return sorted(int(match.group(1)) for match in matches if match)

@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finds files of a bake that are missing or have changed on disk. No ``bpy``.
 
-JSON files and checkpoints have checksums of their own. Those of all other files are dicts ``{name: digest}``: of a
-frame's maps in the frame's entry of the manifest, of the files that exist once in the finished manifest, and of a snow
-surface in ``surface.json``.
+JSON files, the journal and checkpoints have checksums of their own. Those of all other files are dicts
+``{name: digest}``: of a frame's maps in the frame's line of the journal, of the files that exist once in the finished
+manifest, and of a snow surface in ``surface.json``.
 """
 
 from pathlib import Path
 
-from .files import file_digest, frame_file
+from .files import FRAMES, file_digest, frame_file
+from .folder import checkpoints
+from .journal import read_lines
+from .manifest import is_whole
 
 
 def checksums_of(folder, names):
@@ -29,12 +32,24 @@ def damaged(folder, checksums):
 
 def first_damage(folder, manifest):
     """(frame, name of the file) of the first damage in a receiver's folder, or None. To repair it, bake again from that
-    frame on."""
-    for entry in manifest["frames"]:
+    frame on. manifest: from read_head."""
+    shot = manifest["settings"]["snowfall"]
+    frames, lost = manifest.get("frames"), None
+    if frames is None:
+        lines = read_lines(folder)
+        frames = lines.entries
+        if not is_whole(manifest, lines) or any(
+            frame >= (lines.next_frame or 0) for frame in checkpoints(folder)
+        ):
+            # Without its first line, no frame is known.
+            lost = shot["frame_start"] if lines.header is None else min(lines.next_frame, shot["frame_end"])
+    for entry in frames:
         frame = entry["frame"]
         # Bakes of earlier versions have no checksums.
         name = damaged(folder, entry.get("checksums") or {frame_file("height", frame): ""})
         if name is not None:
             return frame, name
+    if lost is not None:
+        return lost, FRAMES
     name = damaged(folder, manifest.get("checksums", {}))
-    return None if name is None else (manifest["settings"]["snowfall"]["frame_end"], name)
+    return None if name is None else (shot["frame_end"], name)

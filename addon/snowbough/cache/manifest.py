@@ -8,56 +8,62 @@ import numpy as np
 
 from ..base.map_kinds import ON_REQUEST
 from ..base.names import with_unit
-from .files import INPUTS, MANIFEST, REMOVED_MANIFEST, bake_files, digest, is_bake_file
-from .sealed import FORMAT, dict_of, either, flag, nothing, number, read_sealed, text, whole, write_sealed
+from .errors import CacheError
+from .files import FRAMES, INPUTS, MANIFEST, REMOVED_MANIFEST, digest, is_bake_file, number_in
+from .journal import read_lines
+from .sealed import read_sealed, write_sealed
+from .shapes import MANIFESTS, POSES
 
-# Required content of manifests of all formats.
-_FRAME = {"frame": whole, "depth": number}
-_SHAPE = {
-    "object": text,
-    "label": text,
-    "library": text,
-    "complete": flag,
-    "hash": text,
-    "settings": {
-        "shot": text,
-        "snowfall": {
-            "frame_start": whole,
-            "frame_end": whole,
-            "flutter": number,
-            "pixel_size": number,
-            "totals": [number],
-        },
-        "receiver": {"resolution": whole, "uv_map": text},
-    },
-    "frames": [_FRAME],
-}
-_SHAPES = {1: _SHAPE, 2: _SHAPE, 3: {**_SHAPE, "cache": text, "files": [text]}}
-
-# Fingerprints of poses as scene.inputs has them: [[pose, {label: prints or None}], ...].
-POSES = [(text, dict_of(either([text], nothing)))]
-FRAMES = [_FRAME]
+# The last format whose manifests contain the frames.
+LAST_WITH_FRAMES = 3
 
 
-def read_manifest(folder, name=MANIFEST):
-    """object.json of a receiver's folder as a dict, or None if it does not exist.
-
-    Keys: ``format``, ``object``, ``library``, ``complete`` (all frames of the shot exist), ``hash`` (of settings),
-    ``settings`` (dict: lengths in metres, angles in radians), ``frames`` (list of dicts with ``frame`` and its
-    statistics, and ``checksums`` of its maps), ``cache`` (identity of the .blend's cache, empty if the file was never
-    saved), ``files`` (names of all files of the bake), ``checksums`` (of files that exist once, in finished bakes).
-    Earlier formats are converted, but lack the last three. Raises CacheError if it is damaged.
-    """
+def read_head(folder, name=MANIFEST):
+    """read_manifest without the frames, which takes the same time for any number of frames. Bakes of formats before 4
+    have them nevertheless."""
     remedy = (
         "Resume the bake to restore it from a checkpoint. If there is none, bake again, which makes a new version, and "
         f"delete the folder {folder}"
     )
-    manifest = read_sealed(Path(folder) / name, remedy, _SHAPES.get)
+    manifest = read_sealed(Path(folder) / name, remedy, MANIFESTS.get)
     if manifest is None:
         return None
     if manifest["format"] == 1:
         manifest = _from_format_1(manifest)
-    return {**manifest, "settings": _with_switches(manifest["settings"]), "format": FORMAT}
+    return {**manifest, "settings": _with_switches(manifest["settings"])}
+
+
+def read_manifest(folder, name=MANIFEST):
+    """object.json of a receiver's folder as a dict with the frames of the journal, or None if it does not exist.
+
+    Keys: ``object``, ``library``, ``complete`` (all frames of the shot exist), ``hash`` (of settings), ``settings``
+    (dict: lengths in metres, angles in radians), ``frames`` (list of dicts with ``frame`` and its statistics, and
+    ``checksums`` of its maps), ``cache`` (identity of the .blend's cache, empty if the file was never saved), ``files``
+    (names of all files of the bake), ``checksums`` (of files that exist once, in finished bakes), ``format``. Earlier
+    formats lack ``cache``, ``files`` and both ``checksums``. Raises CacheError if it is damaged.
+    """
+    manifest = read_head(folder, name)
+    if manifest is None or "frames" in manifest:
+        return manifest
+    lines = read_lines(folder)
+    if not is_whole(manifest, lines):
+        raise _damaged(folder, lines)
+    return {**manifest, "frames": lines.entries}
+
+
+def _damaged(folder, lines):
+    place = "" if lines.next_frame is None else f" from frame {lines.next_frame} on"
+    return CacheError(
+        f"{Path(folder) / FRAMES} is missing or damaged{place}. Resume the bake, which repairs it from a checkpoint"
+    )
+
+
+def is_whole(manifest, lines):
+    """Whether the journal's Lines are all that a manifest needs: a finished one has their end. In an unfinished bake,
+    lines may be missing at the end."""
+    return not manifest["complete"] or (
+        bool(lines.ends) and not lines.rest and lines.ends[-1].as_dict() == manifest.get("end")
+    )
 
 
 def _with_switches(settings):
@@ -76,33 +82,44 @@ def _from_format_1(manifest):
     return {**manifest, "settings": settings, "hash": digest(settings)}
 
 
-def read_any_manifest(folder):
-    """read_manifest, or the manifest of an interrupted removal."""
-    manifest = read_manifest(folder)
-    return read_manifest(folder, REMOVED_MANIFEST) if manifest is None else manifest
+def read_any_head(folder):
+    """read_head, or that of an interrupted removal."""
+    manifest = read_head(folder)
+    return read_head(folder, REMOVED_MANIFEST) if manifest is None else manifest
 
 
 def listing(manifest):
-    """The set of file names that a manifest lists, without names that no bake writes."""
+    """A test whether a manifest lists a file's name. It never lists names that no bake writes."""
     listed = manifest.get("files")
-    if listed is None:  # an earlier format
-        shot = manifest["settings"]["snowfall"]
-        listed = bake_files(shot["frame_start"], shot["frame_end"])
-    return {name for name in listed if is_bake_file(name)}
+    if listed is not None:
+        listed = set(listed)
+        return lambda name: name in listed and is_bake_file(name)
+    shot = manifest["settings"]["snowfall"]  # an earlier format
+    return lambda name: (
+        is_bake_file(name)
+        and shot["frame_start"] <= number_in(name, shot["frame_start"]) <= shot["frame_end"]
+    )
 
 
 def write_manifest(folder, manifest):
-    write_sealed(Path(folder) / MANIFEST, manifest)
-
-
-def write_inputs(folder, poses):
-    """Writes the fingerprints of all poses of a finished bake (scene.inputs), to find changes later."""
-    write_sealed(Path(folder) / INPUTS, {"poses": poses})
+    write_sealed(Path(folder) / MANIFEST, {name: manifest[name] for name in manifest if name != "frames"})
 
 
 def read_inputs(folder):
-    """Reads the file of write_inputs; None if it does not exist. Raises CacheError if it is damaged."""
-    shapes = {0: POSES, FORMAT: {"poses": POSES}}
+    """The fingerprints of all poses of a finished bake (scene.inputs); None if it has none. Raises CacheError if they
+    are damaged."""
+    manifest = read_head(folder)
+    if manifest is None or manifest["format"] <= LAST_WITH_FRAMES:
+        return read_old_inputs(folder)
+    lines = read_lines(folder, with_poses=True)
+    if not is_whole(manifest, lines):
+        raise _damaged(folder, lines)
+    return lines.poses
+
+
+def read_old_inputs(folder):
+    """The fingerprints in ``inputs.json``, of a bake of an earlier format; None if it does not exist."""
+    shapes = {0: POSES, 3: {"poses": POSES}}
     inputs = read_sealed(Path(folder) / INPUTS, "Free the bake, then bake again", shapes.get)
     return inputs["poses"] if isinstance(inputs, dict) else inputs
 

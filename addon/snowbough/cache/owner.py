@@ -12,7 +12,8 @@ from pathlib import Path
 
 from .errors import CacheBusy
 from .files import OWNER, digest
-from .sealed import FORMAT, read_sealed, text, write_sealed
+from .sealed import FORMAT, read_sealed, write_sealed
+from .shapes import text
 
 
 def _named(blend, root):
@@ -25,9 +26,11 @@ def _named(blend, root):
 
 def _recorded(root):
     """The entry that claim() wrote, or None."""
-    shapes = {FORMAT: {"blend": text, "host": text}}
+    shape = {"blend": text, "host": text}
     recorded = read_sealed(
-        Path(root) / OWNER, "Delete it, then open the .blend that baked there first", shapes.get
+        Path(root) / OWNER,
+        "Delete it, then open the .blend that baked there first",
+        {3: shape, FORMAT: shape}.get,
     )
     return None if recorded is None else {name: recorded[name] for name in ("blend", "host")}
 

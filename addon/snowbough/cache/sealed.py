@@ -7,15 +7,17 @@ formats had no checksum.
 
 import hashlib
 import json
-import math
+import os
 import re
 from pathlib import Path
 
 from .errors import CacheError
-from .files import to_json, write_bytes
+from .files import open_regular, to_json, write_bytes
+from .shapes import fits, whole
 
-# 1: flutter in degrees. 2: all angles in radians. 3: with checksums, the cache's identity and a list of files.
-FORMAT = 3
+# 1: flutter in degrees. 2: all angles in radians. 3: with checksums, the cache's identity and a list of files. 4: the
+# frames and fingerprints are in frames.tsv (journal).
+FORMAT = 4
 SEALED_SINCE = 3
 
 # Larger than the poses of a long shot with thousands of objects.
@@ -23,46 +25,6 @@ MAX_BYTES = 1 << 29
 
 _SEAL = re.compile(rb',\n "checksum": "([0-9a-f]{32})"\n\}\n\Z')
 _END = b"\n}\n"
-
-
-def text(value):
-    return isinstance(value, str)
-
-
-def flag(value):
-    return isinstance(value, bool)
-
-
-def whole(value):
-    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < 1 << 31
-
-
-def number(value):
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-
-
-def either(*shapes):
-    return lambda value: any(fits(value, shape) for shape in shapes)
-
-
-def dict_of(shape):
-    return lambda value: isinstance(value, dict) and all(fits(own, shape) for own in value.values())
-
-
-def nothing(value):
-    return value is None
-
-
-def fits(value, shape):
-    """Whether a value has a shape: a test; {key: shape} of required keys; [shape of all entries]; or (shapes of the
-    entries, in order)."""
-    if isinstance(shape, dict):
-        return isinstance(value, dict) and all(key in value and fits(value[key], shape[key]) for key in shape)
-    if isinstance(shape, list):
-        return isinstance(value, list) and all(fits(entry, shape[0]) for entry in value)
-    if isinstance(shape, tuple):
-        return isinstance(value, list) and len(value) == len(shape) and all(map(fits, value, shape))
-    return shape(value)
 
 
 def _checksum(body):
@@ -83,9 +45,10 @@ def read_sealed(path, remedy, shape_of):
     """
     path = Path(path)
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise ValueError(f"it is larger than {MAX_BYTES >> 20} MiB")
-        raw = path.read_bytes()
+        with open_regular(path) as stream:
+            if os.fstat(stream.fileno()).st_size > MAX_BYTES:
+                raise ValueError(f"it is larger than {MAX_BYTES >> 20} MiB")
+            raw = stream.read()
         seal = _SEAL.search(raw[-80:])
         if seal and seal.group(1) != _checksum(raw[: -len(seal.group(0))] + _END):
             raise ValueError("its checksum does not match its content")

@@ -9,8 +9,8 @@ from ..base.names import folder_name, safe_name, tagged_name
 from . import folder as receiver_folder
 from .errors import CacheError
 from .files import LOG_PATTERN, LOGS, OWNER, VERSION_PATTERN, folders_in, is_regular
-from .lock import lock_folder
-from .manifest import read_any_manifest, read_manifest
+from .lock import lock_receivers
+from .manifest import read_any_head, read_head
 
 
 def scene_folder(cache, scene_name, identity=""):
@@ -36,14 +36,14 @@ def version_folder(root, number):
 
 
 def _manifests(folder):
-    found = {name: read_manifest(folder / name) for name in folders_in(folder)}
+    found = {name: read_head(folder / name) for name in folders_in(folder)}
     return {name: manifest for name, manifest in found.items() if manifest is not None}
 
 
 def is_finished(folder):
     """Whether a receiver's folder has a finished bake; a damaged manifest does not tell."""
     try:
-        return bool((read_manifest(folder) or {}).get("complete"))
+        return bool((read_head(folder) or {}).get("complete"))
     except CacheError:
         return False
 
@@ -128,7 +128,7 @@ def find_bakes(root, identities=("",), shown=None, keys=None):
             if keys is not None and name not in keys:
                 continue
             try:
-                manifest = read_any_manifest(folder / name)
+                manifest = read_any_head(folder / name)
             except CacheError as error:
                 found.skipped.append(str(error))
                 continue
@@ -149,9 +149,11 @@ def free(found):
     """Removes the result of find_bakes(), and all folders that are empty then. Returns the number of files. Raises
     CacheBusy if one of them is being baked."""
     removed = 0
-    for folder in found.folders:
-        with lock_folder(folder):
-            removed += receiver_folder.clear(folder)
+    for version in sorted({folder.parent for folder in found.folders}):
+        own = [folder for folder in found.folders if folder.parent == version]
+        with lock_receivers(version, [folder.name for folder in own]):
+            for folder in own:
+                removed += receiver_folder.clear(folder)
     for path in found.logs:
         path.unlink(missing_ok=True)
         removed += 1

@@ -14,7 +14,7 @@ from pathlib import Path
 import bpy
 
 from ..base.map_kinds import BY_NAME
-from ..cache.manifest import read_manifest
+from ..cache.manifest import read_head
 from ..scene.libraries import stored_name
 
 HEADER_BYTES = 4096
@@ -99,18 +99,18 @@ def load_sequence(folder, kind):
 
 def baked_uv_map(folder):
     """The UV map of the maps in `folder`; empty if unknown."""
-    manifest = read_manifest(Path(bpy.path.abspath(folder))) if folder else None
+    manifest = read_head(Path(bpy.path.abspath(folder))) if folder else None
     return manifest["settings"]["receiver"]["uv_map"] if manifest else ""
 
 
 def folders_of_members(folder, instancer):
     """{(object, library): folder} of all objects that the empty `instancer` instances. folder: the folder of any of
     them. Its manifest contains the empty's name at the time of the bake, and the other folders are beside it."""
-    one, found = read_manifest(Path(bpy.path.abspath(folder))) if folder else None, {}
+    one, found = read_head(Path(bpy.path.abspath(folder))) if folder else None, {}
     if one is not None:
         instancer = one["label"].removesuffix(f" / {one['object']}")
     for beside in sorted(Path(bpy.path.abspath(folder)).parent.iterdir()) if folder else ():
-        manifest = read_manifest(beside) if beside.is_dir() else None
+        manifest = read_head(beside) if beside.is_dir() else None
         if manifest and manifest["label"].startswith(f"{instancer} / "):
             found[manifest["object"], stored_name(manifest["library"])] = str(beside)
     return found

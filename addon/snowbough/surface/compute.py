@@ -16,7 +16,8 @@ from ..cache import integrity
 from ..cache.errors import CacheError
 from ..cache.files import POSITIONS, RECEIVER, SURFACE, SURFACE_FACES, SURFACE_POINTS, frame_file
 from ..cache.manifest import read_manifest
-from ..cache.sealed import FORMAT, dict_of, read_sealed, whole, write_sealed
+from ..cache.sealed import FORMAT, read_sealed, write_sealed
+from ..cache.shapes import Maybe, checksums, dict_of, either, flag, frame, number, text, whole
 from .mesh_file import FileMesh, read_mesh, write_mesh
 from .point_cache import PointCacheWriter, read_point_cache
 from .style import WantedPoints
@@ -33,7 +34,14 @@ SAME_SCALE = 1e-4
 # Hems that are coarser than the detail asks for by more than this factor are worth a word.
 COARSENED = 1.25
 
-_SHAPE = {"style": dict_of(lambda value: True), "first": whole, "frames": whole, "points": whole}
+_SHAPE = {
+    "style": dict_of(either(number, text, flag)),
+    "first": frame,
+    "frames": frame,
+    "points": whole,
+    "coarsened": Maybe(flag),
+    "checksums": Maybe(checksums(SURFACE_FACES, SURFACE_POINTS)),
+}
 
 
 class NoSurface(ValueError):
@@ -258,5 +266,4 @@ def damaged(folder):
 def read_summary(folder):
     """{style, first, frames, points, coarsened} of the surface in a folder, or None. Raises CacheError for a damaged
     file."""
-    shapes = {FORMAT: _SHAPE}
-    return read_sealed(Path(folder) / SURFACE, "Use Update Surface", shapes.get)
+    return read_sealed(Path(folder) / SURFACE, "Use Update Surface", {3: _SHAPE, FORMAT: _SHAPE}.get)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..cache.errors import CacheError
-from ..cache.files import write_bytes
+from ..cache.files import open_regular, write_bytes
 
 
 @dataclass
@@ -83,7 +83,8 @@ def read_mesh(path):
     """The FileMesh that write_mesh wrote. Raises CacheError for a missing or damaged file."""
     path = Path(path)
     try:
-        raw = path.read_bytes()
+        with open_regular(path) as stream:
+            raw = stream.read()
         end = raw.index(b"end_header\n") + len(b"end_header\n")
         header = raw[:end].decode("ascii")
         quads, points, faces = (

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from ..cache.errors import CacheError, failed
-from ..cache.files import TEMPORARY_SUFFIX
+from ..cache.files import TEMPORARY_SUFFIX, open_regular, replace
 
 _HEADER = struct.Struct("<12siiffi")
 _MAGIC = b"POINTCACHE2\0"
@@ -31,10 +31,7 @@ class PointCacheWriter:
         self._temporary = Path(f"{path}.{uuid.uuid4().hex[:8]}{TEMPORARY_SUFFIX}")
         self._points = points
         self.samples = 0
-        self._stream = None
-        with self._naming_errors():
-            self._stream = open(self._temporary, "wb")
-        self._write(_HEADER.pack(_MAGIC, 1, points, 0.0, 1.0, 0))
+        self._write(_HEADER.pack(_MAGIC, 1, points, 0.0, 1.0, 0), "xb")
 
     def __enter__(self):
         return self
@@ -52,24 +49,21 @@ class PointCacheWriter:
     def publish(self):
         """Completes the file and moves it to its path."""
         with self._naming_errors():
-            self._stream.seek(0)
-            self._stream.write(_HEADER.pack(_MAGIC, 1, self._points, 0.0, 1.0, self.samples))
-            self._stream.flush()
-            os.fsync(self._stream.fileno())
-            self._stream.close()
-            os.replace(self._temporary, self._path)
+            with open(self._temporary, "r+b") as stream:
+                stream.write(_HEADER.pack(_MAGIC, 1, self._points, 0.0, 1.0, self.samples))
+                stream.flush()
+                os.fsync(stream.fileno())
+            replace(self._temporary, self._path)
 
     def close(self):
-        """Closes the file and removes it if it was not published. Does not raise OSError: it also runs after errors."""
-        with contextlib.suppress(OSError):
-            if self._stream is not None:
-                self._stream.close()
+        """Removes the file if it was not published. Does not raise OSError: it also runs after errors."""
         with contextlib.suppress(OSError):
             self._temporary.unlink()
 
-    def _write(self, data):
-        with self._naming_errors():
-            self._stream.write(data)
+    def _write(self, data, mode="ab"):
+        # The file is open only here, since a bake writes those of thousands of receivers together.
+        with self._naming_errors(), open(self._temporary, mode) as stream:
+            stream.write(data)
 
     def _naming_errors(self):
         return _Naming(self)
@@ -94,7 +88,7 @@ def read_point_cache(path):
     """(samples, points, 3) float32 of a PC2 file, memory-mapped. Raises CacheError for a missing or damaged file."""
     path = Path(path)
     try:
-        with open(path, "rb") as stream:
+        with open_regular(path) as stream:
             magic, version, points, _, _, samples = _HEADER.unpack(stream.read(_HEADER.size))
         wanted = _HEADER.size + 12 * points * samples
         if magic != _MAGIC or version != 1 or points < 0 or samples < 1 or path.stat().st_size != wanted:

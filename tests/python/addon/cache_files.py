@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Caches for tests, without a bake."""
 
-from snowbough.cache import files, manifest
+from snowbough.cache import files, journal, manifest, shapes
 
 
 def written(shot="s", frames=(1, 2), complete=True, cache="", **snowfall):
@@ -21,13 +21,21 @@ def written(shot="s", frames=(1, 2), complete=True, cache="", **snowfall):
         "hash": "h",
         "settings": {
             "shot": shot,
-            "snowfall": {"totals": [0.1], **snowfall},
+            "snowfall": {"totals": [0.1] * (frames[-1] - frames[0] + 1), **snowfall},
             "receiver": {"resolution": 64, "uv_map": "snow"},
         },
-        "frames": [],
         "cache": cache,
         "files": files.bake_files(frames[0], frames[-1]),
     }
+
+
+def write_bake(path, bake, entries, poses=()):
+    """A finished bake: its manifest, as from written(), and the journal of its frames. poses: of the first frame."""
+    shot = {name: bake[name] for name in shapes.DESCRIPTION if name in bake}
+    own = journal.Journal.start(path, shot)
+    for number, entry in enumerate(entries):
+        own.append(entry, journal.packed([] if number else list(poses)))
+    manifest.write_manifest(path, {**bake, "end": own.end.as_dict()})
 
 
 def write_manifest(path, **given):
@@ -38,7 +46,7 @@ def write_manifest(path, **given):
 def write_old_manifest(path, number, **given):
     """As format 1 or 2 wrote it: without a checksum, a list of files and the identity of a cache."""
     path.mkdir(parents=True, exist_ok=True)
-    old = {**written(**given), "format": number}
+    old = {"frames": [], **written(**given), "format": number}
     for name in ("cache", "files"):
         del old[name]
     (path / files.MANIFEST).write_bytes(files.to_json(old))

@@ -19,7 +19,7 @@ from snowbough.cache import errors, files, folder, lock, manifest, sealed, versi
 from snowbough.scene.inputs import SceneInputs, fingerprint
 
 UNITS = {"end_depth": "m", "flutter": "°"}
-SIDECAR = {"covered": "", "driver": "CPU", "frames": [], "inputs": [["1", {"Cart": ["t", "s", "u"]}]]}
+SIDECAR = {"covered": "", "driver": "CPU", "beside": [], "end": {"bytes": 9, "checksum": "0" * 32}}
 
 
 def baked(path, frames=(1, 2), **given):
@@ -82,7 +82,7 @@ def test_a_checkpoint_counts_only_with_its_state(tmp_path):
     assert folder.checkpoints(tmp_path) == [10]
     folder.remove_stray_files(tmp_path)
     assert sorted(os.listdir(tmp_path)) == ["state_0010", "state_0010.json"]
-    assert folder.read_sidecar(tmp_path, 10) == {**SIDECAR, "format": manifest.FORMAT}
+    assert folder.read_sidecar(tmp_path, 10) == {**SIDECAR, "format": sealed.FORMAT}
 
 
 def test_checkpoints_between_the_regular_ones_go_once_passed(tmp_path):
@@ -175,7 +175,7 @@ def test_machines_go_on_sharing_a_version_that_was_begun_in_the_earlier_format(t
 
 
 def test_a_manifest_of_a_later_format_is_refused(tmp_path):
-    (tmp_path / files.MANIFEST).write_bytes(files.to_json({"format": manifest.FORMAT + 1}))
+    (tmp_path / files.MANIFEST).write_bytes(files.to_json({"format": sealed.FORMAT + 1}))
     with pytest.raises(errors.CacheError, match="checksum is missing"):
         manifest.read_manifest(tmp_path)
     sealed.write_sealed(tmp_path / files.MANIFEST, {})
@@ -183,55 +183,80 @@ def test_a_manifest_of_a_later_format_is_refused(tmp_path):
         sealed.read_sealed(tmp_path / files.MANIFEST, "Bake again", {}.get)
 
 
-def test_a_folder_is_locked_against_a_second_bake(tmp_path):
-    with lock.lock_folder(tmp_path / "a"):
-        with pytest.raises(errors.CacheBusy, match=f"process {os.getpid()}"):
-            with lock.lock_folder(tmp_path / "a"):
+def locks(version):
+    return sorted(path.name for path in version.iterdir() if path.name.startswith("lock"))
+
+
+def own_lock(version):
+    (name,) = locks(version)
+    return version / name
+
+
+def test_receivers_are_locked_against_a_second_bake(tmp_path):
+    with lock.lock_receivers(tmp_path, ["a", "b"]):
+        with pytest.raises(errors.CacheBusy, match=f"b is being baked by process {os.getpid()}"):
+            with lock.lock_receivers(tmp_path, ["b", "c"]):
                 pass
-    with lock.lock_folder(tmp_path / "a"):
+        with lock.lock_receivers(tmp_path, ["c"]):  # of another machine, in the same version
+            assert len(locks(tmp_path)) == 2
+    with lock.lock_receivers(tmp_path, ["b"]):
         pass
-    assert not (tmp_path / "a" / "lock").exists()
+    assert locks(tmp_path) == []
 
 
-def test_a_killed_bake_blocks_nobody(tmp_path):
+def test_a_killed_bake_blocks_nobody_and_its_lock_goes(tmp_path):
     program = (
         "import os; from snowbough.cache import lock\n"
-        f"held = lock.lock_folder({str(tmp_path / 'a')!r}); held.__enter__(); os.kill(os.getpid(), 9)"
+        f"held = lock.lock_receivers({str(tmp_path)!r}, 'ab'); held.__enter__(); os.kill(os.getpid(), 9)"
     )
     environment = {**os.environ, "PYTHONPATH": str(Path(snowbough.__file__).parent.parent)}
+    for _ in range(2):
+        assert subprocess.run([sys.executable, "-c", program], env=environment).returncode in (-9, 9)
+    assert len(locks(tmp_path)) == 1
+    with lock.lock_receivers(tmp_path, "c"):
+        assert len(locks(tmp_path)) == 1
     assert subprocess.run([sys.executable, "-c", program], env=environment).returncode in (-9, 9)
-    assert (tmp_path / "a" / "lock").exists()
-    with lock.lock_folder(tmp_path / "a"):
-        pass
+    lock.drop_dead_locks(tmp_path)
+    assert locks(tmp_path) == []
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs /proc")
+def test_thousands_of_receivers_take_one_descriptor(tmp_path):
+    before = len(os.listdir("/proc/self/fd"))
+    with lock.lock_receivers(tmp_path, [f"r{number}" for number in range(2000)]) as held:
+        assert len(os.listdir("/proc/self/fd")) == before + 1
+        held.check()
 
 
 @pytest.mark.skipif(os.name != "posix", reason="Windows removes no lock file that is open")
 def test_a_lock_that_was_removed_or_replaced_is_noticed_and_the_other_ones_stays(tmp_path):
-    with lock.lock_folder(tmp_path / "a") as held:
+    with lock.lock_receivers(tmp_path, "a") as held:
         held.check()
-        (tmp_path / "a" / "lock").unlink()
+        own_lock(tmp_path).unlink()
         with pytest.raises(errors.LockLost, match="was removed or replaced"):
             held.check()
-        with lock.lock_folder(tmp_path / "a") as second:
+        with lock.lock_receivers(tmp_path, "a") as second:
             with pytest.raises(errors.LockLost):
                 held.check()
             second.check()
-            text = (tmp_path / "a" / "lock").read_text()
-            (tmp_path / "a" / "lock").unlink()
-            (tmp_path / "a" / "lock").write_text(text)  # a copy of the file is not the locked one
+            path = own_lock(tmp_path)
+            text = path.read_text()
+            path.unlink()
+            path.write_text(text)  # a copy of the file is not the locked one
             with pytest.raises(errors.LockLost):
                 second.check()
-        with lock.lock_folder(tmp_path / "a") as second:
-            (tmp_path / "a" / "lock").write_text("process 1 on elsewhere")
+        with lock.lock_receivers(tmp_path, "a") as second:
+            own_lock(tmp_path).write_text("process 1 on elsewhere")
             with pytest.raises(errors.LockLost):
                 second.check()
-    with lock.lock_folder(tmp_path / "b") as held:
-        (tmp_path / "b" / "lock").unlink()
-        other = lock.lock_folder(tmp_path / "b")
+            own_lock(tmp_path).unlink()
+    with lock.lock_receivers(tmp_path, "b"):
+        own_lock(tmp_path).unlink()
+        other = lock.lock_receivers(tmp_path, "b")
         other.__enter__().check()
-    assert (tmp_path / "b" / "lock").exists()
+    assert len(locks(tmp_path)) == 1
     other.__exit__(None, None, None)
-    assert not (tmp_path / "b" / "lock").exists()
+    assert locks(tmp_path) == []
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs POSIX permissions")
@@ -279,10 +304,10 @@ def test_the_depths_of_single_frames_are_named_only_if_nothing_else_changed():
 
 def test_a_bake_from_before_a_kind_of_map_did_not_write_it(tmp_path):
     write_manifest(tmp_path)
-    before = manifest.read_manifest(tmp_path)["settings"]["snowfall"]
+    before = manifest.read_head(tmp_path)["settings"]["snowfall"]
     assert before["write_normals"] is False
     write_manifest(tmp_path, write_normals=True)
-    before = manifest.read_manifest(tmp_path)["settings"]["snowfall"]
+    before = manifest.read_head(tmp_path)["settings"]["snowfall"]
     after = {**before, "write_normals": False}
     assert manifest.describe_changes(before, after, {}) == ["write normals: True, now False"]
 
@@ -360,28 +385,37 @@ def test_fingerprints_tell_shapes_and_values_apart():
 
 
 @pytest.mark.skipif(not hasattr(os, "O_NOFOLLOW"), reason="this system has no such links")
-def test_a_link_in_place_of_the_lock_is_not_followed(tmp_path):
+@pytest.mark.parametrize("name", ["lock", "lock-0123abcd"])
+def test_a_link_in_place_of_a_lock_is_not_followed(tmp_path, name):
     own = tmp_path / "letter.txt"
     own.write_text("keep me")
-    (tmp_path / "a").mkdir()
-    (tmp_path / "a" / "lock").symlink_to(own)
-    with pytest.raises(errors.CacheError, match="lock is a link"), lock.lock_folder(tmp_path / "a"):
+    (tmp_path / "v001").mkdir()
+    (tmp_path / "v001" / name).symlink_to(own)
+    with (
+        pytest.raises(errors.CacheError, match=f"{name} is a link"),
+        lock.lock_receivers(tmp_path / "v001", "a"),
+    ):
         pass
     assert own.read_text() == "keep me"
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes")
-def test_a_pipe_in_place_of_the_lock_ends_at_once(tmp_path):
-    (tmp_path / "a").mkdir()
-    os.mkfifo(tmp_path / "a" / "lock")
-    with pytest.raises(errors.CacheError, match="not the lock of a bake"), lock.lock_folder(tmp_path / "a"):
+@pytest.mark.parametrize("name", ["lock", "lock-0123abcd"])
+def test_a_pipe_in_place_of_a_lock_ends_at_once(tmp_path, name):
+    os.mkfifo(tmp_path / name)
+    with pytest.raises(errors.CacheError, match="not the lock of a bake"), lock.lock_receivers(tmp_path, "a"):
         pass
 
 
 @pytest.mark.skipif(not hasattr(os, "O_NOFOLLOW"), reason="this system has no such links")
-def test_a_folder_that_is_a_link_is_not_written_to(tmp_path):
+@pytest.mark.parametrize("name", ["v001", "v001/a"])
+def test_a_folder_that_is_a_link_is_not_written_to(tmp_path, name):
     (tmp_path / "elsewhere").mkdir()
-    (tmp_path / "a").symlink_to(tmp_path / "elsewhere")
-    with pytest.raises(errors.CacheError, match="a is a link"), lock.lock_folder(tmp_path / "a"):
+    (tmp_path / name).parent.mkdir(exist_ok=True)
+    (tmp_path / name).symlink_to(tmp_path / "elsewhere")
+    with (
+        pytest.raises(errors.CacheError, match=f"{name} is a link"),
+        lock.lock_receivers(tmp_path / "v001", "a"),
+    ):
         pass
     assert list((tmp_path / "elsewhere").iterdir()) == []

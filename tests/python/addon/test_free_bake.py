@@ -143,7 +143,7 @@ def test_a_manifest_that_lists_other_peoples_files_removes_none_of_them(tmp_path
 
 def test_what_is_baked_just_now_is_not_freed(tmp_path):
     own = baked(tmp_path / "v001" / "a")
-    with lock.lock_folder(own), pytest.raises(errors.CacheBusy):
+    with lock.lock_receivers(own.parent, [own.name]), pytest.raises(errors.CacheBusy):
         free(tmp_path)
     assert folder.baked_frames(own) == [1, 2]
 

@@ -9,8 +9,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import snowbough_native as native
-from cache_files import written
-from snowbough.cache import files, manifest
+from cache_files import write_bake, written
+from snowbough.cache import files
 from snowbough.cache.errors import CacheError
 from snowbough.surface import compute, mesh_file, point_cache, recording
 from snowbough.surface.style import SurfaceStyle, WantedPoints, shared_out
@@ -68,7 +68,7 @@ def baked(folder, poses=None, matrices=None, frames=DEPTHS):
             }
         )
     bake = written(frames=range(1, len(frames) + 1))
-    manifest.write_manifest(folder, {**bake, "label": "Card", "frames": entries, "share": 1.0})
+    write_bake(folder, {**bake, "label": "Card"}, entries)
     return folder
 
 
