@@ -2,9 +2,11 @@
 
 #include <atomic>
 #include <cerrno>
+#include <filesystem>
 #include <stdexcept>
 #include <system_error>
 
+#include "base/file_path.h"
 #include "image/open_file.h"
 
 namespace snowbough::image {
@@ -13,6 +15,21 @@ namespace {
 [[noreturn]] void fail(const char* action, const std::string& path, int error) {
   throw std::runtime_error(std::string("cannot ") + action + " '" + path +
                            "': " + std::generic_category().message(error));
+}
+
+/// Whether a pipe, a device or the like has this name, also behind a link: renaming would remove
+/// it, and reading might never end.
+bool is_special(const std::string& path) {
+  std::error_code error;
+  switch (std::filesystem::status(base::openable(base::as_path(path)), error).type()) {
+    case std::filesystem::file_type::character:
+    case std::filesystem::file_type::block:
+    case std::filesystem::file_type::fifo:
+    case std::filesystem::file_type::socket:
+      return true;
+    default:
+      return false;
+  }
 }
 
 std::string temporary_name(const std::string& path) {
@@ -60,6 +77,9 @@ void AtomicFile::publish() {
   descriptor_ = -1;
   // Network file systems may report a full disk only on close.
   if (!closed) fail("write", path_, errno);
+  if (is_special(path_)) {
+    throw std::runtime_error("cannot write '" + path_ + "': a device or a pipe has this name");
+  }
   if (!rename_over(temporary_, path_)) fail("write", path_, errno);
   renamed_ = true;
 }
@@ -71,6 +91,7 @@ void atomic_write(const std::string& path, std::string_view bytes) {
 }
 
 std::string read_file(const std::string& path) {
+  if (is_special(path)) throw std::runtime_error("cannot read '" + path + "': it is not a file");
   const int descriptor = open_file(path);
   if (descriptor < 0) fail("read", path, errno);
   std::string bytes;

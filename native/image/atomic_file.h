@@ -12,7 +12,7 @@ namespace snowbough::image {
 /// the disk and renames. Without publish(), and on failure, the temporary file is removed and
 /// `path` is unchanged.
 /// @throws std::runtime_error, from all functions, with the path and the system's reason (no such
-/// folder, no permission, no space left).
+/// folder, no permission, no space left), or if `path` is a device or a pipe.
 class AtomicFile {
  public:
   explicit AtomicFile(const std::string& path);
@@ -36,7 +36,8 @@ class AtomicFile {
 /// Writes `bytes` through an AtomicFile.
 void atomic_write(const std::string& path, std::string_view bytes);
 
-/// The whole file. @throws std::runtime_error with the path and the system's reason.
+/// The whole file. @throws std::runtime_error with the path and the system's reason, and for a
+/// device or a pipe.
 std::string read_file(const std::string& path);
 
 }  // namespace snowbough::image

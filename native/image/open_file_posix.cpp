@@ -13,7 +13,7 @@ int create_file(const std::string& path) {
 }
 
 int open_file(const std::string& path) {
-  return ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  return ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
 }
 
 uint64_t file_size(int descriptor) {

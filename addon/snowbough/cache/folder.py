@@ -169,9 +169,12 @@ def remove_frames_after(folder, frame):
             (Path(folder) / name).unlink()
 
 
-def baked_frames(folder):
-    """Frames that have a height map, ascending."""
-    if not Path(folder).is_dir():
+def baked_frames(folder, kind="height"):
+    """Frames that have a map of a kind, ascending."""
+    try:
+        with os.scandir(folder) as entries:
+            names = [entry.name for entry in entries if entry.is_file()]
+    except OSError:
         return []
-    matches = (re.match(r"height_(\d{4,7})\.exr$", name) for name in os.listdir(folder))
+    matches = (re.match(rf"{kind}_(\d{{4,7}})\.exr$", name) for name in names)
     return sorted(int(match.group(1)) for match in matches if match)

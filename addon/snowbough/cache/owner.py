@@ -50,7 +50,7 @@ def is_owner(root, blend):
             return True
     except OSError:
         pass
-    return recorded["host"] in ("", own["host"]) and not first.exists()
+    return recorded["host"] in ("", own["host"]) and not os.path.exists(first)
 
 
 def claim(root, blend):

@@ -6,7 +6,6 @@ duration. After the last file, Blender shows the last file. Before the first fil
 snow.
 """
 
-import re
 import struct
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ from pathlib import Path
 import bpy
 
 from ..base.map_kinds import BY_NAME
+from ..cache.folder import baked_frames
 from ..cache.manifest import read_head
 from ..scene.libraries import stored_name
 
@@ -46,9 +46,7 @@ class BakedSequence:
 
 def frames_on_disk(folder, kind):
     """Frame numbers of `<kind>_<frame>.exr` in `folder`: the first and all consecutive ones."""
-    pattern = re.compile(rf"{re.escape(kind)}_(\d+)\.exr")
-    matches = (pattern.fullmatch(entry.name) for entry in Path(folder).glob(f"{kind}_*.exr"))
-    frames = sorted(int(match.group(1)) for match in matches if match)
+    frames = baked_frames(folder, kind)
     return [frame for index, frame in enumerate(frames) if frame == frames[0] + index]
 
 

@@ -29,7 +29,7 @@ class WantedPoints:
         left = budget * scale**2 - self.all_hems
         level = min(max(left / max(self.all_level, 1.0), LEAST_LEVEL), 1.0)
         part = (self.hems + level * self.level) / max(self.all_hems + level * self.all_level, 1.0)
-        return max(LEAST_POINTS, int(part * budget))
+        return max(LEAST_POINTS, int(min(part, 1.0) * budget))
 
 
 def shared_out(wanted):

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -101,6 +102,17 @@ TEST_F(AtomicFile, aMissingFolderIsNamed) {
   const std::string message = failure([&] { atomic_write(path("no/a"), "x"); });
   EXPECT_THAT(message, HasSubstr(path("no/a")));
   EXPECT_THAT(message, HasSubstr("No such file or directory"));
+}
+
+TEST_F(AtomicFile, aPipeIsNeitherReplacedNorRead) {
+  ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);
+  fs::create_symlink(path("pipe"), path("link"));
+  for (const char* name : {"pipe", "link"}) {
+    EXPECT_THAT(failure([&] { atomic_write(path(name), "x"); }), HasSubstr("a device or a pipe"));
+    EXPECT_THAT(failure([&] { read_file(path(name)); }), HasSubstr("it is not a file"));
+  }
+  EXPECT_TRUE(fs::is_fifo(path("pipe")));
+  EXPECT_THAT(files(), ElementsAre("link", "pipe"));
 }
 
 TEST_F(AtomicFile, aFolderInTheWayIsReportedAndNoTemporaryStays) {

@@ -4,13 +4,15 @@
 import base64
 import os
 import random
+import signal
 import zlib
 
 import numpy as np
 import pytest
 from cache_files import write_bake, write_manifest, write_old_manifest, written
-from snowbough.cache import errors, files, folder, manifest, owner, sealed
+from snowbough.cache import errors, files, folder, journal, manifest, owner, sealed
 from snowbough.cache.coverage import Coverage
+from snowbough.surface import mesh_file, point_cache
 
 POSES = [["1", {"Cart": ["0123456789abcdef", "s", "u"], "雪": None}], ["1.5", {}]]
 FRAMES = [{"frame": 1, "depth": 0.1, "volume": 0.30000000000000004, "slid": 0.0, "highest": 1e-05}]
@@ -123,6 +125,61 @@ def test_a_sidecar_of_an_earlier_format_with_other_kinds_of_values_is_refused(tm
     (tmp_path / "state_0010.json").write_bytes(files.to_json({**OLD_SIDECAR, name: value}))
     with pytest.raises(errors.CacheError, match="has the wrong type"):
         folder.read_sidecar(tmp_path, 10)
+
+
+@pytest.fixture
+def patience():
+    """Ends a test that waits."""
+
+    def give_up(*_):
+        raise TimeoutError("it waits for a pipe")
+
+    before = signal.signal(signal.SIGALRM, give_up)
+    signal.alarm(10)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes")
+@pytest.mark.parametrize("name", NAMES)
+def test_a_pipe_in_place_of_a_file_is_refused_and_does_not_wait(cache, patience, name):
+    path, read = cache[name]
+    path.unlink()
+    os.mkfifo(path)
+    with pytest.raises(errors.CacheError, match=rf"{name} .*it is not a file.*\. (Delete|Resume|Free)"):
+        read()
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes")
+@pytest.mark.parametrize("is_link", [False, True])
+def test_a_pipe_is_never_replaced_by_a_file(tmp_path, patience, is_link):
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link").symlink_to("pipe")
+    path = tmp_path / ("link" if is_link else "pipe")
+    with pytest.raises(errors.CacheError, match="a device or a pipe has this name"):
+        files.write_report(path, {})
+    with pytest.raises(errors.CacheError, match="a device or a pipe has this name"):
+        with point_cache.PointCacheWriter(path, 1) as points:
+            points.publish()
+    with pytest.raises(errors.CacheError, match="it is not a file"):
+        point_cache.read_point_cache(path)
+    with pytest.raises(errors.CacheError, match="it is not a file"):
+        mesh_file.read_mesh(path)
+    assert sorted(os.listdir(tmp_path)) == ["link", "pipe"] and path.is_fifo()
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes")
+def test_a_pipe_in_place_of_the_lines_ends_a_bake_at_once(tmp_path, patience):
+    write_bake(tmp_path, written(), FRAMES)
+    own = journal.Journal(tmp_path, journal.read_lines(tmp_path).ends[-1])
+    (tmp_path / files.FRAMES).unlink()
+    os.mkfifo(tmp_path / files.FRAMES)
+    with pytest.raises(errors.CacheError, match="frames.tsv could not be written"):
+        own.append(FRAMES[0], b"[]")
+    os.mkfifo(tmp_path / "height_0001.exr")
+    (tmp_path / "height_0002.exr").touch()
+    assert folder.baked_frames(tmp_path) == [2]
 
 
 def test_a_huge_file_is_not_read(tmp_path):
