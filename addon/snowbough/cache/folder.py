@@ -15,6 +15,7 @@ from .files import (
     PROBE,
     REMOVED_MANIFEST,
     STATE_PATTERN,
+    SURFACE,
     TEXTURE_CACHE,
     bake_files,
     finished_name,
@@ -121,7 +122,9 @@ def listed_files(folder):
     if manifest is None:
         return []
     is_listed = listing(manifest)
-    names = sorted(os.listdir(folder), key=lambda name: (name in (MANIFEST, REMOVED_MANIFEST), name))
+    manifests = (MANIFEST, REMOVED_MANIFEST)
+    # Those that know the others last.
+    names = sorted(os.listdir(folder), key=lambda name: (name in manifests, name in (FRAMES, SURFACE), name))
     own = [folder / name for name in names if is_listed(finished_name(name)) or name == REMOVED_MANIFEST]
     textures = folder / TEXTURE_CACHE
     if textures.is_dir() and not textures.is_symlink():
@@ -130,10 +133,10 @@ def listed_files(folder):
     return [path for path in own if is_regular(path)]
 
 
-def clear(folder):
-    """Removes listed_files(). Returns their number."""
+def clear(folder, kept=()):
+    """Removes listed_files() but those with the names `kept`. Returns their number."""
     folder = Path(folder)
-    listed = listed_files(folder)
+    listed = [path for path in listed_files(folder) if path.name not in kept]
     try:
         # After an interrupted removal the folder is not a bake any more, but still has the list.
         if (folder / MANIFEST) in listed:

@@ -6,12 +6,16 @@ JSON files, the journal and checkpoints have checksums of their own. Those of al
 manifest, and of a snow surface in ``surface.json``.
 """
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from .files import FRAMES, file_digest, frame_file
+from .errors import CacheError
+from .files import FRAMES, SURFACE, SURFACE_FACES, SURFACE_POINTS, file_digest, frame_file, is_regular
 from .folder import checkpoints
 from .journal import read_lines
-from .manifest import is_whole
+from .manifest import is_whole, read_any_head
+from .sealed import read_sealed
+from .shapes import Maybe, checksums
 
 
 def checksums_of(folder, names):
@@ -19,15 +23,34 @@ def checksums_of(folder, names):
     return {name: file_digest(Path(folder) / name) for name in names if (Path(folder) / name).is_file()}
 
 
-def damaged(folder, checksums):
+def damaged(folder, digests):
     """The first name whose file is missing or does not match its digest, or None. An empty digest is not compared."""
-    for name, digest in sorted(checksums.items()):
+    for name, digest in sorted(digests.items()):
         try:
             if not (Path(folder) / name).is_file() or digest and file_digest(Path(folder) / name) != digest:
                 return name
         except OSError:
             return name
     return None
+
+
+def replaced(folder):
+    """Names of the files in a receiver's folder that have a checksum, but are not what the bake wrote. Raises
+    CacheError."""
+    folder, manifest = Path(folder), read_any_head(folder) or {}
+    frames = read_lines(folder).entries if "frames" not in manifest else manifest["frames"]
+    try:
+        shape = {"checksums": Maybe(checksums(SURFACE_FACES, SURFACE_POINTS))}
+        surface = read_sealed(folder / SURFACE, "", lambda number: shape) or {}
+    except CacheError:
+        surface = {}
+    known = {}
+    for entry in (*frames, manifest, surface):
+        known |= {name: digest for name, digest in entry.get("checksums", {}).items() if digest}
+    there = sorted(name for name in known if is_regular(folder / name))
+    with ThreadPoolExecutor() as pool:
+        same = pool.map(lambda name: damaged(folder, {name: known[name]}) is None, there)
+        return [name for name, is_same in zip(there, same) if not is_same]
 
 
 def first_damage(folder, manifest):

@@ -9,6 +9,7 @@ from ..base.names import folder_name, safe_name, tagged_name
 from . import folder as receiver_folder
 from .errors import CacheError
 from .files import LOG_PATTERN, LOGS, OWNER, VERSION_PATTERN, folders_in, is_regular
+from .integrity import replaced
 from .lock import lock_receivers
 from .manifest import read_any_head, read_head
 
@@ -108,6 +109,8 @@ class Bakes:
     size: int = 0
     skipped: list = field(default_factory=list)
     """Messages about folders that are left unchanged."""
+    kept: list = field(default_factory=list)
+    """After free(): files with the names of the bake's that the bake did not write, or that have changed since."""
 
     def _add(self, files):
         self.count += len(files)
@@ -153,7 +156,9 @@ def free(found):
         own = [folder for folder in found.folders if folder.parent == version]
         with lock_receivers(version, [folder.name for folder in own]):
             for folder in own:
-                removed += receiver_folder.clear(folder)
+                kept = replaced(folder)
+                removed += receiver_folder.clear(folder, kept)
+                found.kept += [folder / name for name in kept]
     for path in found.logs:
         path.unlink(missing_ok=True)
         removed += 1

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Operators ``snowbough.bake``, ``snowbough.stop_bake`` and ``snowbough.free_bake``."""
 
+from pathlib import Path
+
 import bpy
 
 from ..bake import cache_place, engine, from_scene, outcome
@@ -8,7 +10,7 @@ from ..base import session
 from ..base.names import counted, sized
 from ..cache import versions
 from ..cache.errors import CacheError
-from ..cache.folder import baked_frames
+from ..cache.files import MANIFEST
 from ..result import displacement
 from . import editing_lock
 from .text import wrapped
@@ -135,17 +137,23 @@ class SNOWBOUGH_OT_free_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
         scene = context.scene
         try:
             texts = _removal_texts(scene)
-            removed = sum(versions.free(found) for found in cache_place.own_bakes(scene))
+            bakes = cache_place.own_bakes(scene)
+            removed = sum(map(versions.free, bakes))
         except (CacheError, OSError) as error:
             return self.refuse(outcome.one_line(error))
         for entry in scene.snowbough.receivers:
-            if entry.folder and not baked_frames(bpy.path.abspath(entry.folder)):
+            if entry.folder and not (Path(bpy.path.abspath(entry.folder)) / MANIFEST).is_file():
                 entry.folder = entry.baked_as = ""
                 if entry.object is not None:
                     displacement.refresh(scene, entry)
         if not cache_place.own_bakes(scene):
             scene.snowbough.cache_scene = ""
-        for text in texts if not removed else ():
+        kept = [
+            f"{path} has changed since its bake, or is not from it: it stays"
+            for own in bakes
+            for path in own.kept
+        ]
+        for text in kept if removed else texts:
             self.report({"WARNING"}, text)
         self.report({"INFO"}, f"Removed {counted(removed, 'file')}")
         return {"FINISHED"}

@@ -4,7 +4,7 @@
 import os
 
 import pytest
-from cache_files import write_manifest, write_old_manifest, written
+from cache_files import write_bake, write_manifest, write_old_manifest, written
 from snowbough.cache import errors, files, folder, lock, manifest, owner, sealed, versions
 
 
@@ -139,6 +139,26 @@ def test_a_manifest_that_lists_other_peoples_files_removes_none_of_them(tmp_path
     manifest.write_manifest(own, {**written(cache="me"), "files": ["../secret", "notes.txt", files.MANIFEST]})
     free(tmp_path)
     assert {"v001/secret", "v001/a/notes.txt", "v001/a/height_0001.exr"} <= set(left(tmp_path))
+
+
+def test_a_file_with_a_listed_name_and_another_content_stays(tmp_path):
+    own = baked(tmp_path / "v001" / "a")
+    (own / "surface.pc2").write_bytes(b"data")
+    data = files.file_digest(own / "height_0001.exr")
+    entries = [
+        {"frame": frame, "depth": 0.1, "checksums": {f"height_{frame:04d}.exr": data}} for frame in (1, 2)
+    ]
+    write_bake(own, {**written(cache="me"), "checksums": {"ever_covered.exr": data}}, entries)
+    sealed.write_sealed(own / files.SURFACE, {"checksums": {"surface.pc2": data}})
+    for name in ("height_0002.exr", "ever_covered.exr", "surface.pc2"):
+        (own / name).write_bytes(b"mine")
+    found = versions.find_bakes(tmp_path, ("me",))
+    assert (found.count, versions.free(found)) == (9, 6)
+    assert left(tmp_path) == [
+        f"v001/a/{name}" for name in ("ever_covered.exr", "height_0002.exr", "surface.pc2")
+    ]
+    assert sorted(found.kept) == sorted(tmp_path / name for name in left(tmp_path))
+    assert versions.choose_version(tmp_path, ["a"], "s") == 2
 
 
 def test_what_is_baked_just_now_is_not_freed(tmp_path):
