@@ -2,7 +2,6 @@
 """The .blend that a bake belongs to: two files, copies and Save As have separate bakes, and Free Bake removes only
 the file's own."""
 
-import json
 import shutil
 from pathlib import Path
 
@@ -148,7 +147,8 @@ def test_a_cache_of_before_without_identity_is_shown_resumed_and_freed(addon, tm
     s.settings(tmp_path / "snowbough_cache", frames=(1, 2))
     s.bake()
     own = shown()
-    manifest = {**json.loads((own / files.MANIFEST).read_bytes()), "format": 2}
+    manifest = {**s.manifest_of(tmp_path / "snowbough_cache", "Ground"), "format": 2}
+    (own / files.FRAMES).unlink()
     for name in ("cache", "files", "checksum"):
         del manifest[name]
     (own / files.MANIFEST).write_bytes(files.to_json(manifest))
@@ -184,4 +184,4 @@ def test_machines_that_bake_copies_of_the_file_into_a_named_cache_share_it(addon
     shutil.copy(shot, tmp_path / "shot.job.blend")
     opened(tmp_path / "shot.job.blend")
     assert place.bake_place(bpy.context.scene, False, str(tmp_path / "farm")) == (cache, own) != ("", "")
-    assert place.bake_place(bpy.context.scene, False, "//farm") == (cache, own)
+    assert place.bake_place(bpy.context.scene, False, cache) == (cache, own)

@@ -4,6 +4,7 @@
 import json
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -413,10 +414,14 @@ def test_ctrl_c_however_often_ends_with_130_and_can_be_resumed(addon, undisturbe
     assert s.files_of(tmp_path / "cache") == undisturbed
 
 
-def test_two_slashes_stand_for_the_folder_of_the_blend(addon, undisturbed, tmp_path):
-    done = run_blender(addon, tmp_path / "shot.blend", "--cache", "//farm/snow")
+@pytest.mark.skipif(os.name != "posix", reason="Windows has shares there")
+def test_on_the_command_line_two_slashes_are_the_systems(addon, undisturbed, tmp_path):
+    done = run_blender(addon, tmp_path / "shot.blend", "--cache", f"/{tmp_path}/farm/snow")
     assert done.returncode == 0, done.stderr
     assert s.files_of(tmp_path / "farm" / "snow") == undisturbed
+    assert f'SNOWBOUGH cache="{tmp_path}/farm/snow"\n' in done.stdout
+    (log,) = (tmp_path / "farm").rglob("*.log")
+    assert re.fullmatch(rf"\S+ cache {tmp_path}/farm/snow/Scene-\w+", log.read_text().splitlines()[0])
 
 
 def as_printed(path):

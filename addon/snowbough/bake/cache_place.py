@@ -12,21 +12,16 @@ from pathlib import Path
 import bpy
 
 from ..base import session
-from ..cache import owner, versions
+from ..cache import location, owner, versions
 from ..cache.errors import CacheError
 
 
 def cache_directory(scene, directory=None):
-    """Absolute folder of the scene's cache, or of `directory`, a path in Blender's notation. Raises ValueError if the
+    """Absolute folder of the scene's cache, or of `directory`, a path of the system. Raises ValueError, e.g. if the
     .blend was never saved."""
-    path = scene.snowbough.cache_directory if directory is None else directory
-    if not path.strip():
-        raise ValueError("The cache folder is empty: choose one in the Snowbough panel")
-    if path.startswith("//") and not bpy.data.filepath:
-        raise ValueError(
-            "Save the .blend first: its cache lies beside it. Or choose an absolute cache folder in the panel"
-        )
-    return str(Path(bpy.path.abspath(path)).resolve())
+    if directory is not None:
+        return str(location.from_command_line(directory))
+    return str(location.from_panel(scene.snowbough.cache_directory, bpy.data.filepath))
 
 
 def known_as(scene):

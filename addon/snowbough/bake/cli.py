@@ -12,6 +12,8 @@ engine) and ``files`` (packing and writing) run in parallel.
 ``--engine`` sets what computes the snow: GL (OpenGL), CPU (all cores of the processor, without a graphics driver) or
 AUTO (GL on a graphics card, else CPU). The default is the add-on's preference, or AUTO without one.
 
+The first line is ``SNOWBOUGH cache="..."``, the folder that the bake uses.
+
 Problems that do not stop the bake, such as overlapping UVs, are printed before it as ``SNOWBOUGH warning="..."`` on
 standard error, each receiver that is left out as ``SNOWBOUGH refused="..."``, and each damaged file that a resumed bake
 makes again as ``SNOWBOUGH repaired="..."``. With ``--attempts``, each pause between two attempts is printed as
@@ -70,7 +72,7 @@ def add_arguments(parser):
     parser.add_argument(
         "--cache",
         metavar="DIR",
-        help="cache folder; // is the folder of the .blend (default: the scene's settings)",
+        help="cache folder, a path of the system (default: the scene's settings)",
     )
     parser.add_argument("--json", metavar="R.json", help="file for the report")
     parser.add_argument("--resume", action="store_true", help="continue from the last checkpoint")
@@ -246,6 +248,7 @@ def _bake(request, report, pressed):
             }
         )
 
+    print(f"SNOWBOUGH cache={json.dumps(request.cache)}", flush=True)
     running = prepare_bake(bpy.context.scene, request, on_frame)
     scene, depsgraph = bpy.context.scene, bpy.context.evaluated_depsgraph_get()
     findings = preflight.of_bake(scene, depsgraph)

@@ -130,6 +130,7 @@ class BakeJob:
             if self._may_resume():  # finished receivers, which need no map, are known only now
                 self._make_simulation(added)
             log = run.log = stack.enter_context(open_log(self.root))
+            log(f"cache {self.root}")
             log(f"engine {self._driver}: {engine['reason']}")
             log(f"{self.version.name}; {', '.join(r.shown for r in self.receivers)}")
             for reason in self.refused.values():

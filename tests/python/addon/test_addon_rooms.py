@@ -44,6 +44,7 @@ WITHOUT_BLENDER = (
     "cache.errors",
     "cache.files",
     "cache.journal",
+    "cache.location",
     "cache.lock",
     "cache.migration",
     "cache.manifest",
