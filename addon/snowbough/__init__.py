@@ -20,6 +20,7 @@ bl_info = {
 }
 
 MODULES = (
+    "settings.bending",
     "settings.objects",
     "settings.scene",
     "settings.preferences",
@@ -51,6 +52,7 @@ MODULES = (
     "ui.preview_operator",
     "ui.preflight_operators",
     "ui.panels",
+    "ui.bending_operators",
 )
 
 _registered = []

@@ -15,10 +15,13 @@ PACKAGE = os.environ["SNOWBOUGH_TEST_ADDON"]
 # Units that a tooltip may name, in brackets: "(metres)", "(texels)".
 UNITS = re.compile(
     r"\((metres|metres per hour|metres per second|degrees|seconds|frames|texels|pixels|radii of the limb|levels|bones|"
-    r"keys|poses per frame|directions per shot|0 to 1)\)"
+    r"keys|poses per frame|directions per shot|kilograms|kilograms per cubic metre|gigapascals|megapascals|0 to 1)\)"
 )
 # Units as labels and messages show them.
-SHOWN_AS = {"metres": "m", "seconds": "s", "degrees": "°", "texels": "texels"}
+SHOWN_AS = {
+    "metres": "m", "seconds": "s", "degrees": "°", "texels": "texels", "kilograms": "kg",
+    "kilograms per cubic metre": "kg/m³", "gigapascals": "GPa", "megapascals": "MPa",
+}  # fmt: skip
 FRAMES = re.compile(r"frame|checkpoint_interval")
 UNITLESS = {
     "rate", "strength", "seed", "samples", "surface_overhang", "surface_hem_variation", "surface_bridging",

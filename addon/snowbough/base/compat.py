@@ -109,12 +109,16 @@ def action_curves(datablock, name):
 def curves_of(datablock):
     """The F-curves that currently animate `datablock`, as a list."""
     animation = datablock.animation_data
-    if animation is None or animation.action is None:
+    return curves_in(animation.action, animation) if animation is not None else []
+
+
+def curves_in(action, user):
+    """The F-curves of an action for its user, animation data or a strip of the NLA, as a list."""
+    if action is None:
         return []
-    action = animation.action
     if not hasattr(action, "slots"):
         return list(action.fcurves)
-    slot = animation.action_slot
+    slot = user.action_slot
     if slot is None:
         return []
     bags = (strip.channelbag(slot) for layer in action.layers for strip in layer.strips)

@@ -124,7 +124,16 @@ def sized(count):
 
 
 # Units as tooltips name them in brackets, and as labels and messages show them.
-_UNITS = {"metres": "m", "seconds": "s", "texels": "texels", "degrees": "°"}
+_UNITS = {
+    "metres": "m",
+    "seconds": "s",
+    "texels": "texels",
+    "degrees": "°",
+    "kilograms": "kg",
+    "kilograms per cubic metre": "kg/m³",
+    "gigapascals": "GPa",
+    "megapascals": "MPa",
+}
 
 
 def unit_of(description):

@@ -107,12 +107,13 @@ class Map:
 
 
 class Playback:
-    """Snow over the frames of a scene. Raises what reading the scene or making the simulation raises."""
+    """Snow over the frames of a scene. limit: largest map side in texels; None for that of the preferences. Raises what
+    reading the scene or making the simulation raises."""
 
-    def __init__(self, scene, depsgraph):
+    def __init__(self, scene, depsgraph, limit=None):
         self.settings = PreviewSettings.from_scene(scene)
-        limit, budget = preview_limits()
-        self._limit = limit
+        preferred, budget = preview_limits()
+        self._limit = preferred if limit is None else limit
         self.history = History(budget)
         self.simulation = None
         self.stale = False

@@ -9,6 +9,7 @@ from bpy.props import BoolProperty, EnumProperty, IntProperty, PointerProperty, 
 
 from ..base import compat
 from ..base.names import MAX_RESOLUTION
+from .bending import SnowboughBending
 from .surface import SurfaceProperties
 
 SIDES = (
@@ -84,6 +85,11 @@ class SnowboughObjectSettings(bpy.types.PropertyGroup):
         name="Blocks Snow",
         description="Let this object block snow from objects below it",
         default=True,
+    )
+    bending: PointerProperty(
+        name="Bend under Snow",
+        description="Settings of an armature for Bend under Snow",
+        type=SnowboughBending,
     )
     is_coarsened: BoolProperty(
         name="Coarsened Surface",

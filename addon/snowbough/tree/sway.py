@@ -17,8 +17,9 @@ def wind_direction(bearing):
     return np.array([np.sin(bearing), np.cos(bearing), 0.0])
 
 
-def _bone_arrays(armature):
-    """(parents, connected, heads, tails, radii, matrices) of all bones; parents come before children."""
+def bone_arrays(armature):
+    """(parents, connected, heads, tails, head radii, axes) of all bones in armature space, parents before children.
+    axes (B, 3, 3): those of a bone are rows."""
     bones = armature.bones
     count = len(bones)
     heads, tails = np.empty(count * 3, np.float32), np.empty(count * 3, np.float32)
@@ -41,7 +42,7 @@ def sway_angles(armature, to_world, direction, strength, gusts, seed, keys, seco
 
     to_world: the armature's 3 x 3 world matrix as numpy; scale: metres of a Blender unit.
     """
-    parents, connected, heads, tails, radii, local_axes = _bone_arrays(armature)
+    parents, connected, heads, tails, radii, local_axes = bone_arrays(armature)
     # The armature may be rotated and scaled; the physics uses world metres.
     size = abs(np.linalg.det(to_world)) ** (1 / 3) * scale
     rotation = to_world / max(np.cbrt(abs(np.linalg.det(to_world))), 1e-12)
