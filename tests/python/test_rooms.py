@@ -52,7 +52,7 @@ LINES = {
     "addon/snowbough/bake": 3550,
     "addon/snowbough/base": 1100,
     "addon/snowbough/cache": 1850,
-    "addon/snowbough/bending": 620,
+    "addon/snowbough/bending": 700,
     "addon/snowbough/gltf": 2800,
     "addon/snowbough/preview": 1100,
     "addon/snowbough/realtime": 2250,
@@ -65,7 +65,7 @@ LINES = {
     "addon/snowbough/usd": 550,
     "shaders": 4950,
     "benchmarks": 5100,
-    "tests": 50050,
+    "tests": 50100,
 }
 SOURCES = {".h", ".cpp", ".glsl", ".py"}
 

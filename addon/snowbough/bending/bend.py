@@ -11,12 +11,16 @@ import numpy as np
 
 from ..base import compat, native
 from ..base.names import LEAF_BONE_ATTRIBUTE, counted
-from ..preview.playback import RESOLUTION, Playback
+from ..preview.playback import PreviewSettings
 from ..result.displacement import Muted
+from ..scene import receivers
 from ..scene.libraries import library_name
+from ..scene.pose import metres_per_unit
+from ..scene.reader import SceneReader
 from ..tree import sway, wind
 from . import keys, load
 from .cantilevers import Cantilevers, turned
+from .small_bake import bake_heights
 
 # Largest difference of an armature's axes in length, and of their angles from right ones.
 EVEN = 1e-3
@@ -101,40 +105,43 @@ def _leaves(obj, topology):
 
 def _let_it_snow(context, rig):
     """The _Snow of the whole shot on the tree."""
-    scene = context.scene
-    wanted = {(obj.name, library_name(obj)): obj for obj in snowy_meshes(scene, rig)}
+    scene, scale = context.scene, metres_per_unit(context.scene)
+    tree = {
+        (obj.name, library_name(obj)): obj
+        for obj in scene.objects
+        if obj.type == "MESH" and sway.rig_of(obj) == rig
+    }
+    receiving = {(obj.name, library_name(obj)) for obj in snowy_meshes(scene, rig)}
+    specs = [spec for spec in receivers.receiver_specs(scene) if (spec.name, spec.library) in receiving]
     number = {bone.name: index for index, bone in enumerate(rig.data.bones)}
+    falling = PreviewSettings.from_scene(scene)
     with _at_rest(scene, rig):
         depsgraph = context.evaluated_depsgraph_get()
+        pose = SceneReader(specs, scale).read(depsgraph, scene.frame_current)
+        refused = [*pose.refused.values(), *pose.reasons.values()]
+        keys = [key for key, obj in pose.objects.items() if obj.receives]
+        if not keys:
+            raise ValueError(
+                refused[0] if refused else f"The meshes of the tree '{rig.name}' are hidden: show them"
+            )
         to_world = np.array(rig.evaluated_get(depsgraph).matrix_world, dtype=float)
-        played = Playback(scene, depsgraph, RESOLUTION)
-        try:
-            snow = _Snow([], [], to_world, scene.snowbough.frame_start, played.settings.snowfall.totals)
-            for key, pose in played.pose.objects.items():
-                obj = scene.objects.get(pose.name)
-                if obj is None or obj.type != "MESH" or sway.rig_of(obj) != rig:
-                    continue
-                leaves = _leaves(obj, pose.topology)
-                if len(leaves):
-                    snow.foliage.append((leaves, pose.positions))
-                if (pose.name, pose.library) not in wanted or key not in played.maps:
-                    continue
-                mesh = obj.evaluated_get(depsgraph).data
-                if len(mesh.vertices) != pose.topology.vertex_count:
-                    raise ValueError(f"The mesh of '{obj.name}' has changed meanwhile: try again")
-                uv, resolution = pose.topology.corner_uv, played.maps[key].resolution
-                snow.meshes.append(
-                    load.SnowyMesh(
-                        played.simulation.height(key),
-                        native.load().texel_table(pose.topology.triangles, uv, resolution),
-                        pose.topology.triangles,
-                        pose.positions,
-                        *_vertex_bones(obj, mesh, number),
-                    )
-                )
-        finally:
-            played.close()
-    return snow
+        bones = {
+            key: _vertex_bones(obj, obj.evaluated_get(depsgraph).data, number)
+            for key, obj in ((key, tree[pose.objects[key].name, pose.objects[key].library]) for key in keys)
+        }
+    totals = falling.snowfall.totals
+    heights = bake_heights(
+        native.load(), pose, keys, falling.snow, falling.texel_size, totals[-1], len(totals) / falling.fps
+    )
+    meshes, foliage = [], []
+    for key in keys:
+        obj, topology = pose.objects[key], pose.objects[key].topology
+        table = native.load().texel_table(topology.triangles, topology.corner_uv, len(heights[key]))
+        meshes.append(load.SnowyMesh(heights[key], table, topology.triangles, obj.positions, *bones[key]))
+    for obj in pose.objects.values():
+        if (obj.name, obj.library) in tree:
+            foliage.append((_leaves(tree[obj.name, obj.library], obj.topology), obj.positions))
+    return _Snow(meshes, foliage, to_world, scene.snowbough.frame_start, totals)
 
 
 def _check(scene, rig):
@@ -163,7 +170,7 @@ def bend_under_snow(context, rig):
     turn = matrix / max(size, 1e-12)
     if np.abs(turn.T @ turn - np.eye(3)).max() > EVEN:
         raise ValueError(f"The armature '{rig.name}' is stretched: apply its scale (Ctrl+A)")
-    metres = size * scene.unit_settings.scale_length
+    metres = size * metres_per_unit(scene)
     parents, connected, heads, tails, radii, axes = sway.bone_arrays(rig.data)
     tail_radii = np.empty(len(radii), np.float32)
     rig.data.bones.foreach_get("tail_radius", tail_radii)
@@ -180,7 +187,7 @@ def bend_under_snow(context, rig):
         area, density = load.crown_area(snow.foliage), settings.snow_density
         weight = load.intercepted(area, snow.totals[-1], density) if area else held * density
     # From metres in the world to metres in the armature's own axes.
-    origin = snow.to_world[:3, 3] * scene.unit_settings.scale_length
+    origin = snow.to_world[:3, 3] * metres_per_unit(scene)
     places = np.where(volumes[:, None] > 0.0, turned(turn.T, centres - origin), chain.heads)
     down = turn.T @ (0.0, 0.0, -1.0)
 

@@ -107,13 +107,12 @@ class Map:
 
 
 class Playback:
-    """Snow over the frames of a scene. limit: largest map side in texels; None for that of the preferences. Raises what
-    reading the scene or making the simulation raises."""
+    """Snow over the frames of a scene. Raises what reading the scene or making the simulation raises."""
 
-    def __init__(self, scene, depsgraph, limit=None):
+    def __init__(self, scene, depsgraph):
         self.settings = PreviewSettings.from_scene(scene)
-        preferred, budget = preview_limits()
-        self._limit = preferred if limit is None else limit
+        limit, budget = preview_limits()
+        self._limit = limit
         self.history = History(budget)
         self.simulation = None
         self.stale = False

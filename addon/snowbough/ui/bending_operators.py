@@ -68,6 +68,7 @@ class SNOWBOUGH_PT_bending(bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         layout.use_property_split = True
+        layout.use_property_decorate = False
         layout.enabled = session.bake is None
         rig = sway.rig_of(context.object)
         settings = rig.snowbough.bending

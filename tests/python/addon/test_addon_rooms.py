@@ -101,6 +101,7 @@ WITHOUT_BLENDER = (
     "preview.receiver_surface",
     "bending.cantilevers",
     "bending.load",
+    "bending.small_bake",
     "realtime.records",
     "realtime.sync",
     "realtime.lights",

@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from snowbough.bending import load
+from snowbough.bending import load, small_bake
 from snowbough.bending.cantilevers import GRAVITY, Cantilevers
 
 DOWN = (0.0, 0.0, -1.0)
@@ -194,6 +194,18 @@ def test_a_crown_counts_once_from_above_and_closes_small_gaps():
 def test_interception_grows_with_the_snow_up_to_what_a_crown_holds():
     assert load.intercepted(4.0, 0.10, 100.0) == pytest.approx(24.0)
     assert load.intercepted(4.0, 1.00, 200.0) == pytest.approx(60.0)
+
+
+def test_only_what_stands_above_or_to_windward_shelters():
+    low, high = np.array([0.0, 0.0, 0.0]), np.array([1.0, 1.0, 2.0])
+
+    def shelters(x, z, angle):
+        positions = np.array([(x, 0, z), (x + 0.1, 0, z), (x, 0.1, z)], float)
+        return small_bake.shelters(np.array([[0, 1, 2]]), positions, low, high, angle).tolist() == [True]
+
+    assert shelters(0.5, 3.0, 0.0) and not shelters(0.5, -0.1, 0.0)
+    assert not shelters(1.5, 3.0, 0.0) and shelters(1.5, 3.0, np.radians(20.0))
+    assert not shelters(5.0, 3.0, np.radians(20.0))
 
 
 def keys(frame_start, totals):
