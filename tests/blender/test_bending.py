@@ -176,6 +176,33 @@ def test_a_roof_keeps_the_load_off_the_limbs_below_it(addon, monkeypatch, tree):
     assert sheltered[left].sum() == pytest.approx(open_[left].sum(), rel=0.05)
 
 
+def test_subdivided_bark_gives_the_same_bend(addon, monkeypatch, tree):
+    rig, bark = tree
+    seen = spy_on_the_bend(addon, monkeypatch)
+    bend(rig, weight=40.0)
+    bark.modifiers.new("finer", "SUBSURF").subdivision_type = "SIMPLE"
+    bend(rig)
+    (_, (coarse, *_), _), (_, (fine, *_), _) = seen
+    assert len(bark.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices) > len(
+        bark.data.vertices
+    )
+    assert fine == pytest.approx(coarse, abs=0.02 * coarse.max())
+
+
+def test_a_running_preview_goes_on_with_the_bent_tree(addon, tree):
+    rig, bark = tree
+    bpy.context.scene.frame_set(9)
+    live = addon("preview.live")
+    live.start(bpy.context.scene, bpy.context.evaluated_depsgraph_get(), draws=False)
+    try:
+        bend(rig, weight=40.0)
+        preview = addon("base.session").preview
+        [pose] = [obj for obj in preview.simulated.pose.objects.values() if obj.receives]
+        assert np.abs(pose.positions - evaluated_vertices(bark)).max() < 1e-5
+    finally:
+        live.stop()
+
+
 def test_limbs_that_would_break_are_reported(tree, addon):
     rig, _bark = tree
     action = bend(rig, weight=40.0, species="CUSTOM", wood_stiffness=4.0, wood_strength=1.0)
@@ -240,7 +267,7 @@ def refusal(rig):
 
 
 def test_refusals_say_what_to_do(tree):
-    rig, _bark = tree
+    rig, bark = tree
     own = bpy.context.scene.snowbough
     own.end_depth = 0.0
     assert "raise End Depth" in refusal(rig)
@@ -252,6 +279,8 @@ def test_refusals_say_what_to_do(tree):
     bone.keyframe_insert("rotation_quaternion", frame=1)
     assert "Convert Rotation Modes" in refusal(rig)
     rig.animation_data_clear()
+    bark.vertex_groups.clear()
+    assert "no weights" in refusal(rig)
     own.receivers.clear()
     assert "add snow" in refusal(rig)
     activate(None)

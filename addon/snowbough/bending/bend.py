@@ -83,15 +83,17 @@ def _at_rest(scene, rig):
 def _vertex_bones(obj, mesh, number):
     """(int (V, K), float (V, K)): the bones of the vertices of an evaluated mesh and their weights. number: {name of a
     bone: its index}."""
-    bone_of = np.array([number.get(group.name, -1) for group in obj.vertex_groups] or [-1])
     entries = [[(entry.group, entry.weight) for entry in vertex.groups] for vertex in mesh.vertices]
     width = max(map(len, entries), default=0) or 1
     padded = np.array([own + [(0, 0.0)] * (width - len(own)) for own in entries]).reshape(-1, width, 2)
-    bones, weights = (
-        bone_of[padded[:, :, 0].astype(int)],
-        np.where(padded[:, :, 1] > 0.0, padded[:, :, 1], 0.0),
-    )
+    groups, weights = padded[:, :, 0].astype(int), np.maximum(padded[:, :, 1], 0.0)
+    bone_of = np.full(max(len(obj.vertex_groups), groups.max(initial=0) + 1), -1)
+    for group in obj.vertex_groups:
+        bone_of[group.index] = number.get(group.name, -1)
+    bones = bone_of[groups]
     weights[bones < 0] = 0.0
+    if not weights.any():
+        raise ValueError(f"'{obj.name}' has no weights for the bones of its armature: assign them (Ctrl+P)")
     weights /= np.maximum(weights.sum(axis=1, keepdims=True), 1e-12)
     return np.maximum(bones, 0), weights
 
