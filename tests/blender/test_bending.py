@@ -127,6 +127,20 @@ def test_it_adds_to_sway_before_and_after_and_sway_goes_on_looping(tree, addon):
     assert max(map(furthest_from_both, swaying)) < 0.1
 
 
+def test_keys_of_the_whole_armature_keep_their_effect(tree):
+    """Where strips add, a keyed scale of 1 would become 2."""
+    rig, _bark = tree
+    for path, value in (("location", (1.0, 0.0, 0.0)), ("scale", (2.0, 2.0, 2.0))):
+        setattr(rig, path, value)
+        rig.keyframe_insert(path, frame=1)
+    bpy.context.scene.frame_set(2)
+    before = np.array(rig.matrix_world)
+    bend(rig, weight=40.0)
+    bpy.context.scene.frame_set(3)
+    assert np.array(rig.matrix_world) == pytest.approx(before, abs=1e-6)
+    assert before[0, 0] == pytest.approx(2.0)
+
+
 def test_the_bend_grows_with_the_snow(tree):
     rig, _bark = tree
     action = bend(rig, weight=40.0)

@@ -15,6 +15,8 @@ from ..base import compat
 from .cantilevers import elementwise
 
 TRACK = "Snow Load"
+# Rotations add to those below; with ADD, scales would, too, and a keyed scale of 1 would become 2.
+BLEND = "COMBINE"
 # On the action: the report of the bend as text, and how the active action was mixed before.
 REPORT = "snowbough_bend"
 BLEND_BEFORE = "snowbough_blend_before"
@@ -105,12 +107,12 @@ def write(rig, frames, angles, report):
     animation.action = active
     if active is not None and slot is not None:
         animation.action_slot = slot
-    animation.action_blend_type = "ADD"
+    animation.action_blend_type = BLEND
     animation.use_nla = True
     track = animation.nla_tracks.new()
     track.name = TRACK
     strip = track.strips.new(TRACK, int(frames[0]), action)
     if action_slot is not None:
         strip.action_slot = action_slot
-    strip.blend_type, strip.extrapolation = "ADD", "HOLD"
+    strip.blend_type, strip.extrapolation = BLEND, "HOLD"
     return action
