@@ -63,7 +63,7 @@ def test_what_an_artist_sets_stays_until_another_kind_is_chosen(receivers):
     bpy.context.scene.frame_set(5)
     assert slider(surface, "Sparkle") == pytest.approx(0.9)
     bpy.ops.snowbough.set_kind(kind="OLD")
-    assert slider(surface, "Sparkle") == pytest.approx(0.15)
+    assert slider(surface, "Sparkle") == pytest.approx(0.3)
 
 
 def test_a_group_of_an_earlier_version_keeps_its_materials(addon):

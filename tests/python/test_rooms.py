@@ -56,7 +56,7 @@ LINES = {
     "addon/snowbough/gltf": 2800,
     "addon/snowbough/preview": 1100,
     "addon/snowbough/realtime": 2250,
-    "addon/snowbough/result": 1750,
+    "addon/snowbough/result": 1950,
     "addon/snowbough/scene": 2100,
     "addon/snowbough/settings": 740,
     "addon/snowbough/surface": 700,

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The counterpart of compat for nodes and node groups: their sockets and names in Blender 3.4 to 5.x."""
 
+import bpy
+
 from . import compat
 
 
@@ -63,3 +65,12 @@ def set_specular(principled, level):
     """The specular strength of a Principled BSDF; 0.5 is about that of glass or ice."""
     name = "Specular IOR Level" if "Specular IOR Level" in principled.inputs else "Specular"
     principled.inputs[name].default_value = level
+
+
+def glossy(builder):
+    """A node that mirrors (GGX). From 4.0 on, the anisotropic node takes the place of the glossy one."""
+    if hasattr(bpy.types, "ShaderNodeBsdfGlossy"):
+        return builder.node("ShaderNodeBsdfGlossy", distribution="GGX")
+    node = builder.node("ShaderNodeBsdfAnisotropic", distribution="GGX")
+    builder.feed(node, Anisotropy=0.0)
+    return node

@@ -65,6 +65,9 @@ SURFACE_MODIFIER = "Snowbough Surface"
 # On the points of a snow surface: their positions in the last frame.
 SURFACE_POSITION_ATTRIBUTE = "snow_position"
 
+# On the points of the snow surface of a rigid receiver: their positions without snow.
+SURFACE_BARE_ATTRIBUTE = "snow_bare"
+
 # Exit codes of the command line (see bake.cli and tree.cli).
 EXIT_OK = 0
 EXIT_FAILED = 1

@@ -101,3 +101,12 @@ class NodeBuilder:
         for socket, value in zip(node.inputs, (x, y, z)):
             self.set(socket, value)
         return node.outputs[0]
+
+    # -- shaders ---------------------------------------------------------------------------------------
+
+    def mixed(self, factor, first, second):
+        """The first shader at factor 0, the second at 1."""
+        node = self.node("ShaderNodeMixShader")
+        for socket, value in zip(node.inputs, (factor, first, second)):
+            self.set(socket, value)
+        return node.outputs[0]

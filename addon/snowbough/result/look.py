@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 
 from ..base.names import SNOW_GROUP, SNOW_KINDS
-from .relief_nodes import RELIEF_INPUT
+from .relief_nodes import FRESH_RELIEF, RELIEF_INPUT
 
 
 @dataclass(frozen=True)
@@ -42,17 +42,13 @@ LOOKS = dict(
     zip(
         (kind for kind, *_ in SNOW_KINDS),
         (
-            Look((0.92, 0.94, 0.97), 0.006, 1.3, 0.35, 0.6, 0.4, 40.0, 0.002),
-            Look((0.90, 0.93, 0.96), 0.004, 1.0, 0.40, 0.3, 0.6, 65.0, 0.005),
-            Look((0.80, 0.86, 0.92), 0.003, 0.5, 0.60, 0.05, 0.4, 80.0, 0.012),
-            Look((0.80, 0.82, 0.84), 0.005, 1.8, 0.25, 0.15, 1.0, 60.0, 0.004),
+            Look((0.92, 0.94, 0.97), 0.006, 1.3, 0.35, 1.0, 0.4, 40.0, 0.002),
+            Look((0.90, 0.93, 0.96), 0.004, 1.0, 0.40, 0.6, 0.6, 65.0, 0.005),
+            Look((0.80, 0.86, 0.92), 0.003, 0.5, 0.60, 0.1, 0.4, 80.0, 0.012),
+            Look((0.80, 0.82, 0.84), 0.005, 1.8, 0.25, 0.3, 1.0, 60.0, 0.004),
         ),
     )
 )
-
-
-# Relief of fresh snow, at which the slider of the surface is 1.
-FRESH_RELIEF = 0.6
 
 
 def of(scene):

@@ -16,6 +16,7 @@ from ..base.names import REST_ATTRIBUTE, SNOW_UV
 from ..scene.libraries import library_name, stored_name
 from ..scene.pose import metres_per_unit
 from . import baked_images, look, original_state, rest_position, snow_nodes
+from .snowfall import read_snowfall
 
 FRAME_LABEL = "Snowbough"
 # Distance between two rows of nodes.
@@ -275,6 +276,7 @@ def add(scene, receiver, displace):
     maps = {kind.name: baked_images.load_sequence(receiver.folder, kind.name) for kind in MAP_KINDS}
     scale = 1.0 / metres_per_unit(scene) if displace else None
     metres = [abs(axis) * metres_per_unit(scene) for axis in obj.matrix_world.to_scale()]
+    snowfall = read_snowfall(bpy.path.abspath(receiver.folder))
 
     record = original_state.read(receiver)
     _note_slots(receiver, record)
@@ -285,6 +287,9 @@ def add(scene, receiver, displace):
         material = _snowy_copy(obj, _find_material(entry) if entry["material"] else None)
         group = add_snow_nodes(material, maps, uv_map, scale, metres, rest)
         look.set_group_inputs(group, look.of(scene))
+        if snowfall is not None:
+            group.inputs["Depth"].default_value = snowfall.depth
+            group.inputs["Wind"].default_value = snowfall.wind
         slot.link = "OBJECT"
         slot.material = material
         record["copies"].append(material.name)

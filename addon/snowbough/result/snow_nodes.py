@@ -10,7 +10,7 @@ import bpy
 from ..base import compat_nodes
 from ..base.names import SNOW_GROUP
 from ..base.node_builder import NodeBuilder
-from .relief_nodes import add_relief
+from .relief_nodes import add_lumps, add_relief, add_waves
 
 # Light penetrates snow by some centimetres, red less than blue. Fresh snow has an albedo of about 0.9 and is nearly
 # white (S. G. Warren, Optical Properties of Snow, Reviews of Geophysics 20, 1982).
@@ -19,16 +19,24 @@ SUBSURFACE_RADIUS = (0.010, 0.013, 0.018)
 # Depth in metres from which light scatters as in deep snow.
 SCATTERING_DEPTH = 0.05
 
-# Grains and lumps of the surface, as a bump: (waves per metre, amplitude in metres).
+# Grains of the surface, as a bump: (waves per metre, amplitude in metres).
 BUMPS = ((110.0, 0.0011), (420.0, 0.0004))
-# Patches and grains of a thin dusting: waves per metre. A higher weight of patches spreads flecks further from the
-# edge.
-DUST_SCALES = (45.0, 520.0)
-PATCHES, GRAINS = 0.2, 0.7
-CRYSTALS = 650.0
-# Share of crystals that reflect at full sparkle.
-MOST_SPARKLE = 0.06
-ROUGH, MIRROR = 0.65, 0.12
+# Light that hollows lose and crests keep: least of the blue. Bumps have no shadows of their own, so without it snow
+# would be blank under an overcast sky.
+HOLLOWS = (0.26, 0.24, 0.20)
+LIT = 0.97
+# A thin dusting: grains per metre. Noise of patches, which are the lumps, and of grains says at which share of the full
+# dusting a place is covered; a higher weight spreads them further from the edge. A grain is as soft as this share.
+DUST_SCALE = 520.0
+PATCHES, GRAINS = 0.35, 1.2
+GRAIN_EDGE = 0.12
+ROUGH = 0.65
+# Glittering crystals: their size in metres, and as a share of the distance to the camera (about a pixel or two),
+# whichever is more; the sizes are powers of two of the first. Their tilt, roughness and reflectance.
+CRYSTAL, CRYSTAL_ANGLE = 0.0015, 0.0012
+TILT, MIRROR, REFLECTANCE = 1.8, 0.25, 0.12
+# Size of a crystal in its cell.
+FACET = 0.5
 
 # name, socket type, default, minimum, maximum, tooltip
 INPUTS = (
@@ -41,8 +49,14 @@ INPUTS = (
      "surface between its grains (metres)"),
     ("Grain", "NodeSocketFloat", 1.0, 0.0, 4.0, "Height of the bumps of grains and lumps; 1 is fresh snow"),
     ("Subsurface", "NodeSocketFloat", 0.4, 0.0, 1.0, "Share of light that enters deep snow (0 to 1)"),
-    ("Sparkle", "NodeSocketFloat", 0.3, 0.0, 1.0, "Share of glittering crystals (0 to 1)"),
-    ("Relief", "NodeSocketFloat", 1.0, 0.0, 10.0, "Height of the waves in materials that displace; 0.6 is fresh snow"),
+    ("Sparkle", "NodeSocketFloat", 0.6, 0.0, 1.0, "Share of glittering crystals (0 to 1)"),
+    ("Relief", "NodeSocketFloat", 0.6, 0.0, 10.0, "Height of lumps, drifts and ripples; 0.6 is fresh snow"),
+    ("Depth", "NodeSocketFloat", 0.1, 0.0, 1000.0, "Depth of snow on open ground at the end of the shot, with which "
+     "drifts grow (metres)"),
+    ("Wind", "NodeSocketVector", (0.0, 0.0, 0.0), None, None, "Level direction of the wind on the object. Its length "
+     "is the strength of ripples (0 to 1)"),
+    ("Cover", "NodeSocketFloat", 1000.0, 0.0, 1000.0, "Height of the snow surface above the object. Where it is lower "
+     "than Dusting, it shows as grains (metres)"),
 )  # fmt: skip
 OUTPUTS = (
     ("Shader", "NodeSocketShader", "The material with snow on it"),
@@ -51,43 +65,54 @@ OUTPUTS = (
 )
 
 
-def _noise(tree, position, scale, detail=0.0):
+def _noise(tree, position, scale):
     node = tree.node("ShaderNodeTexNoise")
-    tree.feed(node, Vector=position, Scale=scale, Detail=detail)
+    tree.feed(node, Vector=position, Scale=scale, Detail=0.0)
     return compat_nodes.noise_value(node)
 
 
-def _coverage(tree, inputs, thickness):
+def _coverage(tree, inputs, lumps, thickness):
     """The share of the surface that grains hide; on thin snow there are gaps between grains."""
-    patches, grains = (_noise(tree, inputs["Position"], scale, 2.0) for scale in DUST_SCALES)
-    threshold = tree.add(tree.multiply(patches, PATCHES), tree.multiply(grains, GRAINS))
-    filled = tree.divide(thickness, inputs["Dusting"])
-    return tree.smoothstep(filled, tree.subtract(threshold, 0.35), tree.add(threshold, 0.35))
+    grains = tree.math(
+        "MULTIPLY_ADD", _noise(tree, inputs["Position"], DUST_SCALE), GRAINS, 0.5 - 0.5 * GRAINS
+    )
+    threshold = tree.math("MULTIPLY_ADD", lumps, PATCHES, grains)
+    filled = tree.divide(tree.math("MINIMUM", thickness, inputs["Cover"]), inputs["Dusting"])
+    return tree.smoothstep(filled, tree.subtract(threshold, GRAIN_EDGE), tree.add(threshold, GRAIN_EDGE))
 
 
-def _grain(tree, inputs):
-    """The normal, with bumps of grains."""
-    height = None
-    for waves, metres in BUMPS:
-        wave = tree.multiply(_noise(tree, inputs["Position"], waves, 1.0), 2.0 * metres)
-        height = wave if height is None else tree.add(height, wave)
+def _bumps(tree, inputs, lumps, thickness):
+    """(normal, colour): bumps of grains and of waves, and the snow's colour, darker in hollows."""
+    waves, crests = add_waves(tree, inputs["Position"], lumps, inputs["Normal"], thickness,
+                              *(inputs[name] for name in ("Depth", "Wind", "Relief")))  # fmt: skip
+    grains = None
+    for scale, metres in BUMPS:
+        grain = tree.multiply(_noise(tree, inputs["Position"], scale), 2.0 * metres)
+        grains = grain if grains is None else tree.add(grains, grain)
     node = tree.node("ShaderNodeBump")
-    tree.feed(node, Strength=1.0, Distance=1.0, Height=tree.multiply(height, inputs["Grain"]),
-              Normal=inputs["Normal"])  # fmt: skip
-    return node.outputs["Normal"]
+    tree.feed(node, Strength=1.0, Distance=1.0, Normal=inputs["Normal"],
+              Height=tree.math("MULTIPLY_ADD", grains, inputs["Grain"], waves))  # fmt: skip
+    light = tree.vector("MULTIPLY_ADD", crests, HOLLOWS, (LIT,) * 3)
+    lit = tree.vector("MINIMUM", tree.vector("MULTIPLY", inputs["Color"], light), (1.0, 1.0, 1.0))
+    return node.outputs["Normal"], lit
 
 
 def _sparkle(tree, inputs, normal):
-    """(roughness, normal): single crystals with random orientation reflect the light."""
+    """A shader: crystals with random orientation, each as large as a pixel or more, reflect the light."""
+    distance = tree.output(tree.node("ShaderNodeCameraData"), "View Distance")
+    times = tree.math("MAXIMUM", tree.multiply(distance, CRYSTAL_ANGLE / CRYSTAL), 1.0)
+    times = tree.math("POWER", 2.0, tree.math("CEIL", tree.math("LOGARITHM", times, 2.0)))
     cells = tree.node("ShaderNodeTexVoronoi")
-    tree.feed(cells, Vector=inputs["Position"], Scale=CRYSTALS)
+    tree.feed(cells, Vector=inputs["Position"], Scale=tree.divide(1.0 / CRYSTAL, times))
     color = tree.output(cells, "Color")
-    chance = tree.components(color)[0]
-    mirrors = tree.math("LESS_THAN", chance, tree.multiply(inputs["Sparkle"], MOST_SPARKLE))
-    turned = tree.vector("SUBTRACT", color, (0.5, 0.5, 0.5))
-    tilt = tree.scale(tree.vector("MULTIPLY", turned, (0.0, 1.2, 1.2)), mirrors)
-    facing = tree.vector("NORMALIZE", tree.vector("ADD", normal, tilt))
-    return tree.math("MULTIPLY_ADD", mirrors, MIRROR - ROUGH, ROUGH), facing
+    chance = tree.math("FRACT", tree.vector("DOT_PRODUCT", color, (7.0, 11.0, 13.0)))
+    chosen = tree.math("LESS_THAN", chance, inputs["Sparkle"])
+    facet = tree.math("LESS_THAN", tree.output(cells, "Distance"), FACET)
+    tilt = tree.scale(tree.vector("SUBTRACT", color, (0.5, 0.5, 0.5)), TILT)
+    mirror = compat_nodes.glossy(tree)
+    tree.feed(mirror, Roughness=MIRROR, Normal=tree.vector("NORMALIZE", tree.vector("ADD", normal, tilt)),
+              Color=tree.scale((REFLECTANCE,) * 3, tree.multiply(chosen, facet)))  # fmt: skip
+    return mirror.outputs[0]
 
 
 def _fill(tree):
@@ -98,24 +123,28 @@ def _fill(tree):
 
     snow = builder.node("ShaderNodeBsdfPrincipled")
     snow.label = "Snow"
-    roughness, normal = _sparkle(builder, inputs, _grain(builder, inputs))
-    builder.feed(snow, Base_Color=inputs["Color"], Normal=normal, Roughness=roughness)
+    lumps = add_lumps(builder, inputs["Position"])
+    normal, color = _bumps(builder, inputs, lumps, thickness)
+    builder.feed(snow, Base_Color=color, Normal=normal, Roughness=ROUGH)
     compat_nodes.set_specular(snow, 0.35)
     depth = builder.smoothstep(thickness, 0.0, SCATTERING_DEPTH)
     radius = builder.scale(SUBSURFACE_RADIUS, builder.math("MULTIPLY_ADD", depth, 0.9, 0.1))
-    compat_nodes.set_subsurface(
-        tree, snow, builder.multiply(inputs["Subsurface"], depth), inputs["Color"], radius
-    )
-
-    coverage = _coverage(builder, inputs, thickness)
-    mix = builder.node("ShaderNodeMixShader")
-    for socket, value in zip(mix.inputs, (coverage, inputs["Shader"], snow.outputs["BSDF"])):
+    compat_nodes.set_subsurface(tree, snow, builder.multiply(inputs["Subsurface"], depth), color, radius)
+    glittering = builder.node("ShaderNodeAddShader")
+    for socket, value in zip(glittering.inputs, (snow.outputs["BSDF"], _sparkle(builder, inputs, normal))):
         builder.set(socket, value)
+
+    coverage = _coverage(builder, inputs, lumps, thickness)
+    # A shadow needs only the coverage.
+    is_shadow = builder.output(builder.node("ShaderNodeLightPath"), "Is Shadow Ray")
+    plain = builder.node("ShaderNodeBsdfDiffuse").outputs[0]
+    shaded = builder.mixed(is_shadow, glittering.outputs[0], plain)
+    mixed = builder.mixed(coverage, inputs["Shader"], shaded)
     relief = add_relief(builder, inputs["Position"], thickness, inputs["Relief"])
     sign = builder.math("SIGN", inputs["Height"])
     displaced = builder.add(inputs["Height"], builder.multiply(relief, sign))
     group_output = builder.node("NodeGroupOutput")
-    for name, value in (("Shader", mix.outputs[0]), ("Coverage", coverage), ("Thickness", displaced)):
+    for name, value in (("Shader", mixed), ("Coverage", coverage), ("Thickness", displaced)):
         builder.set(group_output.inputs[name], value)
 
 

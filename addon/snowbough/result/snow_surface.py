@@ -3,7 +3,8 @@
 modifier reads its points from the bake's files, so nothing is computed when the frame changes.
 
 The mesh data has the points without snow, so that nothing shows if the file is lost. An attribute has the points of the
-last frame, which are coordinates of the material: they are fixed to the snow while it grows.
+last frame, which are coordinates of the material: they are fixed to the snow while it grows. On rigid receivers another
+has the points without snow, from which the material sees how high the snow stands.
 
 Scenes that share a receiver have a surface each, in a collection that no other scene shows. A copy of a baked scene
 shares the surface until it bakes.
@@ -17,15 +18,15 @@ import bpy
 import numpy as np
 
 from ..base import compat
-from ..base.names import SNOW_UV, SURFACE_MODIFIER, SURFACE_POSITION_ATTRIBUTE
+from ..base.names import SNOW_UV, SURFACE_BARE_ATTRIBUTE, SURFACE_MODIFIER, SURFACE_POSITION_ATTRIBUTE
 from ..cache.errors import CacheError
 from ..cache.files import SURFACE_FACES, SURFACE_POINTS
 from ..scene.libraries import library_name
-from ..scene.pose import metres_per_unit
 from ..surface.compute import read_summary
 from ..surface.mesh_file import read_mesh
 from ..surface.point_cache import read_point_cache
 from . import baked_images, original_state, surface_material
+from .snowfall import read_snowfall
 
 
 @dataclass
@@ -79,8 +80,12 @@ def _fill_mesh(mesh, file, bare):
     mesh.update(calc_edges=True)
     layer = mesh.uv_layers.new(name=SNOW_UV, do_init=False)
     layer.data.foreach_set("uv", np.ascontiguousarray(file.corner_uv, np.float32).ravel())
-    positions = mesh.attributes.new(SURFACE_POSITION_ATTRIBUTE, "FLOAT_VECTOR", "POINT")
-    positions.data.foreach_set("vector", np.ascontiguousarray(file.positions, np.float32).ravel())
+    _store_points(mesh, SURFACE_POSITION_ATTRIBUTE, file.positions)
+
+
+def _store_points(mesh, name, points):
+    attribute = mesh.attributes.new(name, "FLOAT_VECTOR", "POINT")
+    attribute.data.foreach_set("vector", np.ascontiguousarray(points, np.float32).ravel())
 
 
 def blend_path(path):
@@ -115,9 +120,10 @@ def _make_one(scene, member):
         raise CacheError(f"{member.folder / SURFACE_POINTS} does not match its faces: use Update Surface")
     _fill_mesh(mesh, file, points[0])
     sequence = baked_images.load_sequence(str(member.folder), "height")
-    mesh.materials.append(
-        surface_material.make_material(scene, name, sequence, SNOW_UV, metres_per_unit(scene))
-    )
+    snowfall = read_snowfall(member.folder)
+    if snowfall.is_rigid:
+        _store_points(mesh, SURFACE_BARE_ATTRIBUTE, points[0])
+    mesh.materials.append(surface_material.make_material(scene, name, sequence, SNOW_UV, snowfall))
     obj = bpy.data.objects.new(name, mesh)
     obj.snowbough.is_shell = True
     obj.snowbough.is_coarsened = summary.get("coarsened", False)
@@ -235,6 +241,18 @@ def _leave_to(others, scene, surface):
             other.collection.objects.link(surface)
 
 
+def _move_bare_points(mesh, before, matrix):
+    """After the mesh has been transformed: lets its material see the same heights. before: earlier points (V, 3)."""
+    bare = mesh.attributes.get(SURFACE_BARE_ATTRIBUTE)
+    if bare is None:
+        return
+    values = np.empty((len(before), 3), np.float32)
+    bare.data.foreach_get("vector", values.ravel())
+    # The material multiplies the difference by the scale of the receiver.
+    raised = (before - values) @ matrix.T / np.linalg.norm(matrix, axis=0)
+    bare.data.foreach_set("vector", (compat.read_positions(mesh) - raised).astype(np.float32).ravel())
+
+
 def freeze(scene, receiver, depsgraph):
     """Makes mesh objects without modifiers of the receiver's snow in the evaluated frame, in every displacement mode.
     Returns the new objects, which are in the collections of the surface; an empty list if no surface was computed."""
@@ -248,7 +266,9 @@ def freeze(scene, receiver, depsgraph):
         name = f"{surface.name} {scene.frame_current:04d}"
         mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
         mesh.name = name
+        before = compat.read_positions(mesh)
         mesh.transform(evaluated.matrix_world)
+        _move_bare_points(mesh, before, np.array(evaluated.matrix_world)[:3, :3])
         if evaluated.matrix_world.determinant() < 0:
             mesh.flip_normals()
         plain = bpy.data.objects.new(name, mesh)

@@ -6,21 +6,35 @@ import json
 import bpy
 
 from ..base import compat
-from ..base.names import SURFACE_POSITION_ATTRIBUTE
+from ..base.names import SURFACE_BARE_ATTRIBUTE, SURFACE_POSITION_ATTRIBUTE
 from ..base.node_builder import NodeBuilder
 from . import look, snow_nodes
 
 # Colour in the Solid view, where other objects are greyer.
 SOLID_COLOR = (1.0, 1.0, 1.0, 1.0)
-# Minimum depth for the material, in metres: the mesh already ends where snow ends, so its material must be opaque.
+# Minimum depth for the material, in metres: its edges dissolve by the height of the mesh, not by the map.
 LEAST_DEPTH = 0.01
+# Depth of bare parts of the mesh below the receiver, in metres.
+BARE_DEPTH = 0.001
 # Initial values of the material's sliders, as JSON. A new bake keeps the sliders that the artist has changed.
 _RECORD = "snowbough_sliders"
 
 
-def make_material(scene, name, sequence, uv_map, metres_per_unit):
+def _cover(builder, scale):
+    """Height of the mesh above its receiver, in metres."""
+    shown = builder.node("ShaderNodeTexCoord").outputs["Object"]
+    bare = builder.node("ShaderNodeAttribute", attribute_name=SURFACE_BARE_ATTRIBUTE).outputs["Vector"]
+    raised = builder.vector("MULTIPLY", builder.vector("SUBTRACT", shown, bare), scale)
+    return builder.subtract(builder.vector("LENGTH", raised), BARE_DEPTH)
+
+
+def make_material(scene, name, sequence, uv_map, snowfall):
     """A material with the scene's kind of snow. sequence: the BakedSequence of heights, or None; uv_map: UV map of the
-    surface's mesh."""
+    surface's mesh; snowfall: Snowfall.
+
+    The last millimetres of snow (slider Dusting) dissolve into grains, if the receiver keeps its shape: on others, the
+    height above the receiver is unknown.
+    """
     material = bpy.data.materials.new(name)
     compat.use_material_nodes(material)
     material.diffuse_color = SOLID_COLOR
@@ -40,9 +54,15 @@ def make_material(scene, name, sequence, uv_map, metres_per_unit):
     builder.feed(
         group,
         Height=depth,
-        Position=builder.scale(place, metres_per_unit),
+        Position=builder.vector("MULTIPLY", place, snowfall.scale),
         Normal=builder.node("ShaderNodeNewGeometry").outputs["Normal"],
+        Depth=snowfall.depth,
+        Wind=snowfall.wind,
     )
+    if snowfall.is_rigid:
+        clear = builder.node("ShaderNodeBsdfTransparent").outputs[0]
+        builder.feed(group, Shader=clear, Cover=_cover(builder, snowfall.scale))
+        compat.set_alpha_clipping(material)
     output = builder.node("ShaderNodeOutputMaterial")
     builder.feed(output, Surface=group.outputs["Shader"])
     if "Thickness" in output.inputs:  # EEVEE from 4.2 on
@@ -55,9 +75,9 @@ def _sliders(material):
     values = {}
     for node in look.group_nodes(material):
         for socket in node.inputs:
-            if not socket.is_linked and socket.type in ("VALUE", "RGBA"):
+            if not socket.is_linked and socket.type in ("VALUE", "RGBA", "VECTOR"):
                 value = socket.default_value
-                values[socket.name] = list(value) if socket.type == "RGBA" else float(value)
+                values[socket.name] = float(value) if socket.type == "VALUE" else list(value)
     return values
 
 
