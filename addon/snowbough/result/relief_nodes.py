@@ -46,9 +46,9 @@ def add_relief(builder, position, thickness, strength):
 LUMP, LUMP_HEIGHT, LUMP_SHARE = 0.06, 0.008, 0.12
 CROWN, CROWN_SHARE = 3.0, 0.2
 DRIFT, DRIFT_SHARE = 18.0, 1.0
-RIPPLE, RIPPLE_HEIGHT, RIPPLE_SHARE = 0.13, 0.014, 0.14
+RIPPLE, RIPPLE_HEIGHT, RIPPLE_SHARE = 0.13, 0.011, 0.12
 # A ripple is so many times longer than its wavelength, and drifts bend it by so many of these.
-RIPPLE_LENGTH, RIPPLE_BEND = 3.5, 2.5
+RIPPLE_LENGTH, RIPPLE_BEND = 2.5, 4.0
 # Open ground: the upward component of the normal, and the thickness as a share of the depth there.
 LEVEL, OPEN = (0.85, 0.97), (0.4, 0.85)
 

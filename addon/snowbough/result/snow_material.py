@@ -287,9 +287,8 @@ def add(scene, receiver, displace):
         material = _snowy_copy(obj, _find_material(entry) if entry["material"] else None)
         group = add_snow_nodes(material, maps, uv_map, scale, metres, rest)
         look.set_group_inputs(group, look.of(scene))
-        if snowfall is not None:
-            group.inputs["Depth"].default_value = snowfall.depth
-            group.inputs["Wind"].default_value = snowfall.wind
+        group.inputs["Depth"].default_value = snowfall.depth
+        group.inputs["Wind"].default_value = snowfall.wind
         slot.link = "OBJECT"
         slot.material = material
         record["copies"].append(material.name)

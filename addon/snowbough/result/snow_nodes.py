@@ -34,9 +34,9 @@ ROUGH = 0.65
 # Glittering crystals: their size in metres, and as a share of the distance to the camera (about a pixel or two),
 # whichever is more; the sizes are powers of two of the first. Their tilt, roughness and reflectance.
 CRYSTAL, CRYSTAL_ANGLE = 0.0015, 0.0012
-TILT, MIRROR, REFLECTANCE = 1.8, 0.25, 0.12
+TILT, MIRROR, REFLECTANCE = 1.8, 0.25, 0.18
 # Size of a crystal in its cell.
-FACET = 0.5
+FACET = 0.55
 
 # name, socket type, default, minimum, maximum, tooltip
 INPUTS = (

@@ -23,10 +23,10 @@ class Snowfall:
     the strength of ripples (0 to 1). scale: metres per unit of that space, for each axis. is_rigid: whether the
     receiver keeps its shape during the shot."""
 
-    depth: float
-    wind: tuple
-    scale: tuple
-    is_rigid: bool
+    depth: float = 0.1
+    wind: tuple = (0.0, 0.0, 0.0)
+    scale: tuple = (1.0, 1.0, 1.0)
+    is_rigid: bool = False
 
 
 def _width(points):
@@ -36,11 +36,12 @@ def _width(points):
 
 
 def read_snowfall(folder):
-    """The Snowfall of a baked receiver's folder, or None before a bake and for bakes without a surface."""
+    """The Snowfall of a baked receiver's folder; the defaults before a bake and without the inputs of a surface. Raises
+    CacheError for damaged files."""
     manifest = read_manifest(Path(folder)) if folder else None
     frames = [entry for entry in manifest["frames"] if "to_world" in entry] if manifest else []
     if not frames or not (Path(folder) / POSITIONS).is_file():
-        return None
+        return Snowfall()
     local = read_point_cache(Path(folder) / POSITIONS)
     matrix = np.array(frames[-1]["to_world"], np.float64).reshape(4, 4)[:3, :3]
     scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-9)
