@@ -7,6 +7,7 @@ import os
 import bpy
 import numpy as np
 import pytest
+from exported_tree import import_tree
 from synthetic_tree import build_synthetic, evaluated_vertices, synthetic_bones
 
 
@@ -139,7 +140,9 @@ def _upright_limbs(wind, limbs_a_level, levels=3):
     def sway(roots=None, strength=1.0, gusts=0.0, keys=16, seconds=4.0):
         roots = np.zeros((count, 3)) if roots is None else roots
         along = np.array((1.0, 0.0, 0.0))
-        vectors = wind.sway_vectors(chains, shares, up, roots, along, strength, gusts, 5, keys, seconds)
+        vectors = wind.sway_vectors(
+            chains, shares, lengths, up, roots, along, strength, gusts, 5, keys, seconds
+        )
         return vectors[:, :, 1], vectors[:, :, 0]
 
     return chains, sway
@@ -189,6 +192,60 @@ def test_more_wind_bends_further(addon):
         bpy.ops.snowbough.add_sway(strength=strength)
         furthest.append(max(np.abs(_positions(bark, frame) - rest).max() for frame in range(1, 97, 6)))
     assert furthest[0] < furthest[1] < furthest[2]
+
+
+@pytest.mark.parametrize("bones", [1, 4, 60])
+@pytest.mark.parametrize("radius", [0.002, 0.1])
+def test_a_tip_swings_by_the_same_share_of_its_limb_whatever_the_bones(addon, bones, radius):
+    wind = addon("tree.wind")
+    lengths = np.full(bones, 6.0 / bones)
+    radii = radius * np.linspace(1.0, 0.2, bones)
+    chains = wind.find_chains([k - 1 for k in range(bones)], [k > 0 for k in range(bones)], lengths, radii)
+    shares = wind.bone_shares(chains, lengths, radii)
+    turned = np.cumsum(wind.swing_angles(chains, shares, lengths, 1.0) * shares)
+    assert (np.sin(turned) * lengths).sum() / 6.0 == pytest.approx(0.05, rel=0.01)
+
+
+def test_stubs_swing_less(addon):
+    wind = addon("tree.wind")
+    lengths, radii = np.array([8.0, 2.0, 0.2]), np.array([0.4, 0.02, 0.02])
+    chains = wind.find_chains([-1, 0, 0], [False] * 3, lengths, radii)
+    shares = wind.bone_shares(chains, lengths, radii)
+    assert wind.swing_angles(chains, shares, lengths, 2.0) == pytest.approx([0.1, 0.1, 0.05])
+
+
+def test_presets_are_stronger_in_their_order_and_own_values_overrule_them(addon):
+    rig, bark = build_synthetic(addon)
+    rest = evaluated_vertices(bark)
+    _activate(rig)
+
+    def furthest(**settings):
+        bpy.ops.snowbough.add_sway(**settings)
+        return max(np.abs(_positions(bark, frame) - rest).max() for frame in range(1, 97, 6))
+
+    breeze, usual, wind, storm = (
+        furthest(force="BREEZE"),
+        furthest(),
+        furthest(force="WIND"),
+        furthest(force="STORM"),
+    )
+    assert breeze < wind < storm and usual == wind
+    assert furthest(strength=0.0) == 0.0 and furthest(force="OWN", strength=0.0) == 0.0
+    assert furthest(force="STORM", strength=0.0) == storm
+
+
+def test_a_real_tree_moves_as_far_with_few_bones_as_with_many(addon):
+    crowns = []
+    for bones in (0, 12):
+        rig, bark = import_tree(max_bones=bones)
+        rest = evaluated_vertices(bark)
+        top = rest[:, 2] > 0.9 * rest[:, 2].max()
+        bpy.ops.snowbough.add_sway(gusts=0.0, strength=1.0)
+        moved = [np.linalg.norm(_positions(bark, f)[top] - rest[top], axis=1).mean() for f in range(1, 97, 6)]
+        crowns.append(max(moved) / rest[:, 2].max())
+        bpy.ops.wm.read_homefile(use_empty=True)
+    assert crowns[1] == pytest.approx(crowns[0], rel=0.35)
+    assert 0.02 < min(crowns) and max(crowns) < 0.12
 
 
 def test_cycles_are_whole_and_keep_their_order(addon):

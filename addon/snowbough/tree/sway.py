@@ -11,6 +11,9 @@ import numpy as np
 from ..base import compat
 from . import wind
 
+# (strength, gusts) of the operator's presets.
+FORCES = {"BREEZE": (0.4, 0.3), "WIND": (1.0, 0.4), "STORM": (2.4, 0.7)}
+
 
 def wind_direction(bearing):
     """Unit vector of the wind's direction: 0 is +Y, clockwise seen from above, as for snowfall."""
@@ -57,7 +60,9 @@ def sway_angles(armature, to_world, direction, strength, gusts, seed, keys, seco
     roots = heads[first] * size
     blow = rotation.T @ direction
     blow /= max(np.linalg.norm(blow), 1e-12)
-    vectors = wind.sway_vectors(chains, shares, bone_y, roots, blow, strength, gusts, seed, keys, seconds)
+    vectors = wind.sway_vectors(
+        chains, shares, lengths, bone_y, roots, blow, strength, gusts, seed, keys, seconds
+    )
     # A rotation vector perpendicular to the bone has only X and Z components in the bone's own frame.
     return np.einsum("bki,bai->bka", vectors, local_axes[:, (0, 2)])
 
@@ -98,7 +103,7 @@ def _write_curves(new_curve, bones, angles, start, step):
 def add_sway(rig, scene, bearing, strength, gusts, seed, frame_start, loop_frames, keys):
     """Replaces the action of the armature object by a looping sway; returns the action.
 
-    bearing in radians, strength 1 = fresh breeze, gusts 0 to 1, loop_frames > 0, keys >= 4.
+    bearing in radians, strength: see wind.swing_angles, gusts 0 to 1, loop_frames > 0, keys >= 4.
     """
     seconds = loop_frames * scene.render.fps_base / scene.render.fps
     to_world = np.array(rig.matrix_world, dtype=float)[:3, :3]

@@ -7,7 +7,9 @@ carries.
 - Frequency: first bending mode of a uniform round cantilever, f = 1.875^2 / (2 pi) * r / (2 L^2) *
   sqrt(E / rho) (W. T. Thomson, Theory of Vibration with Applications, table 9.5-1: 3.52 = 1.875^2 for a
   cantilever; r / 2 is a round section's radius of gyration): long thin limbs swing slowly.
-- Amplitude: angle at the tip under an even load, q L^3 / (6 E I) (any table of beam slopes and
+- Amplitude: a share of the limb's length by which its tip swings, the same for all trees and numbers of bones
+  (`SWING`), so that one strength suits any tree. Stubs are stiffer.
+- Angle for engines, `tip_angles`: at the tip under an even load, q L^3 / (6 E I) (any table of beam slopes and
   deflections) with I = pi r^4 / 4 and the wind's drag q = rho_air / 2 * v^2 * c_d * 2 r: proportional to
   (L / r)^3. It is limited to `LARGEST_ANGLE`, since slender plants bend out of the wind and feel less of it (E. de
   Langre, A. Gutierrez, J. Cosse, On the scaling of drag reduction by reconfiguration in plants, Comptes Rendus
@@ -29,6 +31,9 @@ AIR_DENSITY = 1.2
 CROWN_DRAG = 40.0
 # Metres per second at strength 1: a fresh breeze, Beaufort 5 (8.0 to 10.7 m/s).
 WIND_SPEED = 9.0
+# Largest swing of a limb's tip in still gusts at strength 1, as a share of the limb's length. Branches with a smaller
+# ratio of length and radius than SLENDER swing less, in proportion.
+SWING, SLENDER = 0.05, 20.0
 # Largest angle in radians between a limb's tip and its base.
 LARGEST_ANGLE = np.radians(22.0)
 # A sine curve needs four keys per cycle.
@@ -91,6 +96,18 @@ def tip_angles(length, radius, speed):
     return LARGEST_ANGLE * np.tanh(load * length**3 / (6 * stiffness) / LARGEST_ANGLE)
 
 
+def swing_angles(chains, shares, lengths, strength):
+    """Angle in radians of the whole bend of each limb (limbs,) by which its tip swings by SWING * strength of the
+    limb's length. shares (B,): see bone_shares; lengths (B,): of the bones, in metres."""
+    limb, count = chains.limb, len(chains.limb_length)
+    # A bone turns what lies beyond its head.
+    beyond = 1.0 - (chains.position - 0.5 * lengths / chains.limb_length[limb])
+    lever = np.bincount(limb, weights=shares * beyond, minlength=count)
+    stiff = np.minimum(chains.limb_length / (SLENDER * chains.limb_radius), 1.0)
+    stiff[chains.limb_level == 0] = 1.0
+    return SWING * strength * stiff / np.maximum(lever, 0.1)
+
+
 def loop_cycles(frequency, seconds, keys):
     """Number of whole cycles of each limb in the loop, at least 1, at most keys / KEYS_PER_CYCLE.
 
@@ -124,20 +141,20 @@ def gust_curve(phases, gusts, generator):
     return 1.0 + gusts * waves
 
 
-def sway_vectors(chains, shares, axes, roots, wind, strength, gusts, seed, keys, seconds):
+def sway_vectors(chains, shares, lengths, axes, roots, wind, strength, gusts, seed, keys, seconds):
     """Rotation vectors of every bone at `keys` moments of the loop: float (B, keys, 3), radians.
 
-    axes float (B, 3): unit vectors along the bones at rest; roots (limbs, 3): base of each limb in metres; wind: unit
-    vector of the wind's direction, in the same space; strength 1 = fresh breeze; gusts 0 to 1; seconds: length of the
-    loop. Moment k is at k / keys of the loop, and the curve is periodic, so moment `keys` is moment 0. A rotation
-    vector is perpendicular to its bone: limbs bend and do not twist.
+    lengths float (B,): of the bones, in metres; axes float (B, 3): unit vectors along the bones at rest; roots
+    (limbs, 3): base of each limb in metres; wind: unit vector of the wind's direction, in the same space; strength: see
+    swing_angles; gusts 0 to 1; seconds: length of the loop. Moment k is at k / keys of the loop, and the curve is
+    periodic, so moment `keys` is moment 0. A rotation vector is perpendicular to its bone: limbs bend and do not twist.
     """
     generator = np.random.default_rng(seed)
     limbs = len(chains.limb_length)
     moments = np.arange(keys) / keys
     frequency = natural_frequencies(chains.limb_length, chains.limb_radius)
     cycles = loop_cycles(frequency, seconds, keys)[:, None]
-    angle = tip_angles(chains.limb_length, chains.limb_radius, WIND_SPEED * strength)[:, None]
+    angle = swing_angles(chains, shares, lengths, strength)[:, None]
 
     # Gusts travel with the wind: limbs further downwind feel them later.
     delay = (roots @ wind)[:, None] / (max(WIND_SPEED * strength, 1e-6) * seconds)

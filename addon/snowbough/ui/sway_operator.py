@@ -2,7 +2,7 @@
 """Operator ``snowbough.add_sway``: animates a tree in the wind (tree.sway)."""
 
 import bpy
-from bpy.props import FloatProperty, IntProperty
+from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from ..base.names import counted
 from ..tree import sway
@@ -22,9 +22,21 @@ class SNOWBOUGH_OT_add_sway(NotWhileBaking, bpy.types.Operator):
         subtype="ANGLE",
         default=1.5707964,
     )
+    force: EnumProperty(
+        name="Force",
+        description="Strength and Gusts of the wind",
+        items=(
+            ("BREEZE", "Breeze", "Tips swing by 2 % of their limb's length"),
+            ("WIND", "Wind", "Tips swing by 5 % of their limb's length"),
+            ("STORM", "Storm", "Tips swing by 12 % of their limb's length, in strong gusts"),
+            ("OWN", "Own Values", "Use the values of Strength and Gusts"),
+        ),
+        default="WIND",
+    )
     strength: FloatProperty(
         name="Strength",
-        description="Wind speed: 1 is a fresh breeze of 9 m/s. Higher values bend the branches more",
+        description="Swing of a limb's tip: at 1 by 5 % of the limb's length, whatever the tree and its bones. Higher "
+        "values bend the branches more",
         default=1.0,
         min=0.0,
         soft_max=3.0,
@@ -59,6 +71,20 @@ class SNOWBOUGH_OT_add_sway(NotWhileBaking, bpy.types.Operator):
             return "Select a tree: its armature, or a mesh that the armature deforms"
         return None
 
+    def draw(self, _context):
+        layout = self.layout
+        layout.use_property_split = True
+        for name in self.bl_rna.properties.keys():
+            if name != "rna_type" and (self.force == "OWN" or name not in ("strength", "gusts")):
+                layout.prop(self, name)
+
+    def _force(self):
+        """(strength, gusts). Scripts may set these without Force."""
+        given = any(map(self.properties.is_property_set, ("strength", "gusts")))
+        if self.force == "OWN" or given and not self.properties.is_property_set("force"):
+            return self.strength, self.gusts
+        return sway.FORCES[self.force]
+
     def execute(self, context):
         rig = sway.rig_of(context.object)
         if not rig.data.bones:
@@ -69,8 +95,7 @@ class SNOWBOUGH_OT_add_sway(NotWhileBaking, bpy.types.Operator):
             rig,
             context.scene,
             self.bearing,
-            self.strength,
-            self.gusts,
+            *self._force(),
             self.seed,
             self.frame_start,
             self.loop_frames,
