@@ -21,8 +21,10 @@ namespace {
 using tree::Branch;
 using tree::Foliage;
 using tree::ImportReport;
+using tree::KeptSurface;
 using tree::MaterialTexture;
 using tree::ObjMaterial;
+using tree::PolygonMesh;
 using tree::ReadTreeOptions;
 using tree::Simplify;
 using tree::Skeleton;
@@ -59,8 +61,10 @@ void set_foliage(const py::object& foliage, ReadTreeOptions& options) {
 
 ReadTreeOptions read_options(const std::string& up_axis, const std::string& levels,
                              const std::string& simplify, float tolerance,
-                             const py::object& foliage, double unit, double height) {
+                             const py::object& foliage, double unit, double height,
+                             bool keep_surface) {
   ReadTreeOptions options;
+  options.keep_surface = keep_surface;
   options.up_axis = up_axis_from(up_axis);
   options.levels = levels;
   options.simplify = simplify_from(simplify);
@@ -73,9 +77,10 @@ ReadTreeOptions read_options(const std::string& up_axis, const std::string& leve
 
 Skeleton read_tree(const py::object& path, const std::string& up_axis, const std::string& levels,
                    const std::string& simplify, float tolerance, const py::object& foliage,
-                   double unit, double height, const py::object& progress, bool outside_files) {
+                   double unit, double height, const py::object& progress, bool outside_files,
+                   bool keep_surface) {
   ReadTreeOptions options =
-      read_options(up_axis, levels, simplify, tolerance, foliage, unit, height);
+      read_options(up_axis, levels, simplify, tolerance, foliage, unit, height, keep_surface);
   options.outside_files = outside_files;
   // os.fsdecode takes str, bytes and pathlib.Path.
   const auto file = py::module_::import("os").attr("fsdecode")(path).cast<std::string>();
@@ -99,6 +104,7 @@ std::vector<int32_t> indices_from(const InputArray<int32_t>& array, size_t below
 tree::ObjScene scene_from_arrays(size_t vertices, const InputArray<int32_t>& face_begin,
                                  const InputArray<int32_t>& corner_vertex,
                                  const std::optional<InputArray<float>>& corner_uv,
+                                 const std::optional<InputArray<float>>& corner_normal,
                                  const InputArray<int32_t>& face_names,
                                  std::vector<std::string> names,
                                  std::vector<std::string> materials) {
@@ -127,13 +133,20 @@ tree::ObjScene scene_from_arrays(size_t vertices, const InputArray<int32_t>& fac
     if (f > 0 && chosen[f] == chosen[f - 1]) continue;
     scene.runs.push_back({static_cast<int32_t>(f), object, -1, material});
   }
+  const auto own_row = [&](size_t rows, const std::string& what, std::vector<int32_t>& index) {
+    if (rows != scene.corner_vertex.size()) {
+      throw std::invalid_argument(what + " must have a row for each corner");
+    }
+    index.resize(rows);
+    std::iota(index.begin(), index.end(), 0);
+  };
   if (corner_uv) {
     scene.uvs = rows_from_numpy<glm::vec2, float, 2>(*corner_uv, "corner_uv");
-    if (scene.uvs.size() != scene.corner_vertex.size()) {
-      throw std::invalid_argument("corner_uv must have a row for each corner");
-    }
-    scene.corner_uv.resize(scene.uvs.size());
-    std::iota(scene.corner_uv.begin(), scene.corner_uv.end(), 0);
+    own_row(scene.uvs.size(), "corner_uv", scene.corner_uv);
+  }
+  if (corner_normal) {
+    scene.normals = rows_from_numpy<glm::vec3, float, 3>(*corner_normal, "corner_normal");
+    own_row(scene.normals.size(), "corner_normal", scene.corner_normal);
   }
   scene.names = std::move(names);
   scene.materials = std::move(materials);
@@ -145,15 +158,17 @@ Skeleton read_tree_mesh(const std::string& name, const InputArray<double>& verti
                         const InputArray<int32_t>& corner_vertex,
                         const std::optional<InputArray<float>>& corner_uv,
                         const InputArray<int32_t>& face_names, std::vector<std::string> names,
-                        std::vector<std::string> materials, const std::string& up_axis,
-                        const std::string& levels, const std::string& simplify, float tolerance,
-                        const py::object& foliage, double unit, double height,
-                        const py::object& progress) {
+                        std::vector<std::string> materials,
+                        const std::optional<InputArray<float>>& corner_normal,
+                        const std::string& up_axis, const std::string& levels,
+                        const std::string& simplify, float tolerance, const py::object& foliage,
+                        double unit, double height, const py::object& progress, bool keep_surface) {
   ReadTreeOptions options =
-      read_options(up_axis, levels, simplify, tolerance, foliage, unit, height);
+      read_options(up_axis, levels, simplify, tolerance, foliage, unit, height, keep_surface);
   const auto positions = rows_from_numpy<glm::dvec3, double, 3>(vertices, "vertices");
-  tree::ObjScene scene = scene_from_arrays(positions.size(), face_begin, corner_vertex, corner_uv,
-                                           face_names, std::move(names), std::move(materials));
+  tree::ObjScene scene =
+      scene_from_arrays(positions.size(), face_begin, corner_vertex, corner_uv, corner_normal,
+                        face_names, std::move(names), std::move(materials));
   return run_cancellable(progress, [&](const base::Progress& asked) {
     options.progress = asked;
     return tree::read_tree(std::move(scene), positions, name, options);
@@ -227,7 +242,7 @@ py::dict report_dict(const ImportReport& report) {
                   py::arg("branches_per_level") = report.branches_per_level,
                   py::arg("skipped_parts") = skipped, py::arg("extra_roots") = report.extra_roots,
                   py::arg("foliage_parts") = report.foliage_parts,
-                  py::arg("warnings") = report.warnings);
+                  py::arg("wood_name") = report.wood_name, py::arg("coverage") = report.coverage, py::arg("warnings") = report.warnings);
 }
 
 py::ssize_t count_of(const auto& values) {
@@ -299,25 +314,40 @@ void bind_skeleton(py::module_& module) {
       .def_readonly("bump_texture", &ObjMaterial::bump_texture)
       .def_readonly("normal_texture", &ObjMaterial::normal_texture);
 
-  py::class_<Foliage>(module, "Foliage", "Leaves, needles and flowers as in the file.")
-      .def_property_readonly("vertices", array_view<Foliage, float, 3>(&Foliage::vertices),
+  py::class_<PolygonMesh>(module, "PolygonMesh", "Polygons of the file; metres, Z up.")
+      .def_property_readonly("vertices", array_view<PolygonMesh, float, 3>(&PolygonMesh::vertices),
                              "(V, 3)")
-      .def_property_readonly("face_begin", array_view<Foliage, int32_t, 1>(&Foliage::face_begin),
+      .def_property_readonly("face_begin",
+                             array_view<PolygonMesh, int32_t, 1>(&PolygonMesh::face_begin),
                              "(F + 1,): face f owns corners [face_begin[f], face_begin[f + 1]).")
-      .def_property_readonly("corner_vertex",
-                             array_view<Foliage, int32_t, 1>(&Foliage::corner_vertex), "(C,)")
-      .def_property_readonly("corner_uv", array_view<Foliage, float, 2>(&Foliage::corner_uv),
-                             "(C, 2)")
+      .def_property_readonly(
+          "corner_vertex", array_view<PolygonMesh, int32_t, 1>(&PolygonMesh::corner_vertex), "(C,)")
+      .def_property_readonly("corner_uv",
+                             array_view<PolygonMesh, float, 2>(&PolygonMesh::corner_uv), "(C, 2)")
+      .def_property_readonly("corner_normal",
+                             array_view<PolygonMesh, float, 3>(&PolygonMesh::corner_normal),
+                             "(C, 3): unit normals, zero for none; (0, 3) if all are flat.")
       .def_property_readonly("face_material",
-                             array_view<Foliage, int32_t, 1>(&Foliage::face_material),
+                             array_view<PolygonMesh, int32_t, 1>(&PolygonMesh::face_material),
                              "(F,): index into materials, -1 = none.")
+      .def_readonly("materials", &PolygonMesh::materials);
+
+  py::class_<Foliage, PolygonMesh>(module, "Foliage", "Leaves, needles and flowers as in the file.")
       .def_property_readonly("face_leaf", array_view<Foliage, int32_t, 1>(&Foliage::face_leaf),
                              "(F,)")
       .def_property_readonly("leaf_branch", array_view<Foliage, int32_t, 1>(&Foliage::leaf_branch),
                              "(L,): index into the skeleton's branches.")
       .def_property_readonly("leaf_attach_point",
-                             array_view<Foliage, float, 3>(&Foliage::leaf_attach_point), "(L, 3)")
-      .def_readonly("materials", &Foliage::materials);
+                             array_view<Foliage, float, 3>(&Foliage::leaf_attach_point), "(L, 3)");
+
+  py::class_<KeptSurface, PolygonMesh>(module, "KeptSurface",
+                                       "The wood as in the file; empty unless it was asked for.")
+      .def_readonly("textured", &KeptSurface::textured,
+                    "Whether any polygon has texture coordinates.")
+      .def_readonly("flat", &KeptSurface::flat, "Whether its normals are those of flat polygons.")
+      .def_property_readonly("vertex_branch",
+                             array_view<KeptSurface, int32_t, 1>(&KeptSurface::vertex_branch),
+                             "(V,): index into the skeleton's branches.");
 
   py::class_<Skeleton>(module, "Skeleton",
                        "Branches sorted so that a parent comes before its children.")
@@ -333,7 +363,7 @@ void bind_skeleton(py::module_& module) {
       .def_property_readonly(
           "report", [](const Skeleton& skeleton) { return report_dict(skeleton.report); },
           "dict: form, up_axis, branches_per_level, skipped_parts, extra_roots, foliage_parts, "
-          "warnings")
+          "wood_name, coverage, warnings")
       .def_readonly("height", &Skeleton::height, "Extent of the wood along Z in metres.")
       .def_property_readonly(
           "origin",
@@ -344,6 +374,7 @@ void bind_skeleton(py::module_& module) {
           R"((x, y, z): origin of all points in the file's space, metres, Z up; not 0 for trees far
 from the file's origin.)")
       .def_readonly("foliage", &Skeleton::foliage)
+      .def_readonly("kept", &Skeleton::kept)
       .def_property_readonly(
           "wood_materials",
           [](const Skeleton& skeleton) -> const auto& { return skeleton.wood.materials; },
@@ -358,6 +389,7 @@ for anything else.)");
              py::arg("levels") = "", py::arg("simplify") = "NONE", py::arg("tolerance") = 0.5f,
              py::arg("foliage") = "AUTO", py::arg("unit") = 1.0, py::arg("height") = 0.0,
              py::arg("progress") = py::none(), py::arg("outside_files") = false,
+             py::arg("keep_surface") = false,
              R"(Reads a tree from a Wavefront OBJ file and finds its skeleton; Z up, metres.
 
 levels: level names from the trunk on, separated by commas; '' derives them from the group names.
@@ -374,21 +406,25 @@ height that unit gives.
 outside_files: whether to read material libraries and textures outside the file's folder and its
 parent folder.
 
+keep_surface: whether to keep the wood's own polygons in `kept`.
+
 progress(share) is called regularly; returning False (not None) cancels with KeyboardInterrupt.
 Raises ValueError with file and line for malformed input.)");
 
   module.def("read_tree_mesh", &read_tree_mesh, py::arg("name"), py::arg("vertices"),
              py::arg("face_begin"), py::arg("corner_vertex"), py::arg("corner_uv"),
              py::arg("face_names"), py::arg("names"), py::arg("materials"),
-             py::arg("up_axis") = "AUTO", py::arg("levels") = "", py::arg("simplify") = "NONE",
-             py::arg("tolerance") = 0.5f, py::arg("foliage") = "AUTO", py::arg("unit") = 1.0,
-             py::arg("height") = 0.0, py::arg("progress") = py::none(),
+             py::arg("corner_normal") = py::none(), py::arg("up_axis") = "AUTO",
+             py::arg("levels") = "", py::arg("simplify") = "NONE", py::arg("tolerance") = 0.5f,
+             py::arg("foliage") = "AUTO", py::arg("unit") = 1.0, py::arg("height") = 0.0,
+             py::arg("progress") = py::none(), py::arg("keep_surface") = false,
              R"(As read_tree, for polygons that are already in memory; `name` stands for the file in
 messages.
 
 vertices (V, 3); face_begin (F + 1,): polygon f has the corners from face_begin[f] to
 face_begin[f + 1]; corner_vertex (C,); corner_uv (C, 2) or None; face_names (F, 2): indices into
-`names`, of objects, and into `materials`, -1 = none. Materials keep only their names.)");
+`names`, of objects, and into `materials`, -1 = none; corner_normal (C, 3) or None. Materials keep only
+their names.)");
 }
 
 }  // namespace snowbough::python

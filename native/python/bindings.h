@@ -38,6 +38,8 @@ void bind_skeleton(pybind11::module_& module);
 void bind_tree(pybind11::module_& module);
 /// layout_leaf_uvs.
 void bind_tree_uvs(pybind11::module_& module);
+/// kept_weights, layout_kept_uvs.
+void bind_kept(pybind11::module_& module);
 /// gpu_info, Gpu, shader_source.
 void bind_gpu(pybind11::module_& module);
 /// Engine.

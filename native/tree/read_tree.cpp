@@ -11,14 +11,17 @@
 #include <utility>
 
 #include "base/parallel_for.h"
+#include "tree/coverage/coverage.h"
+#include "tree/kept/kept_surface.h"
+#include "tree/kept/upright.h"
 #include "tree/obj/mtl_reader.h"
 #include "tree/obj/obj_reader.h"
 #include "tree/obj/parts.h"
+#include "tree/obj/seams.h"
 #include "tree/read/classify.h"
 #include "tree/read/foliage.h"
 #include "tree/read/left_out.h"
 #include "tree/read/limbs.h"
-#include "tree/read/loose_faces.h"
 #include "tree/read/part_names.h"
 #include "tree/read/plausible.h"
 #include "tree/read/up_axis.h"
@@ -34,6 +37,16 @@ constexpr double kMostUnattached = 0.2;
 /// ground has a higher fraction.
 constexpr double kMostLeftOut = 0.75;
 constexpr size_t kFewLimbs = 4;
+/// Parts named in a warning about coverage.
+constexpr size_t kNamedParts = 3;
+/// Advice for stumps, ferns and stones.
+constexpr const char* kNoLimbsNeeded =
+    ". A plant without limbs, such as a stump or a fern, carries snow as it is: import its mesh "
+    "with "
+    "Blender's own importer and add it to the receivers, or import it here with Keep Original "
+    "Surface to bend it";
+/// Gain in covered area for which another reading is taken.
+constexpr double kBetter = 1.05;
 /// Distance from the file's origin, in tree sizes, beyond which the tree gets its own origin.
 constexpr double kFar = 100.0;
 
@@ -116,14 +129,15 @@ void orient_roots(TracedBranches& traced) {
 void describe_materials(const ObjScene& scene, const std::string& path, bool outside_files,
                         Skeleton& skeleton) {
   if (scene.materials.empty() && scene.material_libraries.empty()) return;
-  const std::array both = {&skeleton.wood.materials, &skeleton.foliage.materials};
+  const std::array all = {&skeleton.wood.materials, &skeleton.kept.materials,
+                          &skeleton.foliage.materials};
   std::set<std::string> used;
-  for (const std::vector<ObjMaterial>* materials : both) {
+  for (const std::vector<ObjMaterial>* materials : all) {
     for (const ObjMaterial& material : *materials) used.insert(material.name);
   }
   const std::map<std::string, ObjMaterial> library =
       read_materials(path, scene.material_libraries, used, outside_files, skeleton.report.warnings);
-  for (std::vector<ObjMaterial>* materials : both) {
+  for (std::vector<ObjMaterial>* materials : all) {
     for (ObjMaterial& material : *materials) {
       const auto found = library.find(material.name);
       if (found != library.end()) material = found->second;
@@ -147,64 +161,64 @@ struct SortedParts {
 };
 
 SortedParts sort_parts(const ObjScene& scene, const std::string& foliage_names, bool foliage_words,
-                       const base::Execution& execution) {
-  const auto label = [&](const Parts& parts) {
-    return label_parts(scene, parts, foliage_names, foliage_words);
-  };
+                       LargestPart largest, const base::Execution& execution) {
   SortedParts sorted;
-  sorted.parts = split_parts(scene, base::part_of(execution.progress, 0.0f, 0.15f));
-  sorted.labels = label(sorted.parts);
-  const int32_t split_count = sorted.parts.count();
-  sorted.parts = join_loose_faces(scene, std::move(sorted.parts), sorted.labels,
-                                  base::part_of(execution.progress, 0.15f, 0.3f));
-  if (sorted.parts.count() < split_count) sorted.labels = label(sorted.parts);
+  sorted.parts = split_parts(scene, base::part_of(execution.progress, 0.0f, 0.3f));
+  sorted.labels = label_parts(scene, sorted.parts, foliage_names, foliage_words);
   sorted.classified =
-      classify_parts(scene, sorted.parts, sorted.labels, execution.part(0.3f, 1.0f));
+      classify_parts(scene, sorted.parts, sorted.labels, largest, execution.part(0.3f, 1.0f));
   return sorted;
 }
 
 /// Sorts by names and shapes; by shapes alone if names leave no wood.
-SortedParts sort_parts(const ObjScene& scene, const std::string& foliage_names,
+SortedParts sort_parts(const ObjScene& scene, const std::string& foliage_names, LargestPart largest,
                        std::vector<std::string>& warnings, const base::Execution& execution) {
-  SortedParts by_names = sort_parts(scene, foliage_names, true, execution);
+  SortedParts by_names = sort_parts(scene, foliage_names, true, largest, execution);
   if (by_names.has_wood() || !by_names.has_role(PartRole::kFoliage) || !foliage_names.empty()) {
     return by_names;
   }
-  SortedParts by_shape = sort_parts(scene, foliage_names, false, execution.part(1.0f, 1.0f));
+  SortedParts by_shape =
+      sort_parts(scene, foliage_names, false, largest, execution.part(1.0f, 1.0f));
   if (!by_shape.has_wood()) return by_names;
   warnings.emplace_back(
       "by their names all parts are foliage; wood and leaves were distinguished by shape");
   return by_shape;
 }
 
+/// Whether there are branches, and not hardly any without names that confirm them.
+bool has_limbs(const TracedBranches& traced, const LeftOut& left_out) {
+  return !traced.branches.empty() && (traced.named || left_out.share < kMostLeftOut ||
+                                      traced.branches.size() >= kFewLimbs);
+}
+
 /// @throws std::invalid_argument if there are none, or hardly any without names that confirm them.
 void check_branches(const TracedBranches& traced, int32_t foliage_count, const LeftOut& left_out,
                     const std::string& path) {
+  if (has_limbs(traced, left_out)) return;
   if (!traced.branches.empty()) {
-    if (traced.named || left_out.share < kMostLeftOut || traced.branches.size() >= kFewLimbs)
-      return;
     throw std::invalid_argument(
         path + ": is not a tree: " + std::to_string(static_cast<int>(100.0 * left_out.share)) +
-        " % of it is not wood, its largest part is " + left_out.why +
-        "; if it is a tree, name its groups trunk, branch and so on");
+        " % of it is not wood, its largest part is " + left_out.why + kNoLimbsNeeded +
+        ". If it is a tree, name its groups trunk, branch and so on");
   }
   if (!left_out.why.empty()) {
     throw std::invalid_argument(path + ": has no branches; its largest part is " + left_out.why +
-                                "; export the tree with its trunk and branches");
+                                kNoLimbsNeeded +
+                                ". If it is a tree, export it with its trunk and branches");
   }
   throw std::invalid_argument(
       path + ": has no branches, " +
       (foliage_count > 0 ? "only " + std::to_string(foliage_count) + " leaves or other loose parts"
                          : std::string("none of its parts is a tube or a row of planes")) +
-      "; export the tree with its trunk and branches");
+      kNoLimbsNeeded + ". If it is a tree, export it with its trunk and branches");
 }
 
 /// @throws std::invalid_argument if branches found by shape alone are not a tree.
 void check_tree(const TracedBranches& traced, const std::string& path) {
   const std::string why = traced.named ? "" : why_no_tree(traced.branches);
   if (why.empty()) return;
-  throw std::invalid_argument(path + ": is not a tree: " + why +
-                              "; if it is one, give its level names, or name its groups trunk, "
+  throw std::invalid_argument(path + ": is not a tree: " + why + kNoLimbsNeeded +
+                              ". If it is a tree, give its level names, or name its groups trunk, "
                               "branch and so on");
 }
 
@@ -243,21 +257,25 @@ ObjScene read_scene(const std::string& path, const ReadTreeOptions& options, Ske
   return read_obj_file(path, read_options);
 }
 
-/// Fills the skeleton's foliage and report.
-/// @return the wood, not yet connected.
-TracedBranches read_parts(const ObjScene& scene, const std::string& path,
-                          const ReadTreeOptions& options, Skeleton& skeleton) {
-  const base::Execution whole{options.threads, options.progress};
-  ImportReport& report = skeleton.report;
-  SortedParts sorted =
-      sort_parts(scene, options.foliage_names, report.warnings, whole.part(0.5f, 0.8f));
-  const auto& [parts, labels, classified] = sorted;
-  report.form = form_name(classified.form);
-  report.foliage_parts = classified.foliage_count;
-  report_scene(scene, report);
-  const LeftOut left_out = report_left_out(scene, parts, labels, classified, report);
+/// The file's wood as it was understood, not yet connected.
+struct Reading {
+  SortedParts sorted;
+  TracedBranches traced;
+  LeftOut left_out;
+  Coverage coverage;
+  /// Its skipped parts and warnings are those of this reading.
+  ImportReport report;
+};
 
-  TracedBranches traced = trace_branches(scene, parts, labels, sorted.classified);
+Reading read_wood(const ObjScene& scene, const ReadTreeOptions& options, LargestPart largest,
+                  const base::Execution& execution) {
+  Reading reading;
+  ImportReport& report = reading.report;
+  reading.sorted = sort_parts(scene, options.foliage_names, largest, report.warnings, execution);
+  const auto& [parts, labels, classified] = reading.sorted;
+  reading.left_out = report_left_out(scene, parts, labels, classified, report);
+  TracedBranches& traced = reading.traced;
+  traced = trace_branches(scene, parts, labels, reading.sorted.classified);
   traced.form = classified.form;
   if (classified.shuffled) {
     report.warnings.emplace_back(
@@ -267,8 +285,128 @@ TracedBranches read_parts(const ObjScene& scene, const std::string& path,
   traced.named = !options.levels.empty() || !options.foliage_names.empty() ||
                  std::any_of(labels.meaning.begin(), labels.meaning.end(),
                              [](NameMeaning m) { return m != NameMeaning::kSilent; });
-  check_branches(traced, classified.foliage_count, left_out, path);
+  reading.coverage = measure_coverage(scene, parts, classified, traced.branches);
+  return reading;
+}
+
+/// Reads the wood. If its limbs represent too little of it, reads it again with equal positions
+/// joined and its largest part taken for the tree; `scene` is then the joined one.
+Reading read_wood(ObjScene& scene, const ReadTreeOptions& options,
+                  const base::Execution& execution) {
+  Reading first = read_wood(scene, options, LargestPart::kAny, execution);
+  if (!first.traced.branches.empty() && first.coverage.share() >= kLowCoverage) return first;
+  ObjScene joined = scene;
+  weld_positions(joined);
+  Reading second = read_wood(joined, options, LargestPart::kTree, execution.part(1.0f, 1.0f));
+  if (second.traced.branches.empty() ||
+      second.coverage.covered < kBetter * first.coverage.covered ||
+      second.coverage.share() < first.coverage.share()) {
+    return first;
+  }
+  second.report.warnings.emplace_back(
+      "the limbs did not fit the file's polygons; it was read again with vertices at equal "
+      "positions joined");
+  scene = std::move(joined);
+  return second;
+}
+
+/// Replaces what was read by one limb from the ground to the top: for stumps and other surfaces
+/// without limbs. All that is not named as foliage belongs to it.
+void stand_as_one(const ObjScene& scene, UpAxis up_axis, Reading& reading) {
+  auto& [parts, labels, classified] = reading.sorted;
+  classified.welded.clear();
+  classified.skipped.clear();
+  int32_t first = -1;
+  std::vector<char> used(scene.positions.size(), 0);
+  for (int32_t p = 0; p < parts.count(); ++p) {
+    if (labels.meaning[p] == NameMeaning::kFoliage) continue;
+    classified.role[p] = PartRole::kTube;
+    if (first < 0) first = p;
+    for (const int32_t v : parts.part_vertices(p)) used[v] = 1;
+  }
+  reading.report = {};
+  reading.left_out = {};
+  reading.coverage = {};
+  reading.traced = {};
+  if (first < 0) return;
+  const int up = up_axis == UpAxis::kZ ? 2 : 1;
+  Branch trunk = upright_limb(scene.positions, used, up);
+  trunk.name = "trunk";
+  trunk.piece = first;
+  reading.traced.branches.push_back(std::move(trunk));
+  reading.traced.reversible.push_back(0);
+  reading.traced.label.push_back(-1);
+  reading.traced.named = true;
+  classified.foliage_count = static_cast<int32_t>(
+      std::count(classified.role.begin(), classified.role.end(), PartRole::kFoliage));
+}
+
+std::string percent(double share) {
+  return std::to_string(static_cast<int>(std::lround(100.0 * share))) + " %";
+}
+
+/// The label with most of the area of the limbs.
+std::string name_of_wood(const ObjScene& scene, const SortedParts& sorted) {
+  const auto& [parts, labels, classified] = sorted;
+  std::vector<double> areas(labels.names.size(), 0.0);
+  for (int32_t p = 0; p < parts.count(); ++p) {
+    const bool wood =
+        classified.role[p] != PartRole::kFoliage && classified.role[p] != PartRole::kSkipped;
+    if (wood && labels.label[p] >= 0) areas[labels.label[p]] += part_area(scene, parts, p);
+  }
+  const auto most = std::max_element(areas.begin(), areas.end());
+  return most != areas.end() ? labels.names[static_cast<size_t>(most - areas.begin())] : "";
+}
+
+/// Says which parts the limbs do not represent, and what to do.
+void report_coverage(const Reading& reading, ImportReport& report) {
+  report.coverage = reading.coverage.share();
+  if (report.coverage >= kLowCoverage) return;
+  const auto& [parts, labels, classified] = reading.sorted;
+  std::string text = "the limbs represent only " + percent(report.coverage) + " of the wood";
+  for (size_t i = 0; i < std::min(reading.coverage.missing.size(), kNamedParts); ++i) {
+    const auto& [part, area] = reading.coverage.missing[i];
+    const std::string name =
+        labels.label[part] >= 0 ? labels.names[labels.label[part]] : "(unnamed)";
+    const auto skipped =
+        std::find_if(classified.skipped.begin(), classified.skipped.end(),
+                     [p = part](const SkippedPart& entry) { return entry.part == p; });
+    text += (i == 0 ? "; missing: " : ", ") + percent(area / reading.coverage.area) + " in '" +
+            name + "' (" +
+            (skipped != classified.skipped.end() ? skipped->why
+                                                 : "its polygons are away from its limb") +
+            ")";
+  }
+  report.warnings.push_back(text +
+                            ". Import it with Keep Original Surface, which uses its own mesh");
+}
+
+/// Fills the skeleton's foliage and report.
+/// @return the wood, not yet connected.
+TracedBranches read_parts(ObjScene& scene, const std::string& path, const ReadTreeOptions& options,
+                          Skeleton& skeleton) {
+  const base::Execution whole{options.threads, options.progress};
+  ImportReport& report = skeleton.report;
+  report_scene(scene, report);
+  Reading reading = read_wood(scene, options, whole.part(0.5f, 0.8f));
+  const auto& [parts, labels, classified] = reading.sorted;
+  report.form = form_name(classified.form);
+  report.foliage_parts = classified.foliage_count;
+  const auto append = [](auto& to, const auto& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  append(report.skipped_parts, reading.report.skipped_parts);
+  append(report.warnings, reading.report.warnings);
+  TracedBranches& traced = reading.traced;
+  if (options.keep_surface && !has_limbs(traced, reading.left_out)) {
+    stand_as_one(scene, options.up_axis, reading);
+    report.form = "ONE_LIMB";
+  }
+  check_branches(traced, classified.foliage_count, reading.left_out, path);
+  report.wood_name = name_of_wood(scene, reading.sorted);
+  report_coverage(reading, report);
   assign_levels(traced, labels, classified.form, options.levels, report.warnings);
+  if (options.keep_surface) skeleton.kept = gather_kept(scene, parts, classified, traced.branches);
   skeleton.wood = gather_wood(scene, parts, classified, traced.branches);
   if (options.foliage) {
     skeleton.foliage = gather_foliage(scene, parts, classified);
@@ -276,7 +414,7 @@ TracedBranches read_parts(const ObjScene& scene, const std::string& path,
     report.skipped_parts.emplace_back(
         "foliage (" + std::to_string(classified.foliage_count) + " parts)", "left out by option");
   }
-  return traced;
+  return std::move(traced);
 }
 
 /// Rotates wood and leaves so that Z is up.
@@ -287,7 +425,10 @@ void turn_z_up(UpAxis up_axis, TracedBranches& traced, Skeleton& skeleton) {
   if (!y_up) return;
   turn_y_up_to_z_up(traced.branches);
   for (glm::vec3& p : skeleton.foliage.vertices) p = y_up_to_z_up(p);
+  for (glm::vec3& normal : skeleton.foliage.corner_normal) normal = y_up_to_z_up(normal);
   for (glm::vec3& p : skeleton.wood.vertices) p = y_up_to_z_up(p);
+  for (glm::vec3& p : skeleton.kept.vertices) p = y_up_to_z_up(p);
+  for (glm::vec3& normal : skeleton.kept.corner_normal) normal = y_up_to_z_up(normal);
   skeleton.origin = {skeleton.origin.x, -skeleton.origin.z, skeleton.origin.y};
 }
 
@@ -326,15 +467,16 @@ void check_options(const ReadTreeOptions& options) {
 }
 
 /// Fills the skeleton from the polygons of a file or a mesh.
-void build_skeleton(const ObjScene& scene, const std::string& path, const ReadTreeOptions& options,
+void build_skeleton(ObjScene& scene, const std::string& path, const ReadTreeOptions& options,
                     Skeleton& skeleton) {
   const base::Execution whole{options.threads, options.progress};
+  close_seams(scene);
   TracedBranches traced = read_parts(scene, path, options, skeleton);
 
   connect(traced, !options.levels.empty(), skeleton.report.warnings,
           base::part_of(options.progress, 0.8f, 0.85f));
   base::report_progress(options.progress, 0.85f);
-  check_tree(traced, path);
+  if (!options.keep_surface) check_tree(traced, path);
   turn_z_up(options.up_axis, traced, skeleton);
   orient_roots(traced);
   if (is_merged(traced.form)) name_by_level(traced.branches);
@@ -344,6 +486,7 @@ void build_skeleton(const ObjScene& scene, const std::string& path, const ReadTr
   report_extra_roots(skeleton);
   attach_leaves(skeleton.branches, skeleton.foliage, whole.part(0.85f, 0.98f));
   scale_tree(options, skeleton);
+  attach_kept(skeleton);
   if (!skeleton.wood.triangles.empty()) {
     for (const Branch& branch : skeleton.branches) {
       skeleton.wood.centrelines.push_back(branch.points);
@@ -358,7 +501,7 @@ void build_skeleton(const ObjScene& scene, const std::string& path, const ReadTr
 Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
   check_options(options);
   Skeleton skeleton;
-  const ObjScene scene = read_scene(path, options, skeleton);
+  ObjScene scene = read_scene(path, options, skeleton);
   build_skeleton(scene, path, options, skeleton);
   describe_materials(scene, path, options.outside_files, skeleton);
   return skeleton;

@@ -23,6 +23,8 @@ struct ReadTreeOptions {
   Simplify simplify = Simplify::kNone;
   /// For kTolerance: maximum deviation of a limb from the original, in local radii.
   float tolerance = 0.5f;
+  /// Keep the wood's own polygons in Skeleton::kept.
+  bool keep_surface = false;
   /// Keep leaves, needles and flowers in Skeleton::foliage.
   bool foliage = true;
   /// Name prefixes separated by commas: exactly the parts whose group, object or material starts

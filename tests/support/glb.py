@@ -25,13 +25,15 @@ VERTICES, INDICES = 34962, 34963
 ATTRIBUTES = {
     "POSITION": ("VEC3", {5126}, False),
     "NORMAL": ("VEC3", {5126}, False),
+    "TANGENT": ("VEC4", {5126}, False),
     "TEXCOORD": ("VEC2", {5121, 5123, 5126}, True),
     "COLOR": (("VEC3", "VEC4"), {5121, 5123, 5126}, True),
     "JOINTS": ("VEC4", {5121, 5123}, False),
     "WEIGHTS": ("VEC4", {5121, 5123, 5126}, True),
 }
 # KHR_mesh_quantization: further component types of these attributes.
-SMALL = {"POSITION": {5120, 5121, 5122, 5123}, "NORMAL": {5120, 5122}, "TEXCOORD": {5120, 5122}}
+SMALL = {"POSITION": {5120, 5121, 5122, 5123}, "NORMAL": {5120, 5122}, "TANGENT": {5120, 5122}}
+SMALL["TEXCOORD"] = {5120, 5122}
 # Largest error of the length of a normal of 8 bits, half a step in each direction.
 SMALL_LENGTH = 3**0.5 * 0.5 / 127
 
@@ -244,7 +246,7 @@ def _check_attribute(gltf, name, number):
     components = components | SMALL.get(name.split("_")[0], set()) if small else components
     gltf.say(accessor["componentType"] in components, f"3.7.2.1: {name}'s components")
     if small and name.split("_")[0] in SMALL:
-        must = name == "NORMAL" and accessor["componentType"] != 5126
+        must = name in ("NORMAL", "TANGENT") and accessor["componentType"] != 5126
         gltf.say(not must or accessor.get("normalized"), f"KHR_mesh_quantization: {name} is not normalised")
     elif normalized and accessor["componentType"] != 5126:
         gltf.say(accessor.get("normalized") is True, f"3.7.2.1: {name} is not normalised")
@@ -264,6 +266,13 @@ def _check_primitive(gltf, primitive, joint_count):
     lengths = np.linalg.norm(gltf.values(normal), axis=1)
     error = 1e-4 if gltf.json["accessors"][normal]["componentType"] == 5126 else SMALL_LENGTH
     gltf.say(np.abs(lengths - 1).max() < error, "3.7.2.1: normals are not of unit length")
+    bumpy = "normalTexture" in gltf.json["materials"][primitive["material"]]
+    gltf.say(bumpy == ("TANGENT" in given), "3.7.2.1: tangents are there exactly for a normal texture")
+    if bumpy:
+        tangent = gltf.values(primitive["attributes"]["TANGENT"])
+        away = np.abs(np.linalg.norm(tangent[:, :3], axis=1) - 1).max()
+        gltf.say(away < error, "3.7.2.1: tangents are not of unit length")
+        gltf.say((np.abs(tangent[:, 3]) == 1).all(), "3.7.2.1: a tangent's w is not 1 or -1")
     for stem in ("TEXCOORD", "COLOR", "JOINTS", "WEIGHTS"):
         there = sorted(int(name.split("_")[1]) for name in given if name.startswith(stem + "_"))
         gltf.say(there == list(range(len(there))), f"3.7.2.1: {stem} is not numbered from 0 on")

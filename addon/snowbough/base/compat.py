@@ -41,6 +41,14 @@ def set_uv(layer, uv):
         layer.data.foreach_set("uv", flat)
 
 
+def set_corner_normals(mesh, normals):
+    """Writes unit normals (L, 3), one a corner, as custom normals; zero: Blender's own. Shades the mesh smooth."""
+    mesh.polygons.foreach_set("use_smooth", np.ones(len(mesh.polygons), dtype=bool))
+    if hasattr(mesh, "use_auto_smooth"):  # before 4.1 custom normals need it
+        mesh.use_auto_smooth = True
+    mesh.normals_split_custom_set(np.asarray(normals, dtype=np.float32).tolist())
+
+
 # --------------------------------------------------------------------------------------------------
 # Armatures
 

@@ -196,6 +196,10 @@ def complete(levels, lods, count, rig, warnings):
         if found is None:
             raise ValueError("it was imported by a version that stores no skeleton")
         skeleton, built = found
+        if built.get("keeps_surface"):
+            if count > len(levels):
+                warnings.append(f"'{rig.name}' keeps the surface of its file: it has one level of detail")
+            return levels
         builder = _Builder(skeleton, built, rig)
     except ValueError as error:
         if len(levels) < count:

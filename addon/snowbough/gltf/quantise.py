@@ -35,7 +35,7 @@ class Grid:
 
 
 def normals(vectors):
-    """int8 (N, 3) of unit vectors."""
+    """int8 of unit vectors (N, 3) or tangents (N, 4)."""
     return np.rint(np.asarray(vectors, np.float64) * NORMAL_STEPS).astype(np.int8)
 
 

@@ -14,7 +14,7 @@ from ..base.names import BARK_UV, LEAF_UV, ORIGINAL_UV, SNOW_UV
 from ..tree.import_tree import LOD_PROPERTY
 from ..tree.objects import LEVEL_ATTRIBUTE, point_levels
 from ..tree.wind_attributes import AXIS, LENGTH, PHASE, PIVOT
-from .surface import Surface, strongest
+from .surface import Surface, strongest, unit
 from .tree_data import Joint
 
 # UV maps in the order of TEXCOORD_0, _1 and so on. ORIGINAL_UV exists only if the imported file had texture
@@ -138,6 +138,13 @@ def _wind(mesh):
     return tuple(found)
 
 
+def _normals(mesh, to_rig):
+    """float32 (C, 3): custom normals of the mesh in armature space; None without any."""
+    if not mesh.has_custom_normals:
+        return None
+    return unit(compat.read_corner_normals(mesh) @ np.linalg.inv(to_rig)).astype(np.float32)
+
+
 def surface_of(obj, rig, uv_maps):
     """The Surface of a mesh object in armature space. uv_maps: names in the order of TEXCOORD_0 and so on. Raises
     ValueError if one of the first two is missing; further missing ones are skipped."""
@@ -173,4 +180,5 @@ def surface_of(obj, rig, uv_maps):
         smooth=smooth[polygon],
         level=_point_levels(mesh, corner_point) if _is_bark(obj) else None,
         wind=_wind(mesh),
+        normals=_normals(mesh, to_rig[:3, :3]),
     )

@@ -18,6 +18,7 @@ class Surface:
     triangles int32 (T, 3): corners, anticlockwise seen from outside; material int32 (T,);
     smooth bool (T,): shaded with the points' normals, otherwise with the triangle's normal;
     level int32 (V,): branch level, None for leaves;
+    normals: float32 (C, 3), unit vectors that replace those of `smooth`, or None;
     wind: float32 pivots (V, 3), axes (V, 3), lengths (V,) and phases (V,) of tree.wind_attributes, or None.
     """
 
@@ -31,6 +32,7 @@ class Surface:
     smooth: np.ndarray
     level: np.ndarray | None = field(default=None)
     wind: tuple | None = field(default=None)
+    normals: np.ndarray | None = field(default=None)
 
 
 def from_quads(points, quads, corner_uvs, joints, weights, material, level):
@@ -63,7 +65,10 @@ def transformed(surface, linear):
         stretched = np.linalg.norm(moved(axis), axis=1)
         axis = unit(moved(axis)).astype(np.float32)
         wind = (moved(pivot), axis, (length * stretched).astype(np.float32), phase)
-    return replace(surface, points=moved(surface.points), triangles=triangles, wind=wind)
+    normals = surface.normals
+    if normals is not None:
+        normals = unit(normals.astype(np.float64) @ np.linalg.inv(linear)).astype(np.float32)
+    return replace(surface, points=moved(surface.points), triangles=triangles, wind=wind, normals=normals)
 
 
 def strongest(indices, weights):
@@ -91,11 +96,13 @@ def unit(vectors):
 
 
 def corner_normals(surface):
-    """float32 (T, 3, 3): the normal at each triangle's corners. A point's normal is the mean of the normals of its
-    smooth triangles, weighted by their angles at the point.
+    """float32 (T, 3, 3): the normal at each triangle's corners. Without custom normals, a point's is the mean of the
+    normals of its smooth triangles, weighted by their angles at the point.
 
     Source: G. Thuermer, C. A. Wuethrich, Computing Vertex Normals from Polygonal Facets, JGT 3 (1), 1998.
     """
+    if surface.normals is not None:
+        return surface.normals[surface.triangles]
     points = surface.corner_point[surface.triangles]
     place = surface.points.astype(np.float64)[points]
     face = unit(np.cross(place[:, 1] - place[:, 0], place[:, 2] - place[:, 0]))
@@ -145,9 +152,9 @@ class Vertices:
     triangles: np.ndarray
 
 
-def split(surface, chosen):
+def split(surface, chosen, labels=None):
     """The Vertices of the triangles `chosen` (bool (T,)). A point becomes one vertex for each different combination of
-    UVs and normal, in the order in which the triangles use them."""
+    UVs, normal and label, in the order in which the triangles use them. labels: float32 for each chosen triangle."""
     normals = corner_normals(surface)[chosen].reshape(-1, 3)
     corners = surface.triangles[chosen].reshape(-1)
     point = surface.corner_point[corners]
@@ -155,6 +162,8 @@ def split(surface, chosen):
     # Compared bit by bit; adding 0 turns -0 into 0.
     parts = [point[:, None].astype(np.int32)]
     parts += [np.ascontiguousarray(part + np.float32(0.0)).view(np.int32) for part in (normals, *uvs)]
+    if labels is not None:
+        parts.append(np.repeat(labels, 3)[:, None].view(np.int32))
     key = np.ascontiguousarray(np.concatenate(parts, axis=1))
     rows = key.view(np.dtype((np.void, key.dtype.itemsize * key.shape[1]))).reshape(-1)
     _, first, inverse = np.unique(rows, return_index=True, return_inverse=True)

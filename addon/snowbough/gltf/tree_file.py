@@ -12,6 +12,7 @@ from ..tree.wind_attributes import AXIS, LENGTH, PHASE, PIVOT
 from . import quantise
 from .document import INDICES, VERTICES, Document
 from .surface import limb_widths, point_normals, split
+from .tangents import orientations, tangents
 from .tree_data import SNOW_COLOR, SNOW_ROUGHNESS, STILL, Material, local_rests, quaternion, times
 
 GENERATOR = "Snowbough"
@@ -177,10 +178,24 @@ class _Writer:
         width = _index_type(vertices)
         return self.document.add_accessor(triangles.reshape(-1).astype(width), INDICES)
 
-    def _add_primitive(self, surface, chosen, material):
-        vertices = split(surface, chosen)
+    def _add_tangents(self, points, vertices, uv):
+        made = tangents(points, vertices.normals, uv, vertices.triangles)
+        made[:, :3] = _y_up(made[:, :3])
+        if self._grid is not None:
+            made = quantise.normals(made)
+        return self.document.add_accessor(made, VERTICES, normalized=self._grid is not None)
+
+    def _add_primitive(self, surface, chosen, material, bump):
+        """material: its number in the document; bump: its normal texture, which needs tangents, or None."""
+        labels = None
+        if bump is not None:
+            labels = orientations(surface.corner_uvs[bump.texcoord][surface.triangles[chosen]])
+        vertices = split(surface, chosen, labels)
         add = self.document.add_accessor
-        attributes = self._shape(surface.points[vertices.point], vertices.normals)
+        points = surface.points[vertices.point]
+        attributes = self._shape(points, vertices.normals)
+        if bump is not None:
+            attributes["TANGENT"] = self._add_tangents(points, vertices, vertices.uvs[bump.texcoord])
         for number, uv in enumerate(vertices.uvs):
             attributes[f"TEXCOORD_{number}"] = self._add_uv(uv)
         if surface.level is not None:
@@ -214,9 +229,11 @@ class _Writer:
             "nodes", {"name": name, "mesh": mesh, **({"skin": self._skin} if skinned else placed)}
         )
 
-    def _add_surface(self, name, surface, materials):
+    def _add_surface(self, name, surface, part, materials):
         primitives = [
-            self._add_primitive(surface, surface.material == number, materials[number])
+            self._add_primitive(
+                surface, surface.material == number, materials[number], part.materials[number].normal
+            )
             for number in np.unique(surface.material).tolist()
         ]
         return self._add_node(name, primitives, skinned=True)
@@ -236,7 +253,7 @@ class _Writer:
         used = np.unique(np.concatenate([surface.material for surface in part.levels])).tolist()
         materials = {number: _add_material(self.document, part.materials[number]) for number in used}
         nodes = [
-            self._add_surface(f"{part.name}_LOD{number}", surface, materials)
+            self._add_surface(f"{part.name}_LOD{number}", surface, part, materials)
             for number, surface in enumerate(part.levels, first_level)
         ]
         nodes += last

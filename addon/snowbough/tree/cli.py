@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """``cli.py import``: imports trees into the loaded file, saves a .blend and a JSON report.
 
-Exit codes: 0 done; 1 a file is not a tree, or a file could not be written; 6 the native module is missing; 130 stopped.
+Exit codes: 0 done; 1 a file is not a tree, or a file could not be written; 6 the native module is missing; 8 a tree's
+limbs represent too little of its wood: it was imported, and the warning says which parts are missing; 130 stopped.
 If some files are not trees, the others are imported. A file gets its final name only when it is complete.
 """
 
@@ -12,7 +13,7 @@ from pathlib import Path
 import bpy
 
 from ..base import native
-from ..base.names import EXIT_FAILED, EXIT_NO_NATIVE, EXIT_OK, FAILURES
+from ..base.names import EXIT_COVERAGE, EXIT_FAILED, EXIT_NO_NATIVE, EXIT_OK, FAILURES
 from ..base.options import add_options, options_of
 from ..cache.files import write_report
 from . import import_tree
@@ -106,4 +107,6 @@ def run(args):
         print(f"Snowbough: {import_tree.summary_of_all(reports, failures)}")
     elif made:
         print(f"Snowbough: {import_tree.summary(reports[0])}")
-    return EXIT_FAILED if failures else EXIT_OK
+    if failures:
+        return EXIT_FAILED
+    return EXIT_COVERAGE if any(map(import_tree.is_incomplete, reports)) else EXIT_OK

@@ -121,6 +121,12 @@ class ImportProperties:
         ),
         default="BROADLEAF",
     )
+    keep_surface: BoolProperty(
+        name="Keep Original Surface",
+        description="Keep the file's own mesh with its UV maps and normals, and give it the skeleton: for trees that "
+        "are fine as they are, scans and stumps. Detail, Width and LOD Chain then have no effect on the surface",
+        default=False,
+    )
     detail: EnumProperty(
         name="Detail",
         description="Fineness of the tree: sides of limbs, smoothness of bends and forks, joints of branches",
@@ -186,7 +192,7 @@ ImportOptions = options_class("ImportOptions", ImportProperties)
 # Headings of the options in dialogs, and the options of each. `simplify` and `tolerance` are for scripts.
 SECTIONS = (
     ("file", "File", ("up_axis", "unit", "height", "levels", "outside_files")),
-    ("surface", "Surface", ("detail", "lod_chain", "width", "species")),
+    ("surface", "Surface", ("keep_surface", "detail", "lod_chain", "width", "species")),
     ("bones", "Bones", ("max_bones", "max_bone_level", "show_bones")),
     ("foliage", "Foliage", ("foliage", "foliage_names")),
     ("extras", "Maps and Extras", ("snow_resolution", "wind_attributes", "mark_asset")),

@@ -17,9 +17,13 @@ from ..base import compat, native
 from ..base.names import BARK_UV, FAILURES, LEAF_UV, ORIGINAL_UV, SNOW_RESOLUTION_PROPERTY, counted
 from . import armature, kept_bark, kept_skeleton, materials, objects, textures, thumbnail, wind_attributes
 from .import_options import LOD_CHAIN
-from .native_tree import read_native
+from .native_tree import ORIGINAL, read_native
 
 REPORT_PROPERTY = "snowbough_report"
+# Share of the file's wood that the limbs represent, for the panel.
+COVERAGE_PROPERTY = "snowbough_coverage"
+# As in the native module: below this, the report says what is missing.
+LOW_COVERAGE = 0.75
 LOD_PROPERTY = "snowbough_lod"
 # The native module's reason for leaves that an option excludes.
 BY_OPTION = "left out by option"
@@ -69,6 +73,23 @@ def _create_bark(name, tree, options, bone_names, check, own):
     return barks
 
 
+def _create_kept(name, tree, options, bone_names, check, own):
+    """The bark object of a tree that keeps its surface."""
+    surface, branches = tree.skeleton.kept, tree.skeleton.branches
+    uv_map = ORIGINAL_UV if surface.textured else BARK_UV
+    slots = _used(
+        check.readable(surface.materials),
+        [surface.face_material],
+        lambda source: own.copy(source, uv_map) or materials.bark_material(f"{name}_bark", source, uv_map),
+    )
+    levels = [branch.level for branch in branches]
+    bark = objects.create_kept(f"{name}_bark", surface, levels, tree.kept, bone_names, slots)
+    bark[SNOW_RESOLUTION_PROPERTY] = int(tree.kept.layout["resolution"])
+    if options.wind_attributes:
+        wind_attributes.add_to_points(bark.data, branches, surface.vertex_branch)
+    return bark
+
+
 def _create_leaves(name, tree, options, bone_names, check, own):
     foliage = tree.skeleton.foliage
     slots = _used(
@@ -107,9 +128,12 @@ def create_tree(context, title, tree, options, own):
         bones = armature.bone_arrays(tree.meshes[0].native)
         rig = armature.create_armature(context, name, bones, collection)
         kept_skeleton.keep(rig.data, tree, options)
-        kept_bark.keep(rig.data, tree.base, tree.meshes[-1])
         check = textures.Check(tree.report["warnings"])
-        barks = _create_bark(name, tree, options, bones.names, check, own)
+        if tree.kept is not None:
+            barks = [_create_kept(name, tree, options, bones.names, check, own)]
+        else:
+            kept_bark.keep(rig.data, tree.base, tree.meshes[-1])
+            barks = _create_bark(name, tree, options, bones.names, check, own)
         leaves = []
         if tree.leaf_bones is not None:
             leaves.append(_create_leaves(name, tree, options, bones.names, check, own))
@@ -121,6 +145,7 @@ def create_tree(context, title, tree, options, own):
             bark.hide_render = True
             bark.hide_set(True)
         collection[REPORT_PROPERTY] = json.dumps(tree.report)
+        collection[COVERAGE_PROPERTY] = tree.report["coverage"]
         _select(context, rig, barks, leaves)
         if not options.show_bones:
             compat.hide_bones(rig.data)
@@ -228,7 +253,8 @@ def summary(report):
     text = (
         f"{report['file']}: {report['form']}, {report['up_axis']} up, "
         f"{counted(report['branches'], 'branch', 'branches')} ({levels}), {report['bones']} of "
-        f"{counted(report['bones_found'], 'bone')}, {faces} faces, {counted(report['leaves'], 'leaf', 'leaves')}"
+        f"{counted(report['bones_found'], 'bone')}, {faces} faces, {counted(report['leaves'], 'leaf', 'leaves')}, "
+        f"{report['coverage']:.0%} of the wood"
     )
     for count, noun in (
         (len(report["skipped_parts"]), "skipped part"),
@@ -237,6 +263,11 @@ def summary(report):
     ):
         text += f", {counted(count, noun)}" if count else ""
     return text
+
+
+def is_incomplete(report):
+    """Whether a rebuilt tree lacks parts of the file's wood. A tree that keeps its surface has them all."""
+    return report["coverage"] < LOW_COVERAGE and report["meshes"][0]["detail"] != ORIGINAL
 
 
 def warning_lines(report):

@@ -19,6 +19,7 @@ def keep(armature, tree, options):
     """Stores the skeleton of a NativeTree, and the detail of its finest mesh, on a new armature."""
     built = {name: getattr(options, name) for name in OPTIONS}
     built["detail"] = tree.meshes[-1].detail
+    built["keeps_surface"] = tree.kept is not None
     armature.snowbough_skeleton = to_text(tree.skeleton.branches, built)
 
 

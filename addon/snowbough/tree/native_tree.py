@@ -16,6 +16,9 @@ from .import_options import BASE, JOINTS, LOD_CHAIN, METRES_OF_UNIT
 # A dead trunk or a stump may be intended, but a pole rarely is.
 BARE_TRUNK = "nothing in the file has branches or leaves: it was imported as a bare trunk, but may be a pole"
 
+# In reports: the detail of a tree that keeps the surface of its file.
+ORIGINAL = "ORIGINAL"
+
 # The tallest living tree has 116 m.
 TALLEST = 150.0
 
@@ -25,6 +28,14 @@ class BarkMesh(NamedTuple):
     native: object  # with reduced bones
     original_uv: object  # float32 (F, 4, 2) of the export, or None
     face_material: object  # int32 (F,): index into the skeleton's wood_materials, -1 for none
+
+
+class KeptBark(NamedTuple):
+    """What a kept surface, skeleton.kept, gets: the native results of kept_weights and layout_kept_uvs."""
+
+    bones: object
+    weights: object
+    layout: dict
 
 
 @dataclass
@@ -37,6 +48,7 @@ class NativeTree:
     leaf_bones: object
     leaf_layout: dict  # the leaves' UV map `snow` and its resolution; None without leaves
     report: dict
+    kept: KeptBark | None = None  # replaces the meshes in the scene
 
 
 def _build_meshes(module, skeleton, options, progress):
@@ -46,6 +58,8 @@ def _build_meshes(module, skeleton, options, progress):
     of a chain takes as long as all others together, so a second thread makes the others.
     """
     meshes = LOD_CHAIN if options.lod_chain else (options.detail,)
+    if options.keep_surface:
+        meshes = (BASE,)  # only for its bones
     shares = dict.fromkeys(meshes, 0.0)
     stopped = threading.Event()
 
@@ -88,6 +102,13 @@ def _base_of(module, skeleton, options, meshes):
         return meshes[0]
     base = module.build_tree_mesh(skeleton, options.width, options.species)
     return BarkMesh(BASE, base, *module.original_uvs(skeleton, base))
+
+
+def _keep_surface(module, skeleton, whole, reduced, options, progress):
+    bones, weights = module.kept_weights(skeleton, whole, reduced)
+    return KeptBark(
+        bones, weights, module.layout_kept_uvs(skeleton, options.snow_resolution, progress=progress)
+    )
 
 
 def size_settings(options, units_per_metre):
@@ -157,6 +178,7 @@ def _build(name, read, options, progress, units_per_metre):
         **size_settings(options, units_per_metre),
         foliage=(options.foliage_names or "AUTO") if options.foliage else "NONE",
         progress=part(0.0, 0.4),
+        keep_surface=options.keep_surface,
     )
     if not skeleton.branches:
         raise ValueError(f"{name} has no branches: there is no tree to import")
@@ -165,7 +187,12 @@ def _build(name, read, options, progress, units_per_metre):
     with ThreadPoolExecutor(1, "snowbough-leaves") as worker:
         try:
             leaf_charts = worker.submit(_lay_out_leaves, module, skeleton, options, stopped)
-            whole, meshes = _build_meshes(module, skeleton, options, part(0.4, 0.95))
+            built = 0.6 if options.keep_surface else 0.95
+            whole, meshes = _build_meshes(module, skeleton, options, part(0.4, built))
+            kept = None
+            if options.keep_surface:
+                reduced = meshes[0].native
+                kept = _keep_surface(module, skeleton, whole, reduced, options, part(built, 0.95))
             base = _base_of(module, skeleton, options, meshes)
             leaf_layout = leaf_charts.result()
         except BaseException:
@@ -177,9 +204,10 @@ def _build(name, read, options, progress, units_per_metre):
         bone_map = meshes[0].native.bone_map
         leaf_bones = module.leaf_bones(skeleton, whole)
         leaf_bones = leaf_bones if bone_map is None else bone_map[leaf_bones]
-        if leaf_layout["resolution"] > options.snow_resolution:
+    for noun, layout in (("leaves", leaf_layout), ("wood", kept and kept.layout)):
+        if layout and layout["resolution"] > options.snow_resolution:
             warnings.append(
-                f"the leaves' UV map for snow needs a resolution of {leaf_layout['resolution']} texels, not "
+                f"the UV map for snow of the {noun} needs a resolution of {layout['resolution']} texels, not "
                 f"{options.snow_resolution}"
             )
     if part(0.95, 1.0)(1.0) is False:
@@ -195,8 +223,16 @@ def _build(name, read, options, progress, units_per_metre):
         {"detail": made.detail, "vertices": len(made.native.vertices), "faces": len(made.native.quads)}
         for made in meshes
     ]
+    if kept is not None:
+        surface = skeleton.kept
+        sizes = {"vertices": len(surface.vertices), "faces": len(surface.face_material)}
+        report["meshes"] = [{"detail": ORIGINAL, **sizes}]
     report["leaves"] = 0 if leaf_bones is None else len(leaf_bones)
-    report["surface"] = {key: whole.report[key] for key in ("components", "closed", "crossing_junctions")}
+    report["surface"] = (
+        {}
+        if kept is not None
+        else {key: whole.report[key] for key in ("components", "closed", "crossing_junctions")}
+    )
     if all(branch.parent < 0 for branch in skeleton.branches) and leaf_layout is None:
         warnings.append(BARE_TRUNK)
     metres = report["height"] / units_per_metre
@@ -206,4 +242,4 @@ def _build(name, read, options, progress, units_per_metre):
         )
     report["warnings"] = list(report["warnings"]) + warnings
     report["native_seconds"] = round(time.perf_counter() - started, 4)
-    return NativeTree(skeleton, meshes, base, leaf_bones, leaf_layout, report)
+    return NativeTree(skeleton, meshes, base, leaf_bones, leaf_layout, report, kept)

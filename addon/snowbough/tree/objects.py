@@ -136,8 +136,41 @@ def create_bark(name, tree, bone_names, materials, face_material=None, original_
     return create_object(name, mesh, bone_names)
 
 
+def create_kept(name, surface, levels, kept, bone_names, materials):
+    """The bark object that has the file's own polygons and normals: UV maps `bark`, `snow` and, if the file has
+    coordinates, `original`; branch levels and weights.
+
+    surface: the native KeptSurface; levels int (branches,); kept: native_tree.KeptBark; materials: one per native
+    material, then one for faces without.
+    """
+    corner_vertex, face_begin = np.asarray(surface.corner_vertex), np.asarray(surface.face_begin)
+    uvs = [(BARK_UV, kept.layout["bark"]), (SNOW_UV, kept.layout["snow"])]
+    if surface.textured:
+        uvs.append((ORIGINAL_UV, surface.corner_uv))
+    mesh = create_mesh(
+        name,
+        surface.vertices,
+        corner_vertex,
+        face_begin,
+        uvs,
+        smooth=not surface.flat,
+        bones=kept.bones,
+        weights=kept.weights,
+    )
+    of_points = np.asarray(levels, dtype=np.int32)[np.asarray(surface.vertex_branch)]
+    of_faces = of_points[corner_vertex[face_begin[:-1]]]
+    mesh.attributes.new(LEVEL_ATTRIBUTE, "INT", "FACE").data.foreach_set("value", of_faces)
+    attribute = mesh.attributes.new(POINT_LEVEL_ATTRIBUTE, "FLOAT", "POINT")
+    attribute.data.foreach_set("value", of_points.astype(np.float32))
+    _fill_slots(mesh, materials, np.asarray(surface.face_material) % len(materials))
+    if len(surface.corner_normal):
+        compat.set_corner_normals(mesh, surface.corner_normal)
+    return create_object(name, mesh, bone_names)
+
+
 def create_leaves(name, foliage, snow_uv, leaf_bones, bone_names, materials):
-    """The leaves object: UV maps `leaf` (the export's) and `snow`, each leaf with weight 1 for its bone.
+    """The leaves object: UV maps `leaf` (the export's) and `snow`, the export's normals unless they are flat, each leaf
+    with weight 1 for its bone.
 
     foliage: the native arrays. snow_uv float32 (C, 2). leaf_bones int32 (leaves,) into bone_names. materials: one per
     native material, then one for faces without; the slots are those in use.
@@ -160,6 +193,8 @@ def create_leaves(name, foliage, snow_uv, leaf_bones, bone_names, materials):
     mesh.attributes.new(LEAF_BONE_ATTRIBUTE, "INT", "POINT").data.foreach_set("value", bones.reshape(-1))
     # -1, no material, becomes the last index.
     _fill_slots(mesh, materials, np.asarray(foliage.face_material) % len(materials))
+    if len(foliage.corner_normal):
+        compat.set_corner_normals(mesh, foliage.corner_normal)
     return create_object(name, mesh, bone_names)
 
 

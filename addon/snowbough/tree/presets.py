@@ -22,6 +22,7 @@ OF_THE_FILE = {
     "height",
     "levels",
     "outside_files",
+    "keep_surface",
     "foliage_names",
     "snow_resolution",
     "show_bones",

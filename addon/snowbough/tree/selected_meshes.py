@@ -7,6 +7,7 @@ and pieces that share no vertices its loose parts.
 
 import json
 import time
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -15,9 +16,6 @@ from ..base import compat
 from ..base.names import counted
 from . import import_tree, materials
 from .native_tree import read_polygons
-
-# Texture coordinates are compared in steps of 1 / UV_STEPS: formats that flip the V axis round them.
-UV_STEPS = 1e5
 
 
 class Polygons(NamedTuple):
@@ -31,6 +29,7 @@ class Polygons(NamedTuple):
     face_names: np.ndarray  # int32 (F, 2): index into names and into materials, -1 = none
     names: list
     materials: list
+    corner_normal: np.ndarray  # float32 (C, 3), in the scene's space
 
 
 def _read_values(elements, name, kind, columns=1):
@@ -47,67 +46,10 @@ def _read_uv(mesh):
     return compat.read_uv(layer, len(mesh.loops)), True
 
 
-def _components(count, begin, end):
-    """int64 (count,): the smallest vertex of each vertex's connected component. Edges run from begin to end."""
-    label = np.arange(count)
-    while True:
-        joined = label.copy()
-        least = np.minimum(label[begin], label[end])
-        np.minimum.at(joined, begin, least)
-        np.minimum.at(joined, end, least)
-        joined = joined[joined]
-        if np.array_equal(joined, label):
-            return label
-        label = joined
-
-
-def _numbers(columns):
-    """int64 (n,): equal numbers for rows that are equal in all columns."""
-    order = np.lexsort(columns)
-    is_other = np.zeros(len(order), dtype=bool)
-    for column in columns:
-        is_other[1:] |= np.diff(column[order]) != 0
-    number = np.empty(len(order), dtype=np.int64)
-    number[order] = np.cumsum(is_other)
-    return number
-
-
-def _close_seams(vertices, counts, corners, uvs):
-    """The vertex of each corner, after closing the seams at which glTF and PLY split a surface.
-
-    Two open edges belong together if they lie at the same place in opposite directions and no third one lies there.
-    Edges with the same texture coordinates come first: they distinguish the collapsed rings of a tube, whose faces have
-    no area and whose edges lie at one place. Open ends of tubes that touch another branch keep their vertices.
-    """
-    place = _numbers(vertices.T)[corners]
-    textured_place = _numbers([place, *np.round(uvs.T * UV_STEPS)])
-    end = np.cumsum(counts)
-    following = np.arange(1, len(corners) + 1)
-    following[end - 1] = end - counts
-
-    def edges(ends, among):
-        """For each edge the number of its pair of ends; for each pair the number of its edges."""
-        one, other = ends[among], ends[following[among]]
-        number = _numbers([np.minimum(one, other), np.maximum(one, other)])
-        return number, np.bincount(number)
-
-    number, uses = edges(corners, np.arange(len(corners)))
-    open_edges = np.flatnonzero(uses[number] == 1)
-    joined = np.empty((2, 0), dtype=np.int64)
-    for ends in (textured_place, place):
-        number, uses = edges(ends, open_edges)
-        order = np.argsort(number, kind="stable")
-        begin = (np.cumsum(uses) - uses)[uses == 2]
-        pairs = open_edges[np.stack([order[begin], order[begin + 1]])]
-        pairs = pairs[:, ends[pairs[0]] == ends[following[pairs[1]]]]
-        joined = np.concatenate([joined, pairs], axis=1)
-        open_edges = np.setdiff1d(open_edges, pairs)
-    one, other = joined
-    return _components(
-        len(vertices),
-        corners[np.concatenate([one, following[one]])],
-        corners[np.concatenate([following[other], other])],
-    )[corners]
+def _normal_matrix(matrix):
+    """(3, 3), by which rows of normals are multiplied where `matrix` moves points. A mirror turns polygons
+    inside out, and their normals with them."""
+    return np.linalg.pinv(matrix) * np.sign(np.linalg.det(matrix) or 1.0)
 
 
 def read(context, objects):
@@ -117,6 +59,7 @@ def read(context, objects):
     active = context.view_layer.objects.active
     title = active.name if active in objects else objects[0].name
     vertices, counts, corners, uvs, textured, faces, taken, texts = [], [], [], [], False, [], {}, []
+    normals = []
     first = 0
     for number, obj in enumerate(objects):
         evaluated = obj.evaluated_get(graph)
@@ -124,11 +67,11 @@ def read(context, objects):
         matrix = np.array(evaluated.matrix_world, dtype=np.float64)
         local = _read_values(mesh.vertices, "co", np.float32, 3).reshape(-1, 3).astype(np.float64)
         vertices.append(local @ matrix[:3, :3].T + matrix[:3, 3])
+        normals.append(compat.read_corner_normals(mesh) @ _normal_matrix(matrix[:3, :3]))
         counts.append(_read_values(mesh.polygons, "loop_total", np.int32))
         uv, has_uv = _read_uv(mesh)
         uvs.append(uv)
-        indices = _close_seams(local, counts[-1], _read_values(mesh.loops, "vertex_index", np.int32), uv)
-        corners.append(indices.astype(np.int32) + first)
+        corners.append(_read_values(mesh.loops, "vertex_index", np.int32) + first)
         textured |= has_uv
         used = [slot.material for slot in evaluated.material_slots]
         used = [material and material.original for material in used]
@@ -154,20 +97,46 @@ def read(context, objects):
         np.concatenate(faces).astype(np.int32),
         [obj.name for obj in objects],
         list(taken),
+        np.concatenate(normals).astype(np.float32),
     )
     return polygons, taken, texts
 
 
+def _title(scene, objects, wood):
+    """The name of the tree: that of the empty or the collection that holds its objects, or else of its wood.
+
+    wood: name of the object with most wood, or "".
+    """
+    if len(objects) == 1:
+        return _parent_name(objects[0]) or objects[0].name
+    parents = {_parent_name(obj) for obj in objects}
+    if len(parents) == 1 and parents != {""}:
+        return parents.pop()
+    homes = [{home.name for home in obj.users_collection} for obj in objects]
+    shared = set.intersection(*homes) - {scene.collection.name}
+    # Blender's own name says nothing.
+    shared = sorted(name for name in shared if not name.startswith("Collection"))
+    return shared[0] if shared else wood or objects[0].name
+
+
+def _parent_name(obj):
+    return obj.parent.name if obj.parent is not None and obj.parent.type == "EMPTY" else ""
+
+
 def build(context, options):
     """Builds a tree from the selected mesh objects and hides them; returns (collection, report). Raises ValueError if
-    they are not a tree."""
+    they are not a tree. Up is Z, as in the scene, unless the options say Y."""
     started = time.perf_counter()
+    if options.up_axis == "AUTO":
+        options = replace(options, up_axis="Z")
     objects = [obj for obj in context.selected_objects if obj.type == "MESH"]
     polygons, taken, texts = read(context, objects)
     tree = read_polygons(polygons, options, import_tree.units_per_metre(context.scene))
     tree.report["taken"] = texts
     own = materials.OwnMaterials(taken)
-    collection = import_tree.create_trees(context, [(polygons.name, tree)], options, own)[0]
+    title = _title(context.scene, objects, tree.report["wood_name"])
+    tree.report["file"] = title
+    collection = import_tree.create_trees(context, [(title, tree)], options, own)[0]
     for obj in objects:
         obj.hide_set(True)
         obj.hide_render = True

@@ -57,8 +57,17 @@ def of_bark(branches, native_mesh):
     """(pivot (V, 3), axis (V, 3), length (V,), phase (V,)) of a native mesh of these branches, float32."""
     levels = np.array([branch.level for branch in branches], dtype=np.int32)
     of = branch_of_points(native_mesh.quads, native_mesh.face_branch, levels, len(native_mesh.vertices))
+    return _of_points(branches, of)
+
+
+def _of_points(branches, of):
     pivot, axis, length = branch_axes(branches)
     return pivot[of], axis[of], length[of], phases(len(branches))[of]
+
+
+def add_to_points(mesh, branches, of):
+    """Writes the attributes of a mesh whose points belong to the branches `of` (V,)."""
+    _write_all(mesh, *_of_points(branches, np.asarray(of)))
 
 
 def add_to_bark(mesh, skeleton, native_mesh):

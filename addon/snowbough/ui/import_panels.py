@@ -10,8 +10,10 @@ OPERATOR = "IMPORT_SCENE_OT_xfrog_tree"
 
 # Options that have an effect only under a condition; they are greyed out otherwise.
 ONLY_WITH = {
-    "species": lambda options: options.width == "INVERSE",
+    "species": lambda options: options.width == "INVERSE" and not options.keep_surface,
     "detail": lambda options: not options.lod_chain,
+    "lod_chain": lambda options: not options.keep_surface,
+    "width": lambda options: not options.keep_surface,
     "unit": lambda options: options.height == 0.0,
     "foliage_names": lambda options: options.foliage,
 }

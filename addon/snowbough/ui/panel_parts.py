@@ -10,6 +10,7 @@ from ..base import compat, native, session
 from ..base.names import unit_of
 from ..result import displacement, snow_material
 from ..settings.surface import SurfaceProperties
+from ..tree.import_tree import COVERAGE_PROPERTY, LOW_COVERAGE
 from .text import wrapped
 
 ICONS = {"ERROR": "CANCEL", "WARNING": "ERROR", "INFO": "INFO"}
@@ -44,6 +45,17 @@ def draw_problem(layout, context):
     text = native.problem()
     if text:
         draw_text(layout.column(align=True), context, text, "ERROR")
+
+
+def draw_coverage(column, context):
+    """The share of its file's wood that the active tree represents."""
+    homes = context.object.users_collection if context.object is not None else ()
+    coverage = next((c for home in homes if (c := home.get(COVERAGE_PROPERTY)) is not None), None)
+    if coverage is None:
+        return
+    column.label(text=f"Coverage: {coverage:.0%} of the wood", icon="INFO")
+    if coverage < LOW_COVERAGE:
+        draw_text(column, context, "Parts are missing: try Keep Original Surface", "ERROR")
 
 
 def draw_bake(layout, context):

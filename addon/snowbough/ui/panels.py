@@ -209,8 +209,12 @@ class SNOWBOUGH_PT_tree(_SidebarPanel, bpy.types.Panel):
         column = self.layout.column()
         column.enabled = session.bake is None
         column.operator("import_scene.xfrog_tree", text="Import Xfrog Tree", icon="IMPORT")
-        column.operator("snowbough.build_tree_from_selected", icon="MESH_DATA")
+        # Both set the option, since Blender remembers that of the last call.
+        operator = "snowbough.build_tree_from_selected"
+        column.operator(operator, icon="MESH_DATA").keep_surface = False
+        column.operator(operator, text="Rig Selected as It Is", icon="ARMATURE_DATA").keep_surface = True
         column.operator("snowbough.add_sway", icon="FORCE_WIND")
+        panel_parts.draw_coverage(column, context)
 
 
 class SNOWBOUGH_PT_object(bpy.types.Panel):

@@ -2,7 +2,7 @@
 """Finds leaves of the same shape: each kind becomes one prototype, each leaf an instance of it. No ``bpy``.
 
 Leaves have the same shape if a rotation and one scale turn one into the other. The rotation is the best one in the
-sense of least squares.
+sense of least squares. Custom normals must turn with the leaf: those of a crown that is lit as one ball do not.
 
 Source: S. Umeyama, Least-Squares Estimation of Transformation Parameters Between Two Point Patterns, IEEE Transactions
 on Pattern Analysis and Machine Intelligence 13 (4), 1991.
@@ -18,6 +18,9 @@ from ..gltf.thinning import leaf_of_points
 TOLERANCE = 0.02
 # Maximum number of prototypes; leaves of further shapes are no instances.
 MOST_KINDS = 64
+# Cosine of the largest angle between a custom normal and its prototype's. Leaves with custom normals become instances
+# in groups of at least FEWEST_ALIKE; after MOST_MISSES smaller groups, the rest of their shape is left.
+SAME_NORMAL, FEWEST_ALIKE, MOST_MISSES = np.cos(np.radians(10.0)), 4, 8
 # Texture coordinates of leaves of one kind agree within 1 / UV_STEPS.
 UV_STEPS = 1024
 
@@ -74,6 +77,13 @@ def _fitted(model, shapes):
     return rotations, scales, np.linalg.norm(away, axis=2).max(axis=1) / np.maximum(radius, 1e-30)
 
 
+def _turn_along(surface, triangles, rotations):
+    """bool (L,): leaves (L, T) whose custom normals are those of the first leaf, turned by rotations (L, 3, 3)."""
+    normals = surface.normals[surface.triangles[triangles]].reshape(len(triangles), -1, 3)
+    turned = np.einsum("lij,nj->lni", rotations, normals[0])
+    return ((turned * normals).sum(axis=2) >= SAME_NORMAL).all(axis=1)
+
+
 def _attach(points, joint):
     """The point of points (N, 3) that is nearest to a Joint's bone."""
     head, along = joint.rest[:3, 3], joint.rest[:3, 1] * joint.length
@@ -88,13 +98,20 @@ def kinds_of(surface, joints):
     left = np.ones(len(own), dtype=bool)
     kinds = []
     for points, triangles in _alike(surface, leaf, own) if count else ():
-        while len(points) and len(kinds) < MOST_KINDS:
+        misses = 0
+        while len(points) and len(kinds) < MOST_KINDS and misses < MOST_MISSES:
             shapes = surface.points[points].astype(np.float64)
             middles = shapes.mean(axis=1)
             centred = shapes - middles[:, None]
             rotations, scales, errors = _fitted(centred[0], centred)
             fits = errors <= TOLERANCE
+            if surface.normals is not None:
+                fits &= _turn_along(surface, triangles, rotations)
             fits[0] = True
+            if surface.normals is not None and fits.sum() < FEWEST_ALIKE:
+                points, triangles = points[~fits], triangles[~fits]
+                misses += 1
+                continue
             bones = surface.joints[points[:, 0], 0]
             origin = _attach(shapes[0], joints[bones[0]])
             origins = middles + scales[:, None] * np.einsum("lij,j->li", rotations, origin - middles[0])

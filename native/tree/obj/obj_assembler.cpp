@@ -59,7 +59,7 @@ void ObjAssembler::take(ObjFragment& fragment) {
   scene_.loose_elements += part.loose_elements;
   counts_.of[static_cast<int>(ObjIndex::kVertex)] += static_cast<int64_t>(part.positions.size());
   counts_.of[static_cast<int>(ObjIndex::kUv)] += static_cast<int64_t>(part.uvs.size());
-  counts_.of[static_cast<int>(ObjIndex::kNormal)] += fragment.normal_count;
+  counts_.of[static_cast<int>(ObjIndex::kNormal)] += static_cast<int64_t>(part.normals.size());
   corner_count_ += static_cast<int64_t>(part.corner_vertex.size());
   face_count_ += part.face_count();
   append_forward(fragment);
@@ -68,21 +68,26 @@ void ObjAssembler::take(ObjFragment& fragment) {
 
 void ObjAssembler::append(std::vector<ObjFragment> fragments, double share, int threads) {
   struct Begin {
-    size_t position, uv, corner, face;
+    size_t position, uv, normal, corner, face;
   };
   std::vector<Begin> begins;
   bool has_uvs = !scene_.corner_uv.empty();
+  bool has_normals = !scene_.corner_normal.empty();
   for (ObjFragment& fragment : fragments) {
     begins.push_back({static_cast<size_t>(counts_.of[static_cast<int>(ObjIndex::kVertex)]),
                       static_cast<size_t>(counts_.of[static_cast<int>(ObjIndex::kUv)]),
+                      static_cast<size_t>(counts_.of[static_cast<int>(ObjIndex::kNormal)]),
                       static_cast<size_t>(corner_count_), static_cast<size_t>(face_count_)});
     take(fragment);
     has_uvs = has_uvs || !fragment.scene.corner_uv.empty();
+    has_normals = has_normals || !fragment.scene.corner_normal.empty();
   }
   grow(scene_.positions, counts_.of[static_cast<int>(ObjIndex::kVertex)], share);
   grow(scene_.uvs, counts_.of[static_cast<int>(ObjIndex::kUv)], share);
+  grow(scene_.normals, counts_.of[static_cast<int>(ObjIndex::kNormal)], share);
   grow(scene_.corner_vertex, corner_count_, share);
   if (has_uvs) grow(scene_.corner_uv, corner_count_, share, -1);
+  if (has_normals) grow(scene_.corner_normal, corner_count_, share, -1);
   grow(scene_.face_begin, int64_t{face_count_} + 1, share);
   base::parallel_for(fragments.size(), 1, {threads, {}}, [&](size_t i, size_t) {
     const ObjScene& part = fragments[i].scene;
@@ -93,8 +98,10 @@ void ObjAssembler::append(std::vector<ObjFragment> fragments, double share, int 
     };
     copy(part.positions, scene_.positions, begin.position);
     copy(part.uvs, scene_.uvs, begin.uv);
+    copy(part.normals, scene_.normals, begin.normal);
     copy(part.corner_vertex, scene_.corner_vertex, begin.corner);
     copy(part.corner_uv, scene_.corner_uv, begin.corner);
+    copy(part.corner_normal, scene_.corner_normal, begin.corner);
     std::transform(part.face_begin.begin() + 1, part.face_begin.end(),
                    scene_.face_begin.begin() + static_cast<ptrdiff_t>(begin.face) + 1,
                    [&](int32_t corner) { return corner + static_cast<int32_t>(begin.corner); });
@@ -177,6 +184,7 @@ void ObjAssembler::resolve(ObjFragment& fragment) const {
     const auto index = static_cast<int32_t>(count + entry.value);
     if (entry.kind == ObjIndex::kVertex) fragment.scene.corner_vertex[entry.corner] = index;
     if (entry.kind == ObjIndex::kUv) fragment.scene.corner_uv[entry.corner] = index;
+    if (entry.kind == ObjIndex::kNormal) fragment.scene.corner_normal[entry.corner] = index;
   }
 }
 

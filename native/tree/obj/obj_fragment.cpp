@@ -157,10 +157,10 @@ class FragmentParser {
       const float v = line.done() ? 0.0f : number(line);
       scene_.uvs.emplace_back(u, v);
     } else if (keyword == "vn") {
-      number(line);
-      number(line);
-      number(line);
-      ++fragment_.normal_count;
+      const float x = number(line);
+      const float y = number(line);
+      const float z = number(line);
+      scene_.normals.emplace_back(x, y, z);
     } else if (keyword == "f" || keyword == "fo") {
       parse_face(line);
     } else if (keyword == "g") {
@@ -218,7 +218,7 @@ class FragmentParser {
       case ObjIndex::kUv:
         return static_cast<int64_t>(scene_.uvs.size());
       default:
-        return fragment_.normal_count;
+        return static_cast<int64_t>(scene_.normals.size());
     }
   }
 
@@ -237,8 +237,7 @@ class FragmentParser {
       if (value == 0) fail(std::string(what) + " index 0: OBJ counts from 1");
     }
     if (value < 0) {
-      const auto corner =
-          kind == ObjIndex::kNormal ? -1 : static_cast<int32_t>(scene_.corner_vertex.size());
+      const auto corner = static_cast<int32_t>(scene_.corner_vertex.size());
       fragment_.relative.push_back({kind, corner, fragment_.line_count, value, count});
       return 0;
     }
@@ -255,14 +254,23 @@ class FragmentParser {
     return static_cast<int32_t>(value - 1);
   }
 
+  /// Sets an index of the last corner. An array without any index stays empty.
+  void add_to_corner(int32_t index, std::vector<int32_t>& indices) const {
+    if (index < 0 && indices.empty()) return;
+    indices.resize(scene_.corner_vertex.size(), -1);
+    indices.back() = index;
+  }
+
   void parse_face(Line& line) {
     const size_t first_corner = scene_.corner_vertex.size();
     const size_t first_relative = fragment_.relative.size();
     const bool had_uvs = !scene_.corner_uv.empty();
+    const bool had_normals = !scene_.corner_normal.empty();
     while (!line.done()) {
       const char* at = line.at;
       const int32_t vertex = index(at, line.end, ObjIndex::kVertex, "vertex");
       int32_t uv = -1;
+      int32_t normal = -1;
       if (at != line.end && *at == '/') {
         ++at;
         if (at != line.end && *at != '/' && !is_blank(*at)) {
@@ -271,7 +279,7 @@ class FragmentParser {
         if (at != line.end && *at == '/') {
           ++at;
           if (at != line.end && !is_blank(*at)) {
-            index(at, line.end, ObjIndex::kNormal, "normal");
+            normal = index(at, line.end, ObjIndex::kNormal, "normal");
           }
         }
       }
@@ -281,13 +289,11 @@ class FragmentParser {
       }
       line.at = at;
       scene_.corner_vertex.push_back(vertex);
-      if (uv >= 0 || !scene_.corner_uv.empty()) {
-        scene_.corner_uv.resize(scene_.corner_vertex.size(), -1);
-        scene_.corner_uv.back() = uv;
-      }
+      add_to_corner(uv, scene_.corner_uv);
+      add_to_corner(normal, scene_.corner_normal);
     }
     if (scene_.corner_vertex.size() - first_corner < 3) {
-      leave_out(first_corner, first_relative, had_uvs);
+      leave_out(first_corner, first_relative, had_uvs, had_normals);
       return;
     }
     if (scene_.runs.empty() || run_.group != scene_.runs.back().group ||
@@ -299,9 +305,10 @@ class FragmentParser {
   }
 
   /// Drops a face with too few corners after checking its indices.
-  void leave_out(size_t first_corner, size_t first_relative, bool had_uvs) {
+  void leave_out(size_t first_corner, size_t first_relative, bool had_uvs, bool had_normals) {
     scene_.corner_vertex.resize(first_corner);
     scene_.corner_uv.resize(had_uvs ? first_corner : 0);
+    scene_.corner_normal.resize(had_normals ? first_corner : 0);
     for (size_t i = first_relative; i < fragment_.relative.size(); ++i) {
       fragment_.relative[i].corner = -1;
     }

@@ -17,7 +17,7 @@ enum class ObjIndex : int8_t { kVertex, kUv, kNormal };
 /// A negative index: it counts back from its own position, which the fragment does not know.
 struct RelativeIndex {
   ObjIndex kind = ObjIndex::kVertex;
-  /// Corner of the fragment; -1 for normals and for faces that were left out.
+  /// Corner of the fragment; -1 for faces that were left out.
   int32_t corner = -1;
   int64_t line = 0;
   /// The value in the file, and the number of elements of this kind earlier in the fragment.
@@ -42,11 +42,10 @@ struct ObjFragment {
   static constexpr int32_t kInherited = -2;
 
   /// Everything except relative indices; names and materials are numbered within the fragment.
-  /// corner_uv is empty if no face of the fragment has texture coordinates.
+  /// corner_uv and corner_normal are empty if no face of the fragment has them.
   ObjScene scene;
   /// Names in effect at the end.
   FaceRun last{0, kInherited, kInherited, kInherited};
-  int64_t normal_count = 0;
   int64_t line_count = 0;
   std::vector<RelativeIndex> relative;
   /// By ObjIndex, each larger than the one before.

@@ -22,12 +22,16 @@ struct FaceRun {
 struct ObjScene {
   std::vector<glm::vec3> positions;
   std::vector<glm::vec2> uvs;
+  /// Of any length, as in the file.
+  std::vector<glm::vec3> normals;
   /// Polygon f owns corners [face_begin[f], face_begin[f + 1]): one entry more than polygons.
   std::vector<int32_t> face_begin{0};
   /// Per corner: index into positions, always valid.
   std::vector<int32_t> corner_vertex;
   /// Per corner: index into uvs or -1; empty if no face of the file has texture coordinates.
   std::vector<int32_t> corner_uv;
+  /// Per corner: index into normals or -1; empty if no face of the file has normals.
+  std::vector<int32_t> corner_normal;
   /// In the order of the file; every polygon belongs to exactly one.
   std::vector<FaceRun> runs;
   /// Names of groups and objects, and of materials, each once.

@@ -1,7 +1,9 @@
 #include "tree/read/classify.h"
 
 #include <algorithm>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -33,6 +35,8 @@ constexpr double kThickestTree = 0.08;
 /// A surface with fewer faces or limbs is not a whole tree.
 constexpr size_t kFewestFaces = 24;
 constexpr size_t kFewestLimbs = 3;
+/// Height of the ground, as a share of the whole.
+constexpr float kGround = 0.03f;
 
 /// Minimum number of parts per thread at a time, and maximum number of progress reports.
 constexpr size_t kTraceBlock = 32;
@@ -195,8 +199,39 @@ std::string why_no_tree(const std::optional<WeldedTree>& welded) {
   return "";
 }
 
+/// The part with the largest area, if it has faces enough for a tree, reaches the ground, and its
+/// name does not say foliage; else -1. The ground is at the low end of Y or Z.
+int32_t largest_on_ground(const ObjScene& scene, const Parts& parts, const PartLabels& labels) {
+  int32_t largest = -1;
+  double most = 0.0;
+  for (int32_t p = 0; p < parts.count(); ++p) {
+    const double area = part_area(scene, parts, p);
+    if (area > most) {
+      most = area;
+      largest = p;
+    }
+  }
+  if (largest < 0 || labels.foliage_named || labels.meaning[largest] == NameMeaning::kFoliage ||
+      parts.part_faces(largest).size() < kFewestFaces) {
+    return -1;
+  }
+  glm::vec3 low(std::numeric_limits<float>::max());
+  glm::vec3 high = -low;
+  for (const int32_t v : parts.vertices) {
+    low = glm::min(low, scene.positions[v]);
+    high = glm::max(high, scene.positions[v]);
+  }
+  const glm::vec3 ground = low + kGround * (high - low);
+  for (const int32_t v : parts.part_vertices(largest)) {
+    const glm::vec3& at = scene.positions[v];
+    if (at.y <= ground.y || at.z <= ground.z) return largest;
+  }
+  return -1;
+}
+
 /// Forking surfaces become wood if they are most of it.
-void find_welded(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
+/// @param tree  a part that counts whatever its share; -1: none.
+void find_welded(const ObjScene& scene, const Parts& parts, const PartLabels& labels, int32_t tree,
                  const base::Progress& progress, Shapes& shapes, ClassifiedParts& result) {
   std::vector<int32_t> candidates;
   double forked = 0.0;
@@ -210,7 +245,12 @@ void find_welded(const ObjScene& scene, const Parts& parts, const PartLabels& la
       forked += part_area(scene, parts, p);
     }
   }
-  if (forked <= other) return;
+  if (forked <= other) {
+    const bool counts = std::find(candidates.begin(), candidates.end(), tree) != candidates.end();
+    if (tree < 0 || !counts) return;
+    candidates.assign(1, tree);
+    forked = part_area(scene, parts, tree);
+  }
   double done = 0.0;
   for (const int32_t p : candidates) {
     const auto begin = static_cast<float>(done / forked);
@@ -252,7 +292,7 @@ std::string form_name(TreeForm form) {
 }
 
 ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
-                               const base::Execution& execution) {
+                               LargestPart largest, const base::Execution& execution) {
   ClassifiedParts result;
   result.role.assign(parts.count(), PartRole::kFoliage);
   Shapes shapes = find_shapes(scene, parts, labels, result, execution.part(0.0f, kShapesFound));
@@ -266,8 +306,9 @@ ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const 
     tubes.push_back(p);
   }
   const std::optional<TreeForm> squares = find_squares(scene, parts, labels, shapes, result);
-  find_welded(scene, parts, labels, base::part_of(execution.progress, kShapesFound, 1.0f), shapes,
-              result);
+  const int32_t trunk = largest_on_ground(scene, parts, labels);
+  find_welded(scene, parts, labels, largest == LargestPart::kTree ? trunk : -1,
+              base::part_of(execution.progress, kShapesFound, 1.0f), shapes, result);
 
   for (int32_t p = 0; p < parts.count(); ++p) {
     if (result.role[p] != PartRole::kFoliage || labels.meaning[p] == NameMeaning::kFoliage)
@@ -292,7 +333,8 @@ ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const 
     } else if (labels.meaning[p] == NameMeaning::kWood) {
       skip(shapes.shape[p] == Shape::kOther ? reason_text(shapes.why[p])
                                             : "a single plane, not a limb");
-    } else if (shapes.shape[p] == Shape::kOther && shapes.why[p] == NotATube::kForks) {
+    } else if (shapes.shape[p] == Shape::kOther &&
+               (shapes.why[p] == NotATube::kForks || p == trunk)) {
       skip(reason_text(shapes.why[p]));
     } else if (labels.foliage_named) {
       skip("not a limb, and not named as foliage", false);

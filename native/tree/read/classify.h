@@ -61,11 +61,16 @@ struct ClassifiedParts {
   int32_t foliage_count = 0;
 };
 
+/// Whether the largest part that reaches the ground may be anything, or is the tree if it forks.
+enum class LargestPart : uint8_t { kAny, kTree };
+
 /// Decides the role of each part, by its names, then by its shape, and the form of the file.
 /// Forking surfaces count as trees if their area exceeds that of all tubes and they divide into
 /// limbs that are thin for their length. Planes count as cross-sections if they form rows across
-/// limbs, otherwise as leaves.
+/// limbs, otherwise as leaves. The largest part that reaches the ground is never foliage unless its
+/// name says so.
 ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
+                               LargestPart largest = LargestPart::kAny,
                                const base::Execution& execution = {});
 
 }  // namespace snowbough::tree

@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "tree/obj/polygons.h"
 #include "tree/skeleton/segment_tree.h"
 
 namespace snowbough::tree {
@@ -212,42 +213,14 @@ LeafBase find_base(const SegmentTree& segments, const Foliage& foliage,
 Foliage gather_foliage(const ObjScene& scene, const Parts& parts,
                        const ClassifiedParts& classified) {
   Foliage foliage;
-  foliage.face_begin.push_back(0);
-  // File index -> index in the foliage, for materials and vertices.
-  std::vector<int32_t> material_number(scene.materials.size(), -1);
-  std::vector<int32_t> vertex_number(scene.positions.size(), -1);
+  PolygonGatherer gatherer(scene, parts, foliage);
   int32_t leaf = 0;
   for (int32_t p = 0; p < parts.count(); ++p) {
     if (classified.role[p] != PartRole::kFoliage) continue;
-    for (const int32_t v : parts.part_vertices(p)) {
-      vertex_number[v] = static_cast<int32_t>(foliage.vertices.size());
-      foliage.vertices.push_back(scene.positions[v]);
-    }
-    size_t run = static_cast<size_t>(parts.run[p]);
-    for (const int32_t f : parts.part_faces(p)) {
-      while (run + 1 < scene.runs.size() && scene.runs[run + 1].first_face <= f) ++run;
-      int32_t material = scene.runs[run].material;
-      if (material >= 0) {
-        if (material_number[material] < 0) {
-          material_number[material] = static_cast<int32_t>(foliage.materials.size());
-          ObjMaterial named;
-          named.name = scene.materials[material];
-          foliage.materials.push_back(std::move(named));
-        }
-        material = material_number[material];
-      }
-      for (int32_t c = scene.face_begin[f]; c < scene.face_begin[f + 1]; ++c) {
-        foliage.corner_vertex.push_back(vertex_number[scene.corner_vertex[c]]);
-        const int32_t uv =
-            static_cast<size_t>(c) < scene.corner_uv.size() ? scene.corner_uv[c] : -1;
-        foliage.corner_uv.push_back(uv >= 0 ? scene.uvs[uv] : glm::vec2(0.0f));
-      }
-      foliage.face_begin.push_back(static_cast<int32_t>(foliage.corner_vertex.size()));
-      foliage.face_material.push_back(material);
-      foliage.face_leaf.push_back(leaf);
-    }
-    ++leaf;
+    gatherer.add(p);
+    foliage.face_leaf.resize(foliage.face_material.size(), leaf++);
   }
+  gatherer.finish();
   return foliage;
 }
 

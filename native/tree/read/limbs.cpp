@@ -28,6 +28,7 @@ void add_welded(WeldedTree&& tree, int32_t label, int32_t part, TracedBranches& 
   const auto first = static_cast<int32_t>(traced.branches.size());
   for (size_t i = 0; i < tree.limbs.size(); ++i) {
     add_limb(std::move(tree.limbs[i]), label, part, traced);
+    traced.branches.back().limb = static_cast<int32_t>(i);
     if (tree.parent[i] < 0) continue;
     traced.branches.back().parent = first + tree.parent[i];
     traced.branches.back().attach_point = tree.attach_point[i];

@@ -20,6 +20,7 @@ struct Word {
 
 constexpr auto kWood = NameMeaning::kWood;
 constexpr auto kFoliage = NameMeaning::kFoliage;
+constexpr auto kDetail = NameMeaning::kDetail;
 constexpr std::array kWords{
     Word{"trunk", kWood},        Word{"bark", kWood},         Word{"branch", kWood},
     Word{"bough", kWood},        Word{"limb", kWood},         Word{"twig", kWood},
@@ -32,8 +33,11 @@ constexpr std::array kWords{
     Word{"frond", kFoliage},     Word{"fruit", kFoliage},     Word{"berry", kFoliage},
     Word{"berries", kFoliage},   Word{"catkin", kFoliage},    Word{"acorn", kFoliage},
     Word{"samara", kFoliage},    Word{"bud", kFoliage, true}, Word{"buds", kFoliage, true},
-    Word{"blatt", kFoliage},     Word{"blaetter", kFoliage},  Word{"nadel", kFoliage},
-    Word{"feuille", kFoliage},   Word{"feuillage", kFoliage}, Word{"fleur", kFoliage},
+    Word{"bifurcating", kWood},  Word{"roots", kWood, true},  Word{"cap", kDetail, true},
+    Word{"caps", kDetail, true}, Word{"knot", kDetail, true}, Word{"knots", kDetail, true},
+    Word{"cavity", kDetail},     Word{"decal", kDetail},      Word{"blatt", kFoliage},
+    Word{"blaetter", kFoliage},  Word{"nadel", kFoliage},     Word{"feuille", kFoliage},
+    Word{"feuillage", kFoliage}, Word{"fleur", kFoliage},
 };
 
 bool is_letter(char c) {
@@ -48,6 +52,9 @@ NameMeaning meaning_of_run(const std::vector<NameMeaning>& names,
   const NameMeaning material = of(materials, run.material);
   NameMeaning group = of(names, run.group);
   if (group == NameMeaning::kSilent) group = of(names, run.object);
+  if (group == NameMeaning::kDetail || material == NameMeaning::kDetail) {
+    return NameMeaning::kSilent;
+  }
   if (material == NameMeaning::kFoliage) return material;
   // A group of leaves in a wooden material contains petioles as well: the shape decides.
   if (material == NameMeaning::kWood && group == NameMeaning::kFoliage) return NameMeaning::kSilent;
@@ -118,6 +125,11 @@ void overrule_foliage(const ObjScene& scene, const Parts& parts, const std::stri
 
 NameMeaning meaning_of_name(std::string_view name) {
   const std::string lower = lower_case(name);
+  // SpeedTree's name of the thickest branches; within a longer name it says nothing.
+  if (lower.starts_with("big") &&
+      lower.find_first_not_of(" ._0123456789", 3) == std::string::npos) {
+    return kWood;
+  }
   NameMeaning meaning = NameMeaning::kSilent;
   size_t last_end = 0;
   for (const Word& word : kWords) {

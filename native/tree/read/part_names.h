@@ -10,7 +10,8 @@
 
 namespace snowbough::tree {
 
-enum class NameMeaning { kSilent, kWood, kFoliage };
+/// kDetail: knots, caps and decals, which SpeedTree puts on limbs: their shape decides.
+enum class NameMeaning { kSilent, kWood, kFoliage, kDetail };
 
 /// The meaning of a group's, object's or material's name, by modellers' words (trunk, bark, stem
 /// ...; leaf, needle, flower ..., the abbreviations of plant libraries, and some German and

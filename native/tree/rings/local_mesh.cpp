@@ -29,7 +29,7 @@ LocalMesh extract_component(const ObjScene& scene, std::span<const int32_t> face
   return mesh;
 }
 
-LocalMesh weld_equal_positions(const LocalMesh& mesh) {
+LocalMesh weld_equal_positions(const LocalMesh& mesh, std::vector<int32_t>* numbers_of) {
   LocalMesh welded;
   std::map<std::array<float, 3>, int32_t> numbers;
   std::vector<int32_t> renumbered;
@@ -54,6 +54,7 @@ LocalMesh weld_equal_positions(const LocalMesh& mesh) {
       welded.face_begin.push_back(static_cast<int32_t>(welded.corners.size()));
     }
   }
+  if (numbers_of != nullptr) *numbers_of = std::move(renumbered);
   return welded;
 }
 

@@ -28,7 +28,8 @@ LocalMesh extract_component(const ObjScene& scene, std::span<const int32_t> face
                             std::span<const int32_t> vertices);
 
 /// Merges vertices at bit-equal positions; faces lose coincident corners.
-LocalMesh weld_equal_positions(const LocalMesh& mesh);
+/// @param numbers  receives the new number of each vertex; null = not needed.
+LocalMesh weld_equal_positions(const LocalMesh& mesh, std::vector<int32_t>* numbers = nullptr);
 
 /// The faces' edges as pairs of vertices, the smaller first, once for every face; sorted.
 std::vector<std::pair<int32_t, int32_t>> polygon_edges(const LocalMesh& mesh);

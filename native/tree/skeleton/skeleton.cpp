@@ -111,6 +111,7 @@ void scale_skeleton(Skeleton& skeleton, double factor) {
   std::for_each(skeleton.foliage.leaf_attach_point.begin(),
                 skeleton.foliage.leaf_attach_point.end(), grow);
   std::for_each(skeleton.wood.vertices.begin(), skeleton.wood.vertices.end(), grow);
+  std::for_each(skeleton.kept.vertices.begin(), skeleton.kept.vertices.end(), grow);
   for (std::vector<glm::vec3>& points : skeleton.wood.centrelines) {
     std::for_each(points.begin(), points.end(), grow);
   }

@@ -28,6 +28,8 @@ struct Branch {
   std::vector<float> areas;
   /// Index into OriginalWood's pieces, -1 for a branch that was not imported.
   int32_t piece = -1;
+  /// Number of the limb within its piece: only forking surfaces have several.
+  int32_t limb = 0;
 };
 
 /// Result of the import, for the operator's report, --json and the collection's custom property.
@@ -45,6 +47,10 @@ struct ImportReport {
   std::vector<std::string> extra_roots;
   /// Number of foliage parts (leaves, needles, flowers) kept beside the skeleton.
   int32_t foliage_parts = 0;
+  /// Name of the group or object with most of the wood; empty without names.
+  std::string wood_name;
+  /// Fraction of the wood's area that the limbs represent.
+  double coverage = 1.0;
   std::vector<std::string> warnings;
 };
 
@@ -76,21 +82,45 @@ struct ObjMaterial {
   MaterialTexture normal_texture;
 };
 
-/// Leaves, needles and flowers as in the file (Z up, metres).
-struct Foliage {
+/// Polygons of the file with everything at their corners (Z up, metres).
+struct PolygonMesh {
   std::vector<glm::vec3> vertices;
   /// Polygons as a flat list of corners; polygon f owns corners [face_begin[f], face_begin[f + 1]).
   std::vector<int32_t> face_begin;
   std::vector<int32_t> corner_vertex;
   /// The export's texture coordinates, per corner; (0, 0) if it has none.
   std::vector<glm::vec2> corner_uv;
-  /// Per polygon: index into materials (-1 = none) and number of the leaf it belongs to.
+  /// The export's unit normals, per corner; zero for a corner without one. Empty if there are none,
+  /// or if all are those of the flat polygons.
+  std::vector<glm::vec3> corner_normal;
+  /// Per polygon: index into materials, -1 = none.
   std::vector<int32_t> face_material;
+  std::vector<ObjMaterial> materials;
+};
+
+/// Leaves, needles and flowers as in the file.
+struct Foliage : PolygonMesh {
+  /// Per polygon: number of the leaf it belongs to.
   std::vector<int32_t> face_leaf;
   /// Per leaf: its branch (index into Skeleton::branches) and attach point.
   std::vector<int32_t> leaf_branch;
   std::vector<glm::vec3> leaf_attach_point;
-  std::vector<ObjMaterial> materials;
+};
+
+/// The wood as in the file, for trees that keep their surface. No polygons: it was not asked for.
+struct KeptSurface : PolygonMesh {
+  /// Whether any polygon has texture coordinates.
+  bool textured = false;
+  /// Whether the file's normals are those of flat polygons.
+  bool flat = false;
+  /// Per vertex: its piece and limb (see Branch); -1 for wood in which no limb was found.
+  std::vector<int32_t> vertex_piece;
+  std::vector<int32_t> vertex_limb;
+  /// Per polygon: number of its index-connected part of the file.
+  std::vector<int32_t> face_part;
+  /// Per vertex, from attach_kept on: its branch, and its place on that branch's centreline.
+  std::vector<int32_t> vertex_branch;
+  std::vector<glm::vec3> vertex_place;
 };
 
 /// The wood's own polygons, for their texture coordinates and materials (Z up, metres). A piece is
@@ -118,6 +148,7 @@ struct Skeleton {
   std::vector<Branch> branches;
   Foliage foliage;
   OriginalWood wood;
+  KeptSurface kept;
   /// Extent of the wood along Z in metres: all tolerances are relative to it.
   float height = 0.0f;
   /// Origin of all points in the file's space, in metres, Z up: a tree far from the file's origin

@@ -23,7 +23,10 @@ class Assembler {
  public:
   Assembler(const ReebTree& tree, std::vector<ArcRings> rings, const LocalMesh& mesh,
             const std::vector<double>& distance, const std::vector<int32_t>& root)
-      : tree_(tree), rings_(std::move(rings)), tips_(tree.arcs.size(), -1) {
+      : tree_(tree),
+        rings_(std::move(rings)),
+        tips_(tree.arcs.size(), -1),
+        limb_of_(tree.arcs.size(), 0) {
     for (size_t v = 0; v < distance.size(); ++v) {
       const int32_t arc = tree.arc_of[v];
       if (arc < 0 || !std::isinf(tree.bump_from[v])) continue;
@@ -46,7 +49,9 @@ class Assembler {
       const auto [first, parent, fork] = starts[s];
       Limb limb;
       std::vector<std::pair<int32_t, size_t>> leaving;
+      std::vector<int32_t> arcs;
       for (int32_t arc = first; arc >= 0;) {
+        arcs.push_back(arc);
         for (const Contour& ring : rings_[arc].contours) append(ring, limb);
         const std::vector<int32_t>& above = tree_.arcs[arc].above;
         if (above.empty()) {
@@ -61,8 +66,11 @@ class Assembler {
         }
         arc = next;
       }
-      if (parent >= 0 && leaving.empty() && lies_on(limb, result_.limbs[parent], fork)) continue;
+      const bool lies =
+          parent >= 0 && leaving.empty() && lies_on(limb, result_.limbs[parent], fork);
       const auto number = static_cast<int32_t>(result_.limbs.size());
+      for (const int32_t arc : arcs) limb_of_[arc] = lies ? parent : number;
+      if (lies) continue;
       if (parent < 0) {
         prepend(root_, limb);
         for (auto& [arc, at] : leaving) ++at;
@@ -76,6 +84,10 @@ class Assembler {
       result_.parent.push_back(parent);
       result_.limbs.push_back(std::move(limb));
       for (const auto& [arc, at] : leaving) starts.push_back({arc, number, at});
+    }
+    // Vertices out of reach belong to the first limb.
+    for (const int32_t arc : tree_.arc_of) {
+      result_.vertex_limb.push_back(arc >= 0 ? limb_of_[arc] : 0);
     }
     return std::move(result_);
   }
@@ -238,6 +250,7 @@ class Assembler {
   const LocalMesh* mesh_ = nullptr;
   /// Per arc: its farthest vertex.
   std::vector<int32_t> tips_;
+  std::vector<int32_t> limb_of_;
   glm::dvec3 root_{0.0};
   WeldedTree result_;
 };

@@ -123,7 +123,8 @@ std::optional<WeldedTree> trace_welded(const ObjScene& scene, std::span<const in
                                        std::span<const int32_t> vertices,
                                        const base::Progress& progress) {
   base::report_progress(progress, 0.0f);
-  const LocalMesh mesh = weld_equal_positions(extract_component(scene, faces, vertices));
+  std::vector<int32_t> number;
+  const LocalMesh mesh = weld_equal_positions(extract_component(scene, faces, vertices), &number);
   if (mesh.face_count() == 0) return std::nullopt;
   base::report_progress(progress, kWelded);
   const Topology topology = build_topology(mesh);
@@ -132,7 +133,13 @@ std::optional<WeldedTree> trace_welded(const ObjScene& scene, std::span<const in
       topology.boundary_loops.empty()
           ? thickest_end(mesh, triangulate(mesh), base::part_of(progress, kTopology, kRoot))
           : widest_loop(mesh, topology);
-  return trace_welded_from(mesh, root, base::part_of(progress, kRoot, 1.0f));
+  std::optional<WeldedTree> welded =
+      trace_welded_from(mesh, root, base::part_of(progress, kRoot, 1.0f));
+  if (!welded) return welded;
+  std::vector<int32_t> limb;
+  for (const int32_t v : number) limb.push_back(welded->vertex_limb[v]);
+  welded->vertex_limb = std::move(limb);
+  return welded;
 }
 
 }  // namespace snowbough::tree

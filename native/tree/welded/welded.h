@@ -21,6 +21,8 @@ struct WeldedTree {
   /// which is the limb's first point.
   std::vector<int32_t> parent;
   std::vector<glm::vec3> attach_point;
+  /// Per vertex of the surface: the limb on which it lies.
+  std::vector<int32_t> vertex_limb;
   /// Area of the surface, and its mean distance from the centrelines relative to the largest
   /// extent.
   double area = 0.0;
@@ -44,6 +46,7 @@ std::optional<WeldedTree> trace_welded(const ObjScene& scene, std::span<const in
                                        const base::Progress& progress = {});
 
 /// The same for a surface as LocalMesh, starting from given vertices.
+/// @return as above; vertex_limb counts the mesh's vertices.
 std::optional<WeldedTree> trace_welded_from(const LocalMesh& mesh, const std::vector<int32_t>& root,
                                             const base::Progress& progress = {});
 

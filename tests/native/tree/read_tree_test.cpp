@@ -144,6 +144,38 @@ TEST_F(ReadTree, LeavesWithoutAnyNamesAreRecognisedByTheirShape) {
   EXPECT_EQ(skeleton.report.foliage_parts, 5);
 }
 
+/// A trunk along Y with two leaves; the second leaf's corners have the normal `normal`.
+std::string leaves_with_normal(const std::string& normal) {
+  std::string text = "g trunk\n";
+  for (int i = 0; i < 4; ++i) {
+    const std::string y = std::to_string(i);
+    for (const char* corner : {"0.1 Y 0", "0 Y -0.1", "-0.1 Y 0", "0 Y 0.1"}) {
+      text += "v " + std::string(corner).replace(std::string(corner).find('Y'), 1, y) + "\n";
+    }
+    for (int c = 1; c <= 4 && i < 3; ++c) {
+      const auto corner = [&](int row, int at) {
+        return std::to_string(4 * row + (at - 1) % 4 + 1);
+      };
+      text += "f " + corner(i, c) + " " + corner(i, c + 1) + " " + corner(i + 1, c + 1) + " " +
+              corner(i + 1, c) + "\n";
+    }
+  }
+  text += "g leaves\nv 0 2 0\nv 1 2 0\nv 1 2 -1\nv 0 2.5 0\nv 1 2.5 0\nv 1 2.5 -1\nvn 0 1 0\n";
+  return text + "vn " + normal + "\nf 17//1 18//1 19//1\nf 20//2 21//2 22\n";
+}
+
+TEST_F(ReadTree, LeavesKeepTheirNormals) {
+  const Foliage foliage = read(leaves_with_normal("3 4 0")).foliage;
+  ASSERT_EQ(foliage.corner_normal.size(), 6u);
+  EXPECT_EQ(foliage.corner_normal[0], glm::vec3(0, 0, 1));  // turned from Y up, as the leaves
+  EXPECT_LT(glm::distance(foliage.corner_normal[3], glm::vec3(0.6f, 0, 0.8f)), 1e-6f);
+  EXPECT_EQ(foliage.corner_normal[5], glm::vec3(0));
+}
+
+TEST_F(ReadTree, NormalsOfFlatLeavesNeedNotBeKept) {
+  EXPECT_THAT(read(leaves_with_normal("0 2 0.001")).foliage.corner_normal, IsEmpty());
+}
+
 TEST_F(ReadTree, SquaresAndLeavesInOneFile) {
   TreeText text;
   text.tree(true, numbered);

@@ -16,6 +16,7 @@ from snowbough.gltf import (
     quantise,
     snow_maps,
     surface,
+    tangents,
     texels,
     thinning,
     tree_data,
@@ -274,6 +275,59 @@ def test_a_mirrored_surface_stays_outside_out():
     mirrored = surface.transformed(cube(), np.diag((-2.0, 1.0, 1.0)))
     triangles = mirrored.corner_point[mirrored.triangles].astype(np.int64)
     assert glb.volume(mirrored.points, triangles) == pytest.approx(2.0)
+
+
+def test_custom_normals_replace_those_of_faces_and_turn_with_them():
+    given = cube()
+    given.normals = np.tile(np.float32((0, 0.6, 0.8)), (24, 1))
+    stretched = surface.transformed(given, np.diag((-1.0, 2.0, 1.0)))
+    found = surface.split(stretched, np.ones(12, bool)).normals
+    across = np.array((0, 0.3, 0.8)) / np.hypot(0.3, 0.8)  # still at right angles to its plane
+    assert np.abs(found - across).max() < 1e-6
+
+
+def bent_sheet():
+    """Two quads that meet at x = 1, the second with a mirrored texture and rising. Smooth."""
+    points = np.array([(x, y, max(x - 1, 0)) for x in (0, 1, 2) for y in (0, 1)], np.float32)
+    quads = np.array([(0, 2, 3, 1), (2, 4, 5, 3)])
+    uv = np.float32([[(0, 0), (1, 0), (1, 1), (0, 1)], [(1, 0), (0, 0), (0, 1), (1, 1)]])
+    joints, weights = surface.strongest(np.zeros((6, 1), int), np.ones((6, 1)))
+    return surface.from_quads(points, quads, [uv, uv], joints, weights, np.zeros(2), np.zeros(6, int))
+
+
+def test_tangents_follow_u_and_tell_a_mirrored_texture():
+    given = bent_sheet()
+    signs = tangents.orientations(given.corner_uvs[0][given.triangles])
+    assert signs.tolist() == [1, 1, -1, -1]
+    vertices = surface.split(given, np.ones(4, bool), signs)
+    assert len(vertices.point) == 8  # the two points of the fold twice
+    points = given.points[vertices.point]
+    made = tangents.tangents(points, vertices.normals, vertices.uvs[0], vertices.triangles)
+    assert np.abs((made[:, :3] * vertices.normals).sum(axis=1)).max() < 1e-6
+    assert np.linalg.norm(made[:, :3], axis=1) == pytest.approx(1.0, abs=1e-6)
+    assert made[points[:, 0] == 0] == pytest.approx(np.tile((1, 0, 0, 1), (2, 1)), abs=1e-6)
+    falling = np.array((-1, 0, -1, -np.sqrt(2))) / np.sqrt(2)
+    assert made[points[:, 0] == 2] == pytest.approx(np.tile(falling, (2, 1)), abs=1e-6)
+    folds = made[points[:, 0] == 1]
+    assert sorted(folds[:, 3].tolist()) == [-1, -1, 1, 1]
+    assert np.sign(folds[:, 0]).tolist() == folds[:, 3].tolist()
+
+
+@pytest.mark.parametrize("quantised", [False, True])
+def test_files_with_a_normal_texture_have_tangents(tmp_path, quantised):
+    bumps = tree_data.Texture("bumps", PNG, "image/png")
+    tree = some_tree(normal=bumps)
+    tree.parts[0].levels = [bent_sheet()]
+    tree_file.build(tree, quantised=quantised).write_glb(tmp_path / "t.glb")
+    assert glb.errors(tmp_path / "t.glb") == []
+    read = glb.Gltf(tmp_path / "t.glb")
+    (primitive,) = read.primitives(read.node("cube_LOD0"))
+    tangent, normal = (read.values(primitive["attributes"][name]) for name in ("TANGENT", "NORMAL"))
+    level = normal[:, 1] > 0.99  # the edge x = 0, which no other face bends
+    assert tangent[level] == pytest.approx(np.tile((1, 0, 0, 1), (2, 1)), abs=1e-6)
+    tree_file.build(some_tree()).write_glb(tmp_path / "plain.glb")
+    (primitive,) = (plain := glb.Gltf(tmp_path / "plain.glb")).primitives(plain.node("cube_LOD0"))
+    assert "TANGENT" not in primitive["attributes"]
 
 
 @pytest.mark.parametrize("scale", [1.0, 2.0])

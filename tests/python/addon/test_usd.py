@@ -86,6 +86,28 @@ def test_two_shapes_are_two_prototypes():
     assert sorted(len(kind.scales) for kind in kinds) == [20, 30] and not left.any()
 
 
+def lit(points, normals):
+    """The Surface of leaves (N, 4, 3) whose corners have these normals (N, 3)."""
+    made = quads_surface(points)
+    made.normals = np.repeat(normals, 4, axis=0).astype(np.float32)
+    return made
+
+
+def test_leaves_lit_as_one_ball_are_no_instances():
+    points = leaves(40)
+    middle = points.mean(axis=(0, 1))
+    outwards = surface.unit(points.mean(axis=1) - middle)
+    kinds, left = instances.kinds_of(lit(points, outwards), JOINTS)
+    assert kinds == [] and left.all()
+
+
+def test_normals_that_turn_with_their_leaves_keep_the_instances():
+    points = leaves(40)
+    across = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    (kind,), left = instances.kinds_of(lit(points, surface.unit(across)), JOINTS)
+    assert len(kind.scales) == 40 and not left.any()
+
+
 def many_shapes(count):
     """Five leaves of each shape."""
     shapes = np.random.default_rng(1).uniform(size=(count, 4, 3))

@@ -96,6 +96,8 @@ def test_report(small):
         "skipped_parts": [],
         "extra_roots": [],
         "foliage_parts": 1,
+        "wood_name": "trunk1",
+        "coverage": 1.0,
         "warnings": [],
     }
 

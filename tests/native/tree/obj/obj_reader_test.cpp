@@ -37,9 +37,11 @@ const std::string kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 void expect_same(const ObjScene& a, const ObjScene& b, const std::string& when) {
   EXPECT_EQ(a.positions, b.positions) << when;
   EXPECT_EQ(a.uvs, b.uvs) << when;
+  EXPECT_EQ(a.normals, b.normals) << when;
   EXPECT_EQ(a.face_begin, b.face_begin) << when;
   EXPECT_EQ(a.corner_vertex, b.corner_vertex) << when;
   EXPECT_EQ(a.corner_uv, b.corner_uv) << when;
+  EXPECT_EQ(a.corner_normal, b.corner_normal) << when;
   EXPECT_EQ(a.names, b.names) << when;
   EXPECT_EQ(a.materials, b.materials) << when;
   EXPECT_EQ(a.short_faces, b.short_faces) << when;
@@ -59,6 +61,13 @@ TEST(ObjReader, ReadsVerticesAndFaces) {
   EXPECT_EQ(scene.positions[1], glm::vec3(1, 0, 0));
   EXPECT_THAT(scene.corner_vertex, ElementsAre(0, 1, 2));
   EXPECT_THAT(scene.face_begin, ElementsAre(0, 3));
+}
+
+TEST(ObjReader, ReadsNormalsOfCorners) {
+  const ObjScene scene =
+      parse(kTriangle + "vn 0 0 1\nvn 0 2 0\nf 1//2 2 3//-2\nf 1 2 3\nf 1//1 2//1\n");
+  EXPECT_THAT(scene.normals, ElementsAre(glm::vec3(0, 0, 1), glm::vec3(0, 2, 0)));
+  EXPECT_THAT(scene.corner_normal, ElementsAre(1, -1, 0, -1, -1, -1));
 }
 
 TEST(ObjReader, GivesTheSameWhereverTheBufferCutsTheText) {

@@ -1,4 +1,4 @@
-#include "tree/read/loose_faces.h"
+#include "tree/obj/seams.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <string>
 
-#include "tree/read/part_names.h"
+#include "tree/obj/parts.h"
 #include "tree/rings/rings.h"
 
 namespace snowbough::tree {
@@ -66,9 +66,9 @@ void add_loose_tube(ObjScene& scene, glm::vec3 root, float radius, Faces faces) 
   }
 }
 
-Parts joined(const ObjScene& scene) {
-  const Parts parts = split_parts(scene);
-  return join_loose_faces(scene, parts, label_parts(scene, parts));
+Parts joined(ObjScene& scene) {
+  close_seams(scene);
+  return split_parts(scene);
 }
 
 std::optional<Limb> trace_joined(const ObjScene& scene, const Parts& parts, int32_t part) {
@@ -76,14 +76,14 @@ std::optional<Limb> trace_joined(const ObjScene& scene, const Parts& parts, int3
   return trace_tube(scene, parts.part_faces(part), parts.part_vertices(part), why);
 }
 
-TEST(LooseFaces, MakeATubeWhateverTheyAre) {
+TEST(Seams, MakeATubeWhateverTheyAre) {
   for (const Faces faces : {Faces::kQuads, Faces::kTriangles, Faces::kSplitQuads}) {
     ObjScene scene;
     begin_group(scene, "");
     add_loose_tube(scene, {0, 0, 0}, 0.5f, faces);
     const Parts parts = joined(scene);
     ASSERT_EQ(parts.count(), 1);
-    EXPECT_EQ(parts.vertices.size(), scene.positions.size());
+    EXPECT_EQ(parts.vertices.size(), 20u);
     const auto limb = trace_joined(scene, parts, 0);
     ASSERT_TRUE(limb);
     ASSERT_EQ(limb->points.size(), 5u);
@@ -92,7 +92,7 @@ TEST(LooseFaces, MakeATubeWhateverTheyAre) {
   }
 }
 
-TEST(LooseFaces, TubesThatTouchAlongAnEdgeStayApart) {
+TEST(Seams, TubesThatTouchAlongAnEdgeStayApart) {
   // The second tube lies beside the first: the edges of one side are in both.
   ObjScene scene;
   begin_group(scene, "");
@@ -114,8 +114,8 @@ TEST(LooseFaces, TubesThatTouchAlongAnEdgeStayApart) {
   EXPECT_TRUE(trace_joined(scene, parts, 1));
 }
 
-TEST(LooseFaces, JoinWithinOneGroupOnly) {
-  // The tube's faces go by turns into two groups: neither holds a tube.
+TEST(Seams, JoinWithinOneGroupOnly) {
+  // The tube's faces go by turns into two groups: each holds two of its sides.
   ObjScene whole;
   begin_group(whole, "");
   add_loose_tube(whole, {0, 0, 0}, 0.5f, Faces::kQuads);
@@ -127,43 +127,59 @@ TEST(LooseFaces, JoinWithinOneGroupOnly) {
       add_loose_face(scene, {corner, corner + 4});
     }
   }
-  EXPECT_EQ(joined(scene).count(), 16);
+  EXPECT_EQ(joined(scene).count(), 4);
 }
 
-TEST(LooseFaces, LeavesAndPlanesStayAsTheyAre) {
+TEST(Seams, ALeafOfSeveralStripsIsOnePartAndPlanesStayAlone) {
   ObjScene scene;
   begin_group(scene, "");
   // A leaf folded along its middle, a leaf of three strips, a row of planes.
   add_loose_face(scene, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0.2f}, {0, 1, 0.2f}});
-  add_loose_face(scene, {{0, 0, 0}, {1, 0, 0}, {1, -1, 0.2f}, {0, -1, 0.2f}});
+  add_loose_face(scene, {{1, 0, 0}, {0, 0, 0}, {0, -1, 0.2f}, {1, -1, 0.2f}});
   for (float x : {5.0f, 6.0f, 7.0f}) {
     add_loose_face(scene, {{x, 0, 0}, {x + 1, 0, 0}, {x + 1, 1, 0}, {x, 1, 0}});
   }
   for (float z : {1.0f, 2.0f, 3.0f}) {
     add_loose_face(scene, {{0, 0, z}, {1, 0, z}, {1, 1, z}, {0, 1, z}});
   }
-  EXPECT_EQ(joined(scene).count(), 8);
+  EXPECT_EQ(joined(scene).count(), 5);
 }
 
-TEST(LooseFaces, NamedFoliageIsLeftAlone) {
+TEST(Seams, ThreeEdgesAtOnePlaceStayOpen) {
   ObjScene scene;
-  begin_group(scene, "leaves");
+  begin_group(scene, "");
+  add_loose_face(scene, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}});
+  add_loose_face(scene, {{1, 0, 0}, {0, 0, 0}, {0, -1, 0}});
+  add_loose_face(scene, {{1, 0, 0}, {0, 0, 0}, {0, 0, 1}});
+  EXPECT_EQ(joined(scene).count(), 3);
+}
+
+TEST(Seams, TubesInARowBecomeOne) {
+  // A trunk in two short tubes: the last ring of the first lies on the first ring of the second.
+  ObjScene scene;
+  begin_group(scene, "");
   add_loose_tube(scene, {0, 0, 0}, 0.5f, Faces::kQuads);
-  EXPECT_EQ(joined(scene).count(), 16);
+  const size_t second = scene.positions.size();
+  add_loose_tube(scene, {0, 0, 0}, 0.5f, Faces::kQuads);
+  for (size_t v = second; v < scene.positions.size(); ++v) {
+    glm::vec3& p = scene.positions[v];
+    p = glm::vec3(8.0f - p.x, p.y, -p.z);
+  }
+  const Parts parts = joined(scene);
+  ASSERT_EQ(parts.count(), 1);
+  const auto limb = trace_joined(scene, parts, 0);
+  ASSERT_TRUE(limb);
+  EXPECT_EQ(limb->points.size(), 9u);
 }
 
-TEST(LooseFaces, JoinedPartsKeepTheirPlaceAndRun) {
+TEST(Seams, WeldedPositionsShareAVertexInAnyGroup) {
   ObjScene scene;
-  begin_group(scene, "stone");
-  add_loose_face(scene, {{9, 9, 0}, {9, 8, 0}, {8, 9, 0}});
-  begin_group(scene, "trunk");
-  add_loose_tube(scene, {0, 0, 0}, 0.5f, Faces::kTriangles);
-  begin_group(scene, "stone");
-  add_loose_face(scene, {{9, 9, 1}, {9, 8, 1}, {8, 9, 1}});
-  const Parts parts = joined(scene);
-  EXPECT_THAT(parts.run, ElementsAre(0, 1, 2));
-  EXPECT_THAT(parts.face_begin, ElementsAre(0, 1, 33, 34));
-  EXPECT_THAT(parts.vertex_begin, ElementsAre(0, 3, 99, 102));
+  begin_group(scene, "a");
+  add_loose_face(scene, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}});
+  begin_group(scene, "b");
+  add_loose_face(scene, {{1, 1, 0}, {2, 0, 0}, {2, 2, 0}});
+  weld_positions(scene);
+  EXPECT_THAT(scene.corner_vertex, ElementsAre(0, 1, 2, 2, 4, 5));
 }
 
 }  // namespace
