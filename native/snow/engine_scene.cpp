@@ -23,6 +23,13 @@ void check_finite(const ObjectState& saved) {
     throw std::invalid_argument("the checkpoint's map or sums of '" + saved.name +
                                 "' are not finite numbers");
   }
+  for (const auto& [name, plane] : saved.planes) {
+    if (plane.size() != saved.height.size() || !std::all_of(plane.begin(), plane.end(), finite)) {
+      throw std::invalid_argument(
+          "the checkpoint's plane '" + name + "' of '" + saved.name +
+          "' has another size than its map, or numbers that are not finite");
+    }
+  }
 }
 
 }  // namespace
@@ -74,11 +81,15 @@ void EngineScene::set_aside() {
 void EngineScene::keep_owned(const SceneObject& replacement) {
   for (ObjectState& saved : pending_.objects) {
     if (saved.name != replacement.description.name) continue;
-    std::vector<float> kept(saved.height.size(), 0.0f);
-    for (const int32_t texel : replacement.table->texel) {
-      kept[static_cast<size_t>(texel)] = saved.height[static_cast<size_t>(texel)];
-    }
-    saved.height = std::move(kept);
+    const auto keep = [&](std::vector<float>& values) {
+      std::vector<float> kept(values.size(), 0.0f);
+      for (const int32_t texel : replacement.table->texel) {
+        kept[static_cast<size_t>(texel)] = values[static_cast<size_t>(texel)];
+      }
+      values = std::move(kept);
+    };
+    keep(saved.height);
+    for (auto& [name, plane] : saved.planes) keep(plane);
   }
 }
 
@@ -112,7 +123,7 @@ shared::ObjectSums EngineScene::read_sums(const std::string& receiver) {
 SimulationState EngineScene::state() {
   if (!is_current_) return pending_;
   SimulationState state;
-  state.landing = movement_.state();
+  movement_.save(state);
   engine().run([&] {
     for (const std::string& name : objects_.receivers()) {
       ObjectState saved;
@@ -122,6 +133,7 @@ SimulationState EngineScene::state() {
       engine().read_height(at, saved.height);
       const shared::ObjectSums sums = engine().read_sums(at);
       std::memcpy(saved.sums.data(), &sums, sizeof sums);
+      movement_.save(at, saved);
       state.objects.push_back(std::move(saved));
     }
   });
@@ -129,11 +141,12 @@ SimulationState EngineScene::state() {
 }
 
 void EngineScene::write_state(const SimulationState& state) {
-  movement_.set_state(state.landing);
+  movement_.load(state);
   for (const ObjectState& saved : state.objects) {
     const size_t at = objects_.index_of(saved.name);
     engine().write_height(at, saved.height);
     engine().write_sums(at, sums_of(saved));
+    movement_.load(at, saved);
   }
 }
 

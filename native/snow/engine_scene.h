@@ -38,7 +38,7 @@ class EngineScene {
   /// A receiver's stored heights; `height` has its size.
   void read_height(const std::string& receiver, std::vector<float>& height);
   shared::ObjectSums read_sums(const std::string& receiver);
-  LandingState landing() const { return is_current_ ? movement_.state() : pending_.landing; }
+  LandingState landing() const { return is_current_ ? movement_.landing() : pending_.landing; }
   /// Without the step's number.
   SimulationState state();
   /// @throws std::invalid_argument naming the difference, or for heights or sums that are not

@@ -111,7 +111,8 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
                                .throw_speed = settings_.throw_speed,
                                .spread = settings_.spread,
                                .heap_grain = settings_.heap_grain,
-                               .takes_time = settings_.fall_time}},
+                               .takes_time = settings_.fall_time},
+                   .max_depth = static_cast<float>(settings_.max_depth)},
       .dt = dt,
       .tile_size = settings_.tile_size};
   objects_.set_positions(positions, hidden);
@@ -130,6 +131,19 @@ void SnowSimulation::change_settings(const SimulationSettings& settings) {
   changed.engine = settings_.engine;
   check_settings(changed);
   settings_ = std::move(changed);
+}
+
+void SnowSimulation::set_mask(const std::string& name, const SnowMask& mask) {
+  const std::scoped_lock lock(mutex_);
+  scene();
+  SceneObject& object = *objects_.receiver(name);
+  if (mask.empty()) {
+    object.mask.reset();
+    return;
+  }
+  const auto triangles = static_cast<size_t>(object.triangle_count());
+  std::vector<float> weights = texel_weights(mask, *object.table, triangles);
+  object.mask = std::make_shared<const std::vector<float>>(std::move(weights));
 }
 
 void SnowSimulation::set_blur_radius(const std::string& name, double blur_radius) {

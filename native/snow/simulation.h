@@ -11,6 +11,7 @@
 #include "snow/receiver_outputs.h"
 #include "snow/scene/memory_estimate.h"
 #include "snow/scene/object_set.h"
+#include "snow/scene/snow_mask.h"
 #include "snow/scene/statistics.h"
 #include "snow/simulation_settings.h"
 #include "snow/state/checkpoint.h"
@@ -73,6 +74,11 @@ class SnowSimulation {
   /// @throws std::invalid_argument for a name that is no receiver, and a radius that is negative or
   /// not finite.
   void set_blur_radius(const std::string& name, double blur_radius);
+
+  /// Sets a receiver's mask from the next step on (movement/masks.h); an empty one removes it, as
+  /// does replace_object.
+  /// @throws std::invalid_argument for a name that is no receiver, and as texel_weights.
+  void set_mask(const std::string& name, const SnowMask& mask);
 
   /// Stored thickness in metres, resolution x resolution, row 0 = v 0.
   std::vector<float> height(const std::string& name);

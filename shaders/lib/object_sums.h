@@ -16,6 +16,7 @@ SNOWBOUGH_SHARED_FUNCTION ObjectSums opened(KERNEL_CONST_REF(ObjectSums) before)
   sum.slid = double(0);
   sum.held = double(0);
   sum.landed = double(0);
+  sum.removed = double(0);
   sum.visible_area = double(0);
   return sum;
 }
@@ -28,7 +29,7 @@ SNOWBOUGH_SHARED_FUNCTION ObjectSums closed(KERNEL_CONST_REF(ObjectSums) before,
   sum.total_deposited += sum.deposited;
   sum.total_slid += sum.slid;
   sum.total_landed += sum.landed;
-  sum.total_stretched += sum.held - (sum.held_before + sum.deposited + sum.landed - sum.slid);
+  sum.total_stretched += sum.held - (sum.held_before + sum.deposited + sum.landed - sum.slid - sum.removed);
   sum.total_visible_area += sum.visible_area;
   return sum;
 }

@@ -179,7 +179,12 @@ struct ObjectSums {
   /// Volume that came onto the map through the air.
   double landed;
   double total_landed;
-  double unused_end[4];
+  /// Volume that masks have refused and objects have pressed or cleared away: in the last step all of it, of all steps
+  /// each kind.
+  double removed;
+  double total_masked;
+  double total_pressed;
+  double total_cleared;
 };
 SNOWBOUGH_SHARED_SIZE(ObjectSums, 128)
 

@@ -39,7 +39,7 @@ LINES = {
     "native/base": 950,
     "native/gpu": 1900,
     "native/image": 1100,
-    "native/python": 3350,
+    "native/python": 3400,
     "native/render": 5100,
     "native/tree": 22650,
     "native/snow/movement": 5780,

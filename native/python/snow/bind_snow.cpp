@@ -118,6 +118,34 @@ void change_settings(SnowSimulation& simulation, std::optional<int64_t> seed,
   simulation.change_settings(settings);
 }
 
+void set_mask(SnowSimulation& simulation, const std::string& name, const py::object& values,
+              const py::object& uv) {
+  snow::SnowMask mask;
+  if (!values.is_none()) {
+    const auto given = InputArray<float>::ensure(values);
+    const auto corners = uv.is_none() ? InputArray<float>() : InputArray<float>::ensure(uv);
+    if (!given || !corners || given.ndim() != 2 || given.size() == 0 ||
+        (uv.is_none() ? given.shape(1) != 3
+                      : corners.ndim() != 3 || corners.shape(1) != 3 || corners.shape(2) != 2)) {
+      PyErr_Clear();
+      throw std::invalid_argument(
+          "mask: values must have shape (T, 3) without uv, and (H, W) with uv (T, 3, 2)");
+    }
+    std::vector<float> numbers(given.data(), given.data() + given.size());
+    if (uv.is_none()) {
+      mask.corner_weights = std::move(numbers);
+    } else {
+      const auto* first = reinterpret_cast<const glm::vec2*>(corners.data());
+      mask.corner_uv.assign(first, first + corners.size() / 2);
+      mask.height = static_cast<int32_t>(given.shape(0));
+      mask.width = static_cast<int32_t>(given.shape(1));
+      mask.image = std::move(numbers);
+    }
+  }
+  const ReleasedGil release;
+  simulation.set_mask(name, mask);
+}
+
 /// Returns a receiver's map: height or texel_area.
 template <std::vector<float> (SnowSimulation::*read)(const std::string&)>
 py::array_t<float> map_of(SnowSimulation& simulation, const std::string& name) {
@@ -172,6 +200,7 @@ void put_balance(py::dict& dict, const snow::SnowBalance& balance) {
   dict["deposited_volume"] = balance.deposited_volume;
   dict["slid_volume"] = balance.slid_volume;
   dict["landed_volume"] = balance.landed_volume;
+  dict["removed_volume"] = balance.removed_volume;
   dict["held_volume"] = balance.held_volume;
   dict["stretched_volume"] = balance.stretched_volume;
   dict["visible_area"] = balance.visible_area;
@@ -184,6 +213,9 @@ py::dict balance_dict(const snow::StatisticsPair& pair) {
   put_balance(dict, pair.step);
   py::dict total;
   put_balance(total, pair.total);
+  total["masked_volume"] = pair.total.masked_volume;
+  total["pressed_volume"] = pair.total.pressed_volume;
+  total["cleared_volume"] = pair.total.cleared_volume;
   dict["total"] = total;
   return dict;
 }
@@ -320,6 +352,13 @@ values out of range.)")
            py::call_guard<ReleasedGil>(),
            R"(Sets the standard deviation in metres of the blur of one receiver's output; the stored
 map stays.)")
+      .def(
+          "set_mask", &set_mask, "name"_a, "values"_a = py::none(), "uv"_a = py::none(),
+          R"(Sets how much of the snow a receiver takes, 0 (none) to 1 (all), from the next step on:
+values (T, 3) of the triangles' corners; or with uv (T, 3, 2) an image (H, W), row 0 = v 0. Without
+values, and by replace_object, the mask is removed. A mask scales what falls and lands, and the
+depth that may lie; snow shrinks with a mask that decreases. What is refused counts as
+masked_volume.)")
       .def("height", &map_of<&SnowSimulation::height>, "name"_a,
            R"(Stored thickness along the normal in metres, (H, W) float32, row 0 = v 0; negative for
 snow on the back.)")

@@ -24,6 +24,11 @@ py::dict to_dict(snow::SimulationState&& state) {
     const py::ssize_t edge = object.resolution;
     own["height"] = to_numpy<float>(std::move(object.height), {edge, edge});
     own["sums"] = copied_numpy(object.sums.data(), object.sums.size());
+    py::dict planes;
+    for (auto& [name, plane] : object.planes) {
+      planes[py::str(name)] = to_numpy<float>(std::move(plane), {edge, edge});
+    }
+    if (!planes.empty()) own["planes"] = planes;
     objects[py::str(object.name)] = own;
   }
   py::dict result;
@@ -39,6 +44,12 @@ py::dict to_dict(snow::SimulationState&& state) {
   landing["on_floors"] = state.landing.on_floors;
   landing["left"] = state.landing.left;
   result["landing"] = landing;
+  py::dict pressers;
+  for (auto& [name, positions] : state.pressers) {
+    const auto points = static_cast<py::ssize_t>(positions.size());
+    pressers[py::str(name)] = to_numpy<float>(std::move(positions), {points, 3});
+  }
+  if (!pressers.empty()) result["pressers"] = pressers;
   return result;
 }
 
@@ -57,6 +68,12 @@ snow::ObjectState object_of(const std::string& name, const py::dict& own) {
   object.resolution = static_cast<int32_t>(height.shape(0));
   object.height.assign(height.data(), height.data() + height.size());
   std::memcpy(object.sums.data(), sums.data(), sizeof object.sums);
+  if (own.contains("planes")) {
+    for (const auto& [key, value] : py::cast<py::dict>(own["planes"])) {
+      const auto plane = py::cast<InputArray<float>>(value);
+      object.planes[py::cast<std::string>(key)].assign(plane.data(), plane.data() + plane.size());
+    }
+  }
   return object;
 }
 
@@ -75,6 +92,12 @@ snow::SimulationState from_dict(const py::dict& given) {
       const auto [time, receiver, place, is_back, units] =
           py::cast<std::tuple<int64_t, std::string, int32_t, bool, int64_t>>(one);
       state.landing.air.push_back({time, receiver, place, is_back, units});
+    }
+  }
+  if (given.contains("pressers")) {
+    for (const auto& [key, value] : py::cast<py::dict>(given["pressers"])) {
+      state.pressers[py::cast<std::string>(key)] = rows_from_numpy<glm::vec3, float, 3>(
+          py::cast<InputArray<float>>(value), "positions of a presser");
     }
   }
   std::sort(state.objects.begin(), state.objects.end(),
@@ -129,7 +152,8 @@ void bind_snow_state(py::module_& module) {
 'objects': {receiver: {'height': (H, H) float32 metres, 'sums': (16,) float64}}, 'landing': {'clock':
 time, 'air': [(time when it lands, receiver, row * resolution + column, on its back, volume)],
 'on_floors': volume, 'left': volume}}. Times are in microseconds, these volumes in units of
-2^-44 m3.)");
+2^-44 m3. With masks or objects that press snow, receivers have 'planes' {name: (H, H) float32}, and
+'pressers' holds {name: (N, 3) metres}.)");
   module.def(
       "set_simulation_state", &set_state, "simulation"_a, "state"_a,
       R"(Restores a state from simulation_state, for a simulation with the same receivers; parts of

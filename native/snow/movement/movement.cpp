@@ -10,6 +10,8 @@ namespace {
 
 /// Maps with more active blocks than this share them among threads; others use one thread each.
 constexpr size_t kManyBlocks = 16;
+/// Names of planes in checkpoints.
+constexpr const char* kMaskPlane = "mask";
 
 }  // namespace
 
@@ -32,6 +34,7 @@ int64_t Movement::memory(const std::vector<const SceneObject*>& objects) {
 void Movement::lay_out(const std::vector<const SceneObject*>& objects) {
   receivers_.clear();
   targets_.lay_out(objects);
+  masks_.lay_out(objects);
   landing_.lay_out(targets_.rays());
   link_tables_ = std::make_unique<ReposeLinkTables>();
   for (const SceneObject* object : objects) {
@@ -60,6 +63,8 @@ std::vector<MovingMap*> Movement::shown(std::vector<MovingMap>& maps) const {
 void Movement::before(const MovementSettings& settings, double dt, std::vector<MovingMap>& maps) {
   // Above hidden receivers snow stays in the air.
   for (MovingMap* map : shown(maps)) {
+    masks_.begin(*map);
+    if (dt <= 0.0 || !settings.repose.is_on()) continue;
     landing_.arrive(dt, settings.landing, *map, *receivers_[map->object]);
   }
 }
@@ -67,12 +72,35 @@ void Movement::before(const MovementSettings& settings, double dt, std::vector<M
 void Movement::after(const MovementSettings& settings, uint32_t step_number, double dt,
                      std::vector<MovingMap>& maps) {
   const std::vector<MovingMap*> moving = shown(maps);
-  if (dt > 0.0) run_repose(settings, static_cast<float>(dt), moving);
-  if (!settings.landing.is_on) return;
+  for (MovingMap* map : moving) masks_.refuse(*map, *receivers_[map->object]);
+  if (dt > 0.0 && settings.repose.is_on()) run_repose(settings, static_cast<float>(dt), moving);
+  for (MovingMap* map : moving) {
+    masks_.limit(*map, *receivers_[map->object], settings.max_depth);
+  }
+  if (!settings.landing.is_on || !settings.repose.is_on()) return;
   for (MovingMap* map : moving) {
     landing_.release(settings.landing, *map, *receivers_[map->object]);
   }
   landing_.fall(step_number, dt, settings.landing);
+}
+
+void Movement::save(SimulationState& state) const {
+  state.landing = landing_.state();
+}
+
+void Movement::save(size_t object, ObjectState& state) const {
+  if (std::vector<float> mask = masks_.state(object); !mask.empty()) {
+    state.planes[kMaskPlane] = std::move(mask);
+  }
+}
+
+void Movement::load(const SimulationState& state) {
+  landing_.set_state(state.landing);
+}
+
+void Movement::load(size_t object, const ObjectState& state) {
+  const auto plane = state.planes.find(kMaskPlane);
+  masks_.set_state(object, plane != state.planes.end() ? &plane->second : nullptr);
 }
 
 void Movement::run_repose(const MovementSettings& settings, float dt,

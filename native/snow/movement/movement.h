@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "snow/movement/landing.h"
+#include "snow/movement/masks.h"
 #include "snow/movement/moving_map.h"
 #include "snow/movement/outlet_targets.h"
 #include "snow/movement/repose/repose.h"
@@ -13,6 +14,8 @@ namespace snowbough::snow {
 struct MovementSettings {
   ReposeSettings repose;
   LandingSettings landing;
+  /// Depth in metres that level ground holds; masks scale it.
+  float max_depth = 1.0f;
 };
 
 /// The passes that move lying snow, on the CPU's cores, for either engine: `before` a step's
@@ -29,14 +32,20 @@ class Movement {
 
   /// Whether any snow lands in the next step. `dt`: its duration in seconds.
   bool has_arrivals(double dt) const { return landing_.has_arrivals(dt); }
+  /// Whether the next step needs `before` and `after` even if no snow lands or moves by itself.
+  bool acts_always() const { return masks_.is_on(); }
   void before(const MovementSettings& settings, double dt, std::vector<MovingMap>& maps);
   /// A longer step may run more rounds until all snow rests; without duration only what stability
   /// has released moves.
   void after(const MovementSettings& settings, uint32_t step_number, double dt,
              std::vector<MovingMap>& maps);
 
-  LandingState state() const { return landing_.state(); }
-  void set_state(const LandingState& state) { landing_.set_state(state); }
+  LandingState landing() const { return landing_.state(); }
+  /// What the passes keep between steps: of the scene, and of a receiver.
+  void save(SimulationState& state) const;
+  void save(size_t object, ObjectState& state) const;
+  void load(const SimulationState& state);
+  void load(size_t object, const ObjectState& state);
 
  private:
   std::vector<MovingMap*> shown(std::vector<MovingMap>& maps) const;
@@ -44,6 +53,7 @@ class Movement {
 
   std::unique_ptr<ReposeLinkTables> link_tables_;
   OutletTargets targets_;
+  Masks masks_;
   Landing landing_;
   /// By object; null for objects that do not receive.
   std::vector<std::unique_ptr<Repose>> receivers_;

@@ -56,6 +56,8 @@ struct SceneObject {
   std::vector<float> fragment_opacity;
   /// Per triangle, 1 if it takes snow on both sides, by the rest pose; empty: all on the front.
   std::vector<uint8_t> two_sided;
+  /// Receivers only: by texel, the part of the snow that it takes (snow_mask.h); null: all.
+  std::shared_ptr<const std::vector<float>> mask;
   /// Current world positions in metres; empty before the object's first step.
   std::vector<glm::vec3> positions;
   Bounds bounds;

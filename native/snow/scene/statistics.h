@@ -14,6 +14,12 @@ struct SnowBalance {
   double slid_volume = 0.0;
   /// Volume that has fallen off a map and landed on this one.
   double landed_volume = 0.0;
+  /// Volume that masks have refused and objects have pressed or cleared away; and, in totals only,
+  /// each kind.
+  double removed_volume = 0.0;
+  double masked_volume = 0.0;
+  double pressed_volume = 0.0;
+  double cleared_volume = 0.0;
   /// Volume on the maps now.
   double held_volume = 0.0;
   /// Change of volume because surfaces stretched or shrank under the snow.
@@ -41,7 +47,7 @@ struct SnowStatistics {
   /// Receivers only, by name.
   std::map<std::string, StatisticsPair> objects;
   /// Of what has fallen off maps: volume in the air now, on objects without a map, and outside of
-  /// the scene, in m3. Deposited snow is held, stretched, or one of these.
+  /// the scene, in m3. Deposited snow is held, stretched, removed, or one of these.
   double air_volume = 0.0;
   double floor_volume = 0.0;
   double left_volume = 0.0;

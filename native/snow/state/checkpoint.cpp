@@ -14,7 +14,9 @@ namespace snowbough::snow {
 namespace {
 
 constexpr std::string_view kMagic{"SNOWBOUGH-STATE\n", 16};
+/// Of states without planes and pressers, and of those with any.
 constexpr uint32_t kVersion = 4;
+constexpr uint32_t kVersionWithPlanes = 5;
 constexpr int32_t kLargestResolution = 8192;
 /// Magic, version, length of the body, and its check sum.
 constexpr size_t kHeaderBytes = 16 + 4 + 8 + 4;
@@ -116,15 +118,43 @@ size_t mask_bytes(const ObjectState& object) {
   return (size_t(object.resolution) * object.resolution + 7) / 8;
 }
 
+void write_plane(Writer& body, const std::vector<float>& plane) {
+  const std::string mask = pack(mask_of(plane));
+  body.number(static_cast<uint64_t>(mask.size()));
+  body.raw(mask);
+  for (const float value : plane) {
+    if (!is_bare(value)) body.number(std::bit_cast<uint32_t>(value));
+  }
+}
+
 void write_object(Writer& body, const ObjectState& object) {
-  const std::string mask = pack(mask_of(object.height));
   body.text(object.name);
   body.number(static_cast<uint32_t>(object.resolution));
   body.doubles(object.sums);
-  body.number(static_cast<uint64_t>(mask.size()));
-  body.raw(mask);
-  for (const float height : object.height) {
-    if (!is_bare(height)) body.number(std::bit_cast<uint32_t>(height));
+  write_plane(body, object.height);
+}
+
+bool has_planes(const SimulationState& state) {
+  return !state.pressers.empty() ||
+         std::any_of(state.objects.begin(), state.objects.end(),
+                     [](const ObjectState& object) { return !object.planes.empty(); });
+}
+
+void write_planes(Writer& body, const SimulationState& state) {
+  for (const ObjectState& object : state.objects) {
+    body.number(static_cast<uint32_t>(object.planes.size()));
+    for (const auto& [name, plane] : object.planes) {
+      body.text(name);
+      write_plane(body, plane);
+    }
+  }
+  body.number(static_cast<uint32_t>(state.pressers.size()));
+  for (const auto& [name, positions] : state.pressers) {
+    body.text(name);
+    body.number(static_cast<uint32_t>(positions.size()));
+    for (const glm::vec3& point : positions) {
+      for (int axis = 0; axis < 3; ++axis) body.number(std::bit_cast<uint32_t>(point[axis]));
+    }
   }
 }
 
@@ -159,12 +189,29 @@ LandingState read_landing(Reader& reader) {
   return landing;
 }
 
+/// A plane as stored in the file.
+struct PackedPlane {
+  std::string_view mask;
+  std::string_view values;
+};
+
 /// A map as stored in the file.
 struct PackedObject {
-  ObjectState object;  // without its heights
-  std::string_view mask;
-  std::string_view heights;
+  ObjectState object;  // without its heights and planes
+  PackedPlane heights;
+  std::map<std::string, PackedPlane> planes;
 };
+
+PackedPlane read_plane(Reader& reader, const ObjectState& object) {
+  PackedPlane packed;
+  packed.mask = reader.raw(reader.number<uint64_t>());
+  uint64_t covered = 0;
+  for (const char byte : unpack(packed.mask, mask_bytes(object))) {
+    covered += static_cast<uint64_t>(std::popcount(static_cast<unsigned char>(byte)));
+  }
+  packed.values = reader.raw(sizeof(float) * covered);
+  return packed;
+}
 
 PackedObject read_object(Reader& reader) {
   PackedObject packed;
@@ -176,27 +223,48 @@ PackedObject read_object(Reader& reader) {
   }
   object.resolution = static_cast<int32_t>(resolution);
   reader.doubles(object.sums);
-  packed.mask = reader.raw(reader.number<uint64_t>());
-  uint64_t covered = 0;
-  for (const char byte : unpack(packed.mask, mask_bytes(object))) {
-    covered += static_cast<uint64_t>(std::popcount(static_cast<unsigned char>(byte)));
-  }
-  packed.heights = reader.raw(sizeof(float) * covered);
+  packed.heights = read_plane(reader, object);
   return packed;
+}
+
+std::vector<float> unpacked(const PackedPlane& packed, const ObjectState& object) {
+  const std::string mask = unpack(packed.mask, mask_bytes(object));
+  Reader values(packed.values);
+  std::vector<float> plane(size_t(object.resolution) * object.resolution);
+  for (size_t i = 0; i < plane.size(); ++i) {
+    if (is_set(mask, i)) plane[i] = std::bit_cast<float>(values.number<uint32_t>());
+  }
+  return plane;
 }
 
 ObjectState with_heights(PackedObject&& packed) {
   ObjectState object = std::move(packed.object);
-  const std::string mask = unpack(packed.mask, mask_bytes(object));
-  Reader heights(packed.heights);
-  object.height.resize(size_t(object.resolution) * object.resolution);
-  for (size_t i = 0; i < object.height.size(); ++i) {
-    if (is_set(mask, i)) object.height[i] = std::bit_cast<float>(heights.number<uint32_t>());
-  }
+  object.height = unpacked(packed.heights, object);
+  for (const auto& [name, plane] : packed.planes) object.planes[name] = unpacked(plane, object);
   return object;
 }
 
-Checkpoint parse(std::string_view body,
+void read_planes(Reader& reader, std::vector<PackedObject>& objects, SimulationState& state) {
+  for (PackedObject& object : objects) {
+    for (auto count = reader.number<uint32_t>(); count > 0; --count) {
+      const std::string name = reader.text();
+      object.planes[name] = read_plane(reader, object.object);
+    }
+  }
+  for (auto count = reader.number<uint32_t>(); count > 0; --count) {
+    std::vector<glm::vec3>& positions = state.pressers[reader.text()];
+    const auto points = reader.number<uint32_t>();
+    Reader numbers(reader.raw(uint64_t{12} * points));
+    positions.resize(points);
+    for (glm::vec3& point : positions) {
+      for (int axis = 0; axis < 3; ++axis) {
+        point[axis] = std::bit_cast<float>(numbers.number<uint32_t>());
+      }
+    }
+  }
+}
+
+Checkpoint parse(std::string_view body, bool with_planes,
                  const std::function<void(const CheckpointOutline&)>& check) {
   Reader reader(body);
   Checkpoint checkpoint;
@@ -213,6 +281,7 @@ Checkpoint parse(std::string_view body,
     outline.maps.emplace_back(object.name, object.resolution);
   }
   checkpoint.state.landing = read_landing(reader);
+  if (with_planes) read_planes(reader, objects, checkpoint.state);
   if (!reader.at_end()) throw std::runtime_error("it has bytes after its end");
   if (check) check(outline);
   for (PackedObject& packed : objects) {
@@ -229,9 +298,10 @@ Checkpoint check_and_parse(std::string_view file,
   if (file.size() < kHeaderBytes) throw std::runtime_error("it is truncated");
   Reader header(file.substr(kMagic.size()));
   const auto version = header.number<uint32_t>();
-  if (version != kVersion) {
+  if (version != kVersion && version != kVersionWithPlanes) {
     throw std::runtime_error("it has version " + std::to_string(version) +
-                             ", this Snowbough reads version " + std::to_string(kVersion) +
+                             ", this Snowbough reads versions " + std::to_string(kVersion) +
+                             " and " + std::to_string(kVersionWithPlanes) +
                              "; bake again from the first frame");
   }
   const auto bytes = header.number<uint64_t>();
@@ -244,7 +314,7 @@ Checkpoint check_and_parse(std::string_view file,
   if (body.size() > bytes || check_sum(body) != expected_sum) {
     throw std::runtime_error("it is damaged: the check sum does not match");
   }
-  return parse(body, check);
+  return parse(body, version == kVersionWithPlanes, check);
 }
 
 }  // namespace
@@ -262,12 +332,20 @@ void save_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
                                   std::to_string(object.height.size()) + " heights, not " +
                                   std::to_string(object.resolution) + " squared");
     }
+    for (const auto& [name, plane] : object.planes) {
+      if (static_cast<int64_t>(plane.size()) == texels) continue;
+      throw std::invalid_argument("the plane '" + name + "' of '" + object.name + "' has " +
+                                  std::to_string(plane.size()) + " values, not " +
+                                  std::to_string(object.resolution) + " squared");
+    }
     write_object(body, object);
   }
   write_landing(body, checkpoint.state.landing);
+  const bool with_planes = has_planes(checkpoint.state);
+  if (with_planes) write_planes(body, checkpoint.state);
   Writer file;
   file.raw(kMagic);
-  file.number(kVersion);
+  file.number(with_planes ? kVersionWithPlanes : kVersion);
   file.number(static_cast<uint64_t>(body.bytes().size()));
   file.number(check_sum(body.bytes()));
   file.raw(body.bytes());

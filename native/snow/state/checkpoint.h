@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <glm/vec3.hpp>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +19,8 @@ struct ObjectState {
   std::vector<float> height;
   /// The receiver's balance so far (shared::ObjectSums), in double precision.
   std::array<double, 16> sums{};
+  /// What passes keep for each texel between steps, by name; as `height`.
+  std::map<std::string, std::vector<float>> planes;
 };
 
 /// Snow in the air.
@@ -50,6 +54,8 @@ struct SimulationState {
   /// By name, ascending.
   std::vector<ObjectState> objects;
   LandingState landing;
+  /// Positions of the last step, in metres, of objects that press snow.
+  std::map<std::string, std::vector<glm::vec3>> pressers;
 };
 
 /// A state as a file: of all receivers (SnowSimulation::save), or of the receivers that a bake can

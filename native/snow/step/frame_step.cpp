@@ -100,7 +100,8 @@ void run_step(Engine& engine, Movement& movement, const std::vector<SceneObject*
   hash.triangles();
   engine.open_statistics();
   // What lands in a step without movement would not be shaped.
-  if (step.moves_snow() && step.dt > 0.0 && movement.has_arrivals(step.dt)) {
+  const bool lands = step.moves_snow() && step.dt > 0.0 && movement.has_arrivals(step.dt);
+  if (lands || movement.acts_always()) {
     engine.move_snow(
         [&](std::vector<MovingMap>& maps) { movement.before(step.movement, step.dt, maps); });
   }
@@ -121,7 +122,7 @@ void run_step(Engine& engine, Movement& movement, const std::vector<SceneObject*
                          static_cast<float>(step.dt));
   hash.deposit();
   hash.heights("stability");
-  if (step.moves_snow()) {
+  if (step.moves_snow() || movement.acts_always()) {
     engine.move_snow([&](std::vector<MovingMap>& maps) {
       movement.after(step.movement, step.fall.step_number, step.dt, maps);
     });

@@ -84,6 +84,7 @@ void CpuEngine::move_snow(const std::function<void(std::vector<MovingMap>&)>& mo
     receiver.sums.slid += maps[slot].slid;
     receiver.sums.held -= maps[slot].slid;
     receiver.sums.landed += maps[slot].landed;
+    count_removed(maps[slot], receiver.sums);
     if (maps[slot].has_changed) cpu::find_snow(receiver);
   }
 }

@@ -34,6 +34,15 @@ struct StabilitySettings {
   float clamped_half_life() const { return half_life < 1e-6f ? 1e-6f : half_life; }
 };
 
+/// Takes what masks and pressing objects have removed from a map out of its balance.
+inline void count_removed(const MovingMap& map, shared::ObjectSums& sums) {
+  sums.held -= map.removed();
+  sums.removed += map.removed();
+  sums.total_masked += map.masked;
+  sums.total_pressed += map.pressed;
+  sums.total_cleared += map.cleared;
+}
+
 /// Total cost of a pass's calls.
 struct PassCost {
   std::string name;

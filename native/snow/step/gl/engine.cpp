@@ -59,11 +59,12 @@ void GlEngine::move_snow(const std::function<void(std::vector<MovingMap>&)>& mov
   for (const MovingMap& map : maps) {
     if (map.has_changed) group_of(map.object).write_height(layer_of(map.object), *map.height);
     has_changed = has_changed || map.has_changed;
-    if (map.slid == 0.0 && map.landed == 0.0) continue;
+    if (map.slid == 0.0 && map.landed == 0.0 && map.removed() == 0.0) continue;
     shared::ObjectSums sums = read_sums(map.object);
     sums.slid += map.slid;
     sums.held -= map.slid;
     sums.landed += map.landed;
+    count_removed(map, sums);
     write_sums(map.object, sums);
   }
   if (has_changed) passes_->groups.find_snow(passes_->scene);
