@@ -83,6 +83,7 @@ void SnowSimulation::replace_object(ObjectDescription description) {
   scene.set_aside();
   scene.keep_owned(*object);
   outputs_.forget(object->description.name);
+  object->press = objects_.by_name().at(object->description.name)->press;
   objects_.put(std::move(object));
 }
 
@@ -144,6 +145,27 @@ void SnowSimulation::set_mask(const std::string& name, const SnowMask& mask) {
   const auto triangles = static_cast<size_t>(object.triangle_count());
   std::vector<float> weights = texel_weights(mask, *object.table, triangles);
   object.mask = std::make_shared<const std::vector<float>>(std::move(weights));
+}
+
+void SnowSimulation::set_presser(const std::string& name, const PressSettings& settings) {
+  const std::scoped_lock lock(mutex_);
+  scene();
+  const auto found = objects_.by_name().find(name);
+  if (found == objects_.by_name().end()) {
+    throw std::invalid_argument("there is no object '" + name + "'");
+  }
+  const auto check = [](bool is_right, const std::string& what) {
+    if (!is_right) throw std::invalid_argument(what);
+  };
+  check(settings.packed_density >= kFreshDensity && settings.packed_density <= 917.0,
+        "packed_density must be 100 to 917 kg/m3");
+  check(settings.pushed_aside >= 0.0 && settings.pushed_aside <= 1.0,
+        "pushed_aside must be 0 to 1");
+  check(settings.rim_width >= 0.0 && settings.rim_width <= 100.0,
+        "rim_width must be 0 to 100 metres");
+  check(settings.walls_stand >= 0.0 && settings.walls_stand <= 100.0,
+        "walls_stand must be 0 to 100 metres");
+  found->second->press = settings;
 }
 
 void SnowSimulation::set_blur_radius(const std::string& name, double blur_radius) {

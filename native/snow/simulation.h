@@ -79,6 +79,10 @@ class SnowSimulation {
   /// does replace_object.
   /// @throws std::invalid_argument for a name that is no receiver, and as texel_weights.
   void set_mask(const std::string& name, const SnowMask& mask);
+  /// Sets what an object does to the snow of others that it touches, from the next step on
+  /// (movement/pressing.h).
+  /// @throws std::invalid_argument for an unknown name, and settings out of range.
+  void set_presser(const std::string& name, const PressSettings& settings);
 
   /// Stored thickness in metres, resolution x resolution, row 0 = v 0.
   std::vector<float> height(const std::string& name);

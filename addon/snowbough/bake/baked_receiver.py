@@ -77,6 +77,8 @@ class BakedReceiver:
             "name": self.label,
             "sides": self.spec.sides,
         }
+        if self.spec.mask is not None:
+            own["mask"] = self.spec.mask.text
         return {"shot": digest(shot), "snowfall": shot, "receiver": own, "deposit": DEPOSIT}
 
     def compare_settings(self, shot, units):

@@ -16,6 +16,7 @@ from ..cache.errors import CacheError
 from ..cache.files import MANIFEST
 from ..cache.manifest import read_head, read_inputs
 from ..scene import inputs
+from ..scene.masks import mask_spec
 from ..scene.pose import metres_per_unit
 from ..scene.reader import SceneReader
 from ..scene.receivers import receiver_specs
@@ -99,6 +100,10 @@ def _receiver_changes(entry, before):
     if entry.sides != sides:
         names = {name: label for name, label, _ in SIDES}
         yield f"{obj.name}: sides {names[entry.sides]}, was {names.get(sides, sides)}"
+    mask = mask_spec(entry)
+    mask, masked = "" if mask is None else mask.text, before.get("mask", "")
+    if mask != masked:
+        yield f"{obj.name}: mask {mask or 'none'}, was {masked or 'none'}"
     if obj.type == "MESH":
         names = [layer.name for layer in obj.data.uv_layers]
         active = obj.data.uv_layers.active

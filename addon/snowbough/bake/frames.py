@@ -80,6 +80,7 @@ class FrameBaker:
         self._between_frames = False
         for changes, direction, steps in work.poses:
             self._registry.register_changes(changes.added)
+            self._registry.set_effects(changes.masks, changes.pressers)
             self._positions.update(changes.moved)
             for step in steps:
                 self._simulation.step(
@@ -152,6 +153,10 @@ class FrameBaker:
                 "direction": list(work.poses[-1][1]),
                 "to_world": work.places[receiver.key].ravel().tolist(),
             }
+            # Only where masks or objects have removed snow.
+            for name in ("masked", "pressed", "cleared"):
+                if total[f"{name}_volume"] != 0.0:
+                    entry[name] = float(total[f"{name}_volume"])
             if receiver.key in work.hidden:
                 entry["hidden"] = True
             self._writer.call(

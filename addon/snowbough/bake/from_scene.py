@@ -9,7 +9,7 @@ from ..base import compat, native
 from ..base.map_kinds import ON_REQUEST
 from ..base.names import unit_of
 from ..result import displacement
-from ..scene import physics_caches
+from ..scene import masks, physics_caches
 from ..scene.pose import metres_per_unit
 from ..scene.receivers import note_baked_names, receiver_specs
 from ..settings.preferences import preferred_engine
@@ -95,5 +95,6 @@ def prepare_bake(scene, request, on_frame=None):
     displacement.require_frames(scene)
     note_baked_names(scene, request.receivers)
     scene.snowbough.cache_scene = request.baked_as
+    masks.load_sequences(request.receivers, request.frame_start, request.frame_end)
     job = BakeJob(request, native.load())
     return RunningBake(job, request.receivers, metres_per_unit(scene), on_frame)

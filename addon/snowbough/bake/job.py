@@ -89,6 +89,8 @@ class BakeJob:
         self._noted = 0
         # Positions for the next step of the simulation.
         self._positions = {}
+        # Masks and pressers of scene.tracker.Changes that the simulation gets when it is made.
+        self._effects = ({}, {})
         self._driver = ""
         # It loads its driver while the first pose is evaluated. Later the simulation uses it.
         self._engine = native.Engine(engine=request.engine, mapping=request.snow["mapping"])
@@ -109,7 +111,9 @@ class BakeJob:
             run = _Run(evaluate, report, cancelled, shaping, first_pose, self._plan(evaluate))
             self._identify(first_pose)
             settings = run.settings = self._settings(run.snowfall)
-            added, self._positions, _ = self._tracker.register_changes(first_pose, request.frame_start, 0.0)
+            added, self._positions, _, *self._effects = self._tracker.register_changes(
+                first_pose, request.frame_start, 0.0
+            )
             stack.callback(self._close_simulation)
             stack.callback(lambda: [receiver.close() for receiver in self.receivers])
             if not self._may_resume():
@@ -290,9 +294,10 @@ class BakeJob:
             other.compare_settings(run.settings, request.units)
         state, before = resuming.read_checkpoints(self.native, self.receivers, self._beside(), frame, driver)
         run.log(f"comparing frames {request.frame_start} to {frame} with the checkpoint")
-        added, moved = self._replay_frames(run, frame)
+        added, moved, *effects = self._replay_frames(run, frame)
         self._new_poses()
         self._registry.register_changes(added)
+        self._registry.set_effects(*effects)
         self._positions.update(moved)
         recorded = {**resuming.finished_inputs(self.baked, self.receivers), **before}
         resuming.compare_scenes(recorded, self._tracker.inputs, "was baked from", "bake again from the start")
@@ -315,10 +320,10 @@ class BakeJob:
         )
 
     def _replay_frames(self, run, last):
-        """Evaluates all poses up to frame ``last`` without snow; returns the combined scene.tracker.Changes.added and
-        moved."""
+        """Evaluates all poses up to frame ``last`` without snow; returns the combined scene.tracker.Changes.added,
+        moved, masks and pressers."""
         start = (self.request.frame_start, 0.0)
-        added, positions, _ = self._tracker.register_changes(run.first_pose, *start)
+        added, positions, _, masks, pressers = self._tracker.register_changes(run.first_pose, *start)
         pose = run.first_pose
         for frame in range(start[0], last + 1):
             if run.cancelled():
@@ -326,11 +331,13 @@ class BakeJob:
             for at, _ in self._poses(run.snowfall, frame):
                 if at != start:
                     pose = run.evaluate(*at)
-                    more, moved, _ = self._tracker.register_changes(pose, *at)
+                    more, moved, _, others, pressing = self._tracker.register_changes(pose, *at)
                     added.update(more)  # if an object's mesh changed again, the last mesh
                     positions.update(moved)
+                    masks.update(others)
+                    pressers.update(pressing)
             self._record(frame, pose)
-        return added, positions
+        return added, positions, masks, pressers
 
     def _record(self, frame, pose):
         for receiver in self.receivers:
@@ -352,6 +359,7 @@ class BakeJob:
         }
         self._registry = simulation.Registry(self._simulation, maps)
         self._registry.register_changes(added)
+        self._registry.set_effects(*self._effects)
 
     def _beside(self):
         """The receivers that are simulated beside those that this bake writes: with landing all that are left, because

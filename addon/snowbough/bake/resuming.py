@@ -66,7 +66,7 @@ def read_checkpoints(native, receivers, beside, frame, driver):
     the required engine and driver, None for any.
 
     Raises InputsChanged if another driver made them, or if they are from different bakes."""
-    numbers, states, inputs, landing = set(), {}, {}, None
+    numbers, states, inputs, scene = set(), {}, {}, {}
     sizes = {receiver.key: receiver.resolution for receiver in [*receivers, *beside]}
     for receiver in [*receivers, *beside]:
         is_beside = receiver in beside
@@ -77,7 +77,7 @@ def read_checkpoints(native, receivers, beside, frame, driver):
         numbers.add(state["step_number"])
         states.update(state["objects"])
         # All hold the same.
-        landing = state["landing"]
+        scene = {part: state[part] for part in ("landing", "pressers") if part in state}
         # Thousands of receivers may have equal lists: keep one of them.
         inputs[receiver.shown] = next((known for known in inputs.values() if known == poses), poses)
         if driver is not None and made_with != driver:
@@ -87,7 +87,7 @@ def read_checkpoints(native, receivers, beside, frame, driver):
             f"The receivers' checkpoints of frame {frame} do not belong together (steps "
             f"{', '.join(map(str, sorted(numbers)))}): bake again from the start"
         )
-    return {"step_number": numbers.pop(), "objects": states, "landing": landing}, inputs
+    return {"step_number": numbers.pop(), "objects": states, **scene}, inputs
 
 
 def finished_inputs(receivers, writing):

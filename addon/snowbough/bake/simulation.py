@@ -63,6 +63,7 @@ class Registry:
             options = {
                 "resolution": resolution,
                 "receive": receives,
+                "occlude": registration.occludes or receives,
                 "rest": registration.positions if receives else None,
                 "blur_radius": blur_radius,
                 "alpha": topology.alpha.argument() if topology.alpha else None,
@@ -83,6 +84,15 @@ class Registry:
                     f"follow ({error}): apply the modifier that changes them, or remove it from the "
                     "list of receivers"
                 ) from error
+
+    def set_effects(self, masks, pressers):
+        """Sets masks {key: scene.pose.Mask or None} and what objects do to snow {key: scene.pose.ObjectPose.press} from
+        the next step on."""
+        for key, press in pressers.items():
+            self._simulation.set_presser(key, **(press or {"kind": "NONE"}))
+        for key, mask in masks.items():
+            if key in self._maps:
+                self._simulation.set_mask(key, *(() if mask is None else (mask.values, mask.uv)))
 
     def prepare(self):
         """Starts the preparation of the maps of new receivers, in parallel to the next steps. Waits for the engine."""

@@ -141,7 +141,7 @@ _UNITS = {
 
 
 def unit_of(description):
-    """The unit of a setting with that tooltip: m, s, texels, ° (whose values are radians), or nothing."""
+    """The unit of a setting with that tooltip: m, s, texels, ° (whose values are radians), kg/m³, or nothing."""
     return next((unit for name, unit in _UNITS.items() if f"({name})" in description), "")
 
 

@@ -251,7 +251,8 @@ def _on_update(scene, depsgraph):
     """An object was changed, by the user or by undo."""
     preview = _running(scene)
     if preview is None or not any(
-        update.is_updated_geometry or update.is_updated_transform for update in depsgraph.updates
+        update.is_updated_geometry or update.is_updated_transform or isinstance(update.id, bpy.types.Image)
+        for update in depsgraph.updates
     ):
         return
     try:

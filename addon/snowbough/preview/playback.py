@@ -18,6 +18,7 @@ from ..bake import baked_receiver, plan, simulation
 from ..bake.from_scene import constant_rates, constant_values
 from ..base import native
 from ..base.names import is_software
+from ..scene.masks import load_sequences
 from ..scene.pose import TopologyChanged, metres_per_unit
 from ..scene.reader import SceneReader
 from ..scene.receivers import receiver_specs
@@ -134,6 +135,8 @@ class Playback:
         """Makes a new simulation at the pose of the current frame, with all the snow of that frame."""
         self.close()
         self.history.clear()
+        snowfall = self.settings.snowfall
+        load_sequences(self.settings.specs, snowfall.frame_start, snowfall.frame_end)
         self.reader = SceneReader(list(self.settings.specs), metres_per_unit(scene))
         pose = self._read(depsgraph, scene.frame_current)
         module = native.load()
@@ -185,8 +188,9 @@ class Playback:
         whether there are others than before."""
         changes = self._tracker.register_changes(pose, self.frame, 0.0)
         self._registry.register_changes(changes.added)
+        self._registry.set_effects(changes.masks, changes.pressers)
         self._registry.prepare()
-        has_changed = bool(changes.moved) or changes.hidden != self._hidden
+        has_changed = bool(changes.moved or changes.masks) or changes.hidden != self._hidden
         self._moved, self._hidden = changes.moved, changes.hidden
         return has_changed
 
@@ -223,7 +227,10 @@ class Playback:
             self._keep(frame, pose)
 
     def _clear_snow(self):
-        bare = _scaled(native.load().simulation_state(self.simulation), 0.0)
+        state = native.load().simulation_state(self.simulation)
+        bare = _scaled({**state, "pressers": {}}, 0.0)
+        for own in bare["objects"].values():
+            own.pop("planes", None)
         native.load().set_simulation_state(self.simulation, {**bare, "step_number": 0})
 
     def _snow_frames(self, pose, first, last):
@@ -323,9 +330,14 @@ class Playback:
         if _same_scene(pose, self.pose):
             return False
         turned = (pose.fall_angle, pose.bearing) != (self.pose.fall_angle, self.pose.bearing)
+        before = self.pose.objects
+        masked = any(key in before and own.mask is not before[key].mask for key, own in pose.objects.items())
         self.pose = pose
         self.stale |= turned
         self.history.drop_after(self.frame)
+        if masked:  # the snow of earlier frames fell on another one
+            self.history.clear()
+            self.stale = True
         try:
             self._settle_pose(pose)
             self._keep(self.frame, pose)

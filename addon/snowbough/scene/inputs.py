@@ -12,7 +12,7 @@ import numpy as np
 # Label of the snowfall's direction, among the labels of the objects.
 SNOWFALL = "Snowfall"
 
-PARTS = ("transform", "shape", "topology or UV map", "alpha image")
+PARTS = ("transform", "shape", "topology or UV map", "alpha image", "mask", "effect on snow")
 
 
 def fingerprint(*arrays):
@@ -34,7 +34,7 @@ class SceneInputs:
     """The fingerprints of a sequence of poses. Only differences from the pose before are stored.
 
     The prints of an object are a list [transform, shape, topology], with a fourth for the images of its materials'
-    alpha if there are any.
+    alpha if there are any, a fifth for its mask and a sixth for what it does to snow, if there are any.
     """
 
     def __init__(self, poses=None):
@@ -93,8 +93,8 @@ def difference(before, after):
     if after is None:
         return "removed"
     # Alpha and topology first: another alpha may change the topology, and other vertices the shape.
-    before, after = ([*prints, ""][: len(PARTS)] for prints in (before, after))
-    for index in (3, 2, 0, 1):
+    before, after = ([*prints, "", "", ""][: len(PARTS)] for prints in (before, after))
+    for index in (3, 2, 0, 1, 4, 5):
         if before[index] != after[index]:
             return f"{PARTS[index]} changed"
     return None

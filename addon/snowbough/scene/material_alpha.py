@@ -216,7 +216,12 @@ def channels_of(node):
 
 
 def _shrunk(opacity):
-    """(H, W) uint8 of at most MAX_SIZE a side, as means of blocks of texels."""
+    """(H, W) uint8 of at most MAX_SIZE a side."""
+    return np.floor(np.clip(block_means(opacity), 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
+
+
+def block_means(opacity):
+    """(H, W) of at most MAX_SIZE a side, as means of blocks of texels."""
     for axis in (0, 1):
         size = opacity.shape[axis]
         if size > MAX_SIZE:
@@ -224,7 +229,7 @@ def _shrunk(opacity):
             counts = np.diff(np.append(begin, size)).astype(np.float32)
             sums = np.add.reduceat(opacity, begin, axis=axis)
             opacity = sums / (counts[:, None] if axis == 0 else counts)
-    return np.floor(np.clip(opacity, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
+    return opacity
 
 
 def coordinates(socket):

@@ -190,6 +190,13 @@ class MeshRecord:
         layer = self._mesh.uv_layers.get(name)
         return compat.read_uv(layer, self.counts[1]) if layer is not None else None
 
+    def layer(self, name, label):
+        """(L, 2) float32 of a UV map. Raises SceneError if there is none."""
+        found = self._layer(name)
+        if found is None:
+            raise SceneError(f"The mask of '{label}' has no UV map '{name}': choose one, or set Mask to None")
+        return found
+
     def uv(self, wanted, used, label, frame):
         """(name, (L, 2) float32). used: the map's name at an earlier pose, which must still exist, or empty. Raises
         SceneError if there is no map."""

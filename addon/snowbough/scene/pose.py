@@ -52,6 +52,39 @@ class TopologyAlpha:
 
 
 @dataclass(frozen=True)
+class MaskSpec:
+    """Where a receiver's mask comes from."""
+
+    kind: str
+    """GROUP or IMAGE."""
+    name: str
+    """Of the vertex group or of the image; empty if none is chosen."""
+    library: str
+    """Of the image."""
+    uv_map: str
+    """Of the image; empty for the UV map of the snow."""
+    inverted: bool
+
+    @property
+    def text(self):
+        """For messages and manifests."""
+        what = "vertex group" if self.kind == "GROUP" else "image"
+        place = f" on '{self.uv_map}'" if self.uv_map else ""
+        return f"{what} '{self.name}'{place}{', inverted' if self.inverted else ''}"
+
+
+@dataclass(frozen=True)
+class Mask:
+    """How much of the snow a receiver takes at one moment, 0 to 1."""
+
+    values: np.ndarray
+    """(T, 3) float32 of the triangles' corners; or with uv an image (H, W), row 0 = v 0."""
+    uv: np.ndarray
+    """(T, 3, 2) float32 in the image, or None."""
+    print: str
+
+
+@dataclass(frozen=True)
 class ReceiverSpec:
     """An entry of the scene's list, without references into the scene."""
 
@@ -67,6 +100,8 @@ class ReceiverSpec:
     """surface.style.SurfaceStyle of the snow surface at the end of its bake; None for no surface."""
     members: tuple = ()
     """(name, library) of the objects that an instancer may show on some frame."""
+    mask: MaskSpec = None
+    """None: it takes all snow."""
     baked_as: str = ""
     """Its name at its first bake, which its folder, fingerprints and manifest keep; empty for its current name."""
 
@@ -127,12 +162,18 @@ class ObjectPose:
     positions: np.ndarray
     """(V, 3) float32, metres. The same array while the object stands still; never written to."""
     prints: tuple
-    """Fingerprints of transform, shape, topology and, if there are any, alpha images (scene.inputs)."""
+    """Fingerprints of transform, shape, topology and, if there are any, alpha images, mask and effect on snow
+    (scene.inputs)."""
     local: np.ndarray = None
     """(V, 3) float32, Blender units in the space of the object, or of the instancer of an instance. The same array
     while it does not change; None for occluders."""
     to_world: np.ndarray = None
     """(4, 4) float64 from there to metres in the world."""
+    occludes: bool = True
+    press: dict = None
+    """Arguments of the native set_presser; None if it does nothing to snow."""
+    mask: Mask = None
+    """The same object while it does not change; None: it takes all snow."""
 
     @property
     def receives(self):

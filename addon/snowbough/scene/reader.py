@@ -29,11 +29,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..base.names import FARTHEST, UV_TOLERANCE, receiver_key
+from ..settings.pressing import press_of
 from .inputs import fingerprint
 from .libraries import library_name
 from .local_meshes import LocalMeshes
+from .masks import MaskImages, vertex_weights
 from .mesh_record import join_alphas, join_shadings
 from .pose import (
+    Mask,
     NotShown,
     ObjectPose,
     ReceiverSpec,
@@ -76,6 +79,9 @@ class _Known:
     """MeshRecord.holes_print, one per record."""
     in_parent: tuple = None
     """(positions, matrix, positions in the parent's space) of an instance."""
+    mask: Mask = None
+    mask_uv: np.ndarray = None
+    """(T, 3, 2) float32 of a mask's image."""
 
 
 @dataclass
@@ -87,7 +93,9 @@ class _Group:
     library: str
     receiver: ReceiverSpec
     instances: list = field(default_factory=list)
-    """(sort key, matrix (4, 4) float64, local positions, MeshRecord)"""
+    """(sort key, matrix (4, 4) float64, local positions, MeshRecord, weights of the mask's vertex group or None)"""
+    press: dict = None
+    occludes: bool = True
     parent: np.ndarray = None
     """(4, 4) float64 of a receiver: the matrix of the object or of its instancer."""
 
@@ -115,6 +123,7 @@ class SceneReader:
         self._known = {}
         self._meshes = LocalMeshes()
         self._switched = SwitchedModifiers()
+        self._mask_images = MaskImages()
         # Receivers that cannot carry snow, from their first pose on: label -> reason.
         self._refused = {}
         # Key -> the last ObjectPose of an enabled receiver.
@@ -194,11 +203,13 @@ class SceneReader:
             if not (instance.is_instance or instance.show_self):
                 continue
             original = obj.original
-            if original.snowbough.is_shell or not original.snowbough.occlude:
+            press = press_of(original.snowbough)
+            if original.snowbough.is_shell or not (original.snowbough.occlude or press):
                 continue
             group, order = self._group_of(instance, obj, original, groups)
             if group is None:
                 continue
+            group.press, group.occludes = press, original.snowbough.occlude
             matrix = np.array(instance.matrix_world, dtype=np.float64)
             local, mesh = self._meshes.read(obj, group.receiver is not None)
             if local is None:
@@ -206,7 +217,7 @@ class SceneReader:
             if group.receiver is not None:
                 parent = instance.parent if instance.is_instance else obj
                 group.parent = np.array(parent.matrix_world, dtype=np.float64)
-            group.instances.append((order, matrix, local, mesh))
+            group.instances.append((order, matrix, local, mesh, _weights(group, obj, mesh)))
         return groups
 
     def _group_of(self, instance, obj, original, groups):
@@ -275,9 +286,35 @@ class SceneReader:
         prints = (
             known.transform_print, known.shape_print, known.topology.print, *known.topology.alpha_prints
         )  # fmt: skip
+        mask = self._mask(known, group, frame)
+        press = (
+            "" if group.press is None else fingerprint(np.frombuffer(repr(group.press).encode(), np.uint8))
+        )
+        if mask is not None or press:
+            prints = (*prints, *[""] * (4 - len(prints)), mask.print if mask is not None else "", press)
         local, to_world = self._in_parent(known, group) if group.receiver is not None else (None, None)
         return ObjectPose(key, group.label, group.name, group.library, group.receiver, known.uv_map,
-                          known.topology, known.positions, prints, local, to_world)  # fmt: skip
+                          known.topology, known.positions, prints, local, to_world, group.occludes, group.press,
+                          mask)  # fmt: skip
+
+    def _mask(self, known, group, frame):
+        """The Mask of a receiver at this pose, or None."""
+        if not group.receives or group.receiver.mask is None:
+            return None
+        if group.receiver.mask.kind == "GROUP":
+            read = [item[4] for item in group.instances]
+            for error in read:
+                if isinstance(error, SceneError):
+                    raise error
+            weights = np.concatenate(read)
+            values, uv = weights[known.topology.triangles], None
+        else:
+            values = self._mask_images.values(group.receiver.mask, group.shown, frame)
+            uv = known.mask_uv
+        printed = fingerprint(values) if uv is None else fingerprint(values, uv)
+        if known.mask is None or known.mask.print != printed:
+            known.mask = Mask(values, uv, printed)
+        return known.mask
 
     def _in_parent(self, known, group):
         """(positions in the space of the receiver or its instancer, the matrix from there to metres in the world)."""
@@ -307,7 +344,7 @@ class SceneReader:
                 if self._has_same_faces(known, group, records, frame):
                     return
         receiver = group.receiver is not None
-        triangles, uvs, alphas, shadings, offset = [], [], [], [], 0
+        triangles, uvs, alphas, shadings, mask_uvs, offset = [], [], [], [], [], 0
         known.layers, known.holes = [], [record.holes_print for record in records]
         for record, flip in zip(records, flips):
             corner_triangles = record.triangle_corners()
@@ -316,8 +353,11 @@ class SceneReader:
             triangles.append(record.corners()[corner_triangles] + np.int32(offset))
             if receiver:
                 known.uv_map, uv = record.uv(group.receiver.uv_map, known.uv_map, group.shown, frame)
-                known.layers.append(fingerprint(uv))
+                mask_uv = _mask_layer(record, group, uv)
+                known.layers.append(_layers_print(uv, mask_uv))
                 uvs.append(uv[corner_triangles])
+                if mask_uv is not None:
+                    mask_uvs.append(mask_uv[corner_triangles])
                 shadings.append(record.shading(corner_triangles))
             alphas.append(record.alpha(corner_triangles))
             offset += record.counts[0]
@@ -331,12 +371,14 @@ class SceneReader:
             )
         known.counts, known.flips, known.left_out = counts, flips, known.lost
         known.corners = [record.corners() for record in records]
+        known.mask_uv = np.ascontiguousarray(np.concatenate(mask_uvs)) if mask_uvs else None
         alpha = join_alphas(alphas)
         shading = join_shadings(shadings, [record.counts[1] for record in records])
         if known.lost is not None:
             keep = ~known.lost[triangles].any(axis=1)
             triangles, uv = triangles[keep], uv[keep] if receiver else uv
             shading = None if shading is None else shading[keep]
+            known.mask_uv = None if known.mask_uv is None else known.mask_uv[keep]
             alpha = TopologyAlpha(alpha.uv[keep], alpha.image[keep], alpha.images) if alpha else None
         parts = [] if shading is None else [shading]
         parts += [alpha.uv, alpha.image] if alpha else []
@@ -354,10 +396,38 @@ class SceneReader:
         if group.receiver is None:
             return True
         arguments = (group.receiver.uv_map, known.uv_map, group.shown, frame)
+
+        def has_layers(record, layers):
+            uv = record.uv(*arguments)[1]
+            return _layers_print(uv, _mask_layer(record, group, uv)) == layers
+
         return all(
-            not record.is_edited or fingerprint(record.uv(*arguments)[1]) == layer
-            for record, layer in zip(records, known.layers)
+            not record.is_edited or has_layers(record, layers)
+            for record, layers in zip(records, known.layers)
         )
+
+
+def _weights(group, obj, record):
+    """The weights of the vertex group that masks a receiver; None without, a SceneError if they cannot be read."""
+    mask = group.receiver.mask if group.receives else None
+    if mask is None or mask.kind != "GROUP":
+        return None
+    try:
+        return vertex_weights(obj, mask, group.shown, record.counts[0])
+    except SceneError as error:  # raised where the receiver can be refused
+        return error
+
+
+def _mask_layer(record, group, snow_uv):
+    """(L, 2) of the UV map of the image that masks a receiver, or None."""
+    mask = group.receiver.mask if group.receives else None
+    if mask is None or mask.kind != "IMAGE":
+        return None
+    return record.layer(mask.uv_map, group.shown) if mask.uv_map else snow_uv
+
+
+def _layers_print(uv, mask_uv):
+    return fingerprint(uv) if mask_uv is None or mask_uv is uv else fingerprint(uv, mask_uv)
 
 
 def _join(groups, key, label, name, library, receiver):

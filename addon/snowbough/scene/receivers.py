@@ -10,6 +10,7 @@ from ..base.names import MAX_RESOLUTION, SNOW_RESOLUTION_PROPERTY, SNOW_UV, coun
 from ..surface.style import SLIDERS, SurfaceStyle
 from . import uv_maps
 from .libraries import library_name
+from .masks import mask_spec
 from .pose import ReceiverSpec
 
 
@@ -143,6 +144,7 @@ def receiver_specs(scene, as_baked=False):
             entry.enabled,
             entry.sides,
             surface_style(scene, entry),
+            mask=mask_spec(entry),
         )
         if as_baked:
             known_as = entry.baked_as or _free_name(scene, name, library, taken)

@@ -21,6 +21,7 @@ class Registration:
     """pose.Topology."""
     positions: np.ndarray
     """(V, 3) metres at its first pose, where a receiver's output measures distances."""
+    occludes: bool = True
 
 
 class Changes(NamedTuple):
@@ -32,6 +33,10 @@ class Changes(NamedTuple):
     """{key: (V, 3)} of moved positions."""
     hidden: frozenset
     """Keys of all objects that are not shown in this pose."""
+    masks: dict
+    """{key: pose.Mask, or None for none} of receivers with another mask, or another mesh."""
+    pressers: dict
+    """{key: ObjectPose.press} of objects that do something else to snow."""
 
 
 class SceneTracker:
@@ -46,12 +51,14 @@ class SceneTracker:
         self._complete = False
         # Key -> positions that the simulation has after the steps so far.
         self._sent = {}
+        # Key -> its current Mask, and its current press, or None.
+        self._masks, self._pressers = {}, {}
         self._pose_recorded = None
 
     def register_changes(self, pose, frame, subframe):
         """Adds a pose to the inputs; returns its Changes."""
         name = pose_name(frame, subframe)
-        added, moved = {}, {}
+        added, moved, masks, pressers = {}, {}, {}, {}
         for key, obj in pose.known.items():
             known = self._topologies.get(key)
             if known is None and obj.receives and self._complete:
@@ -63,16 +70,22 @@ class SceneTracker:
                 continue
             if known is None or not known.is_same(obj.topology):
                 self._topologies[key] = obj.topology
-                added[key] = Registration(obj.label, name, obj.topology, obj.positions)
+                added[key] = Registration(obj.label, name, obj.topology, obj.positions, obj.occludes)
                 self._sent.pop(key, None)
             if len(obj.positions) and self._sent.get(key) is not obj.positions:
                 moved[key] = self._sent[key] = obj.positions
+            if self._masks.get(key) is not obj.mask or (key in added and obj.mask is not None):
+                masks[key] = self._masks[key] = obj.mask
+            if self._pressers.get(key) != obj.press:
+                pressers[key] = self._pressers[key] = obj.press
         self._complete = True
         if name != self._pose_recorded:
             sky = fingerprint(np.array([pose.fall_angle, pose.bearing], dtype=np.float64))
             self.inputs.add(name, {**dict(_unique_labels(pose.objects)), SNOWFALL: (sky, "", "")})
             self._pose_recorded = name
-        return Changes(added, moved, frozenset(self._topologies.keys() - pose.objects.keys()))
+        return Changes(
+            added, moved, frozenset(self._topologies.keys() - pose.objects.keys()), masks, pressers
+        )
 
 
 def _unique_labels(objects):

@@ -10,6 +10,8 @@ from bpy.props import BoolProperty, EnumProperty, IntProperty, PointerProperty, 
 from ..base import compat
 from ..base.names import MAX_RESOLUTION
 from .bending import SnowboughBending
+from .masks import MaskProperties
+from .pressing import PressProperties
 from .surface import SurfaceProperties
 
 SIDES = (
@@ -23,7 +25,7 @@ SIDES = (
 )
 
 
-class SnowboughReceiver(SurfaceProperties, bpy.types.PropertyGroup):
+class SnowboughReceiver(SurfaceProperties, MaskProperties, bpy.types.PropertyGroup):
     """An entry of the scene's list: an object that receives snow."""
 
     object: PointerProperty(
@@ -78,7 +80,7 @@ class SnowboughReceiver(SurfaceProperties, bpy.types.PropertyGroup):
     )
 
 
-class SnowboughObjectSettings(bpy.types.PropertyGroup):
+class SnowboughObjectSettings(PressProperties, bpy.types.PropertyGroup):
     """``object.snowbough``."""
 
     occlude: BoolProperty(

@@ -9,6 +9,7 @@ from ..bake import state as bake_state
 from ..base import compat, native, session
 from ..base.names import unit_of
 from ..result import displacement, snow_material
+from ..settings import pressing
 from ..settings.surface import SurfaceProperties
 from ..tree.import_tree import COVERAGE_PROPERTY, LOW_COVERAGE
 from .text import wrapped
@@ -141,6 +142,36 @@ def setting_label(settings, name):
     known = settings.bl_rna.properties[name]
     unit = unit_of(known.description)
     return known.name if unit in ("", "°") else f"{known.name} ({unit})"
+
+
+def draw_mask(layout, entry):
+    """The mask of one receiver."""
+    column = layout.column()
+    column.use_property_split = True
+    column.use_property_decorate = False
+    column.prop(entry, "mask")
+    obj = entry.object
+    if entry.mask == "NONE" or obj is None:
+        return
+    if entry.mask == "GROUP":
+        column.prop_search(entry, "mask_group", obj, "vertex_groups")
+    else:
+        column.prop(entry, "mask_image")
+        if obj.type == "MESH":
+            column.prop_search(entry, "mask_uv_map", obj.data, "uv_layers", icon="GROUP_UVS")
+    column.prop(entry, "mask_inverted")
+
+
+def draw_pressing(layout, settings):
+    """What an object does to snow. settings: ``object.snowbough``."""
+    column = layout.column()
+    column.use_property_split = True
+    column.prop(settings, "press")
+    if settings.press == "PRESS":
+        for name in pressing.NUMBERS:
+            column.prop(settings, name, text=setting_label(settings, name))
+    elif settings.press == "PLOUGH":
+        column.prop(settings, "rim_width", text=setting_label(settings, "rim_width"))
 
 
 def draw_receiver(layout, entry):

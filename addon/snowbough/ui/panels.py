@@ -74,6 +74,22 @@ class SNOWBOUGH_PT_receivers(_ScenePanel, bpy.types.Panel):
         panel_parts.draw_receiver(layout, settings.receivers[settings.active_receiver])
 
 
+class SNOWBOUGH_PT_mask(_ScenePanel, bpy.types.Panel):
+    bl_label = "Mask"
+    bl_parent_id = "SNOWBOUGH_PT_receivers"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        settings = context.scene.snowbough
+        return 0 <= settings.active_receiver < len(settings.receivers)
+
+    def draw(self, context):
+        settings = context.scene.snowbough
+        self.layout.enabled = session.bake is None
+        panel_parts.draw_mask(self.layout, settings.receivers[settings.active_receiver])
+
+
 class _Settings(_ScenePanel):
     bl_parent_id = "SNOWBOUGH_PT_scene"
     names = ()
@@ -242,10 +258,28 @@ class SNOWBOUGH_PT_object(bpy.types.Panel):
         panel_parts.draw_receiver(layout, entry)
 
 
+class SNOWBOUGH_PT_pressing(bpy.types.Panel):
+    bl_label = "Effect on Snow"
+    bl_parent_id = "SNOWBOUGH_PT_object"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "physics"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and context.object.type in SURFACE_TYPES
+
+    def draw(self, context):
+        self.layout.enabled = session.bake is None
+        panel_parts.draw_pressing(self.layout, context.object.snowbough)
+
+
 CLASSES = (
     SNOWBOUGH_UL_receivers,
     SNOWBOUGH_PT_scene,
     SNOWBOUGH_PT_receivers,
+    SNOWBOUGH_PT_mask,
     SNOWBOUGH_PT_snowfall,
     SNOWBOUGH_PT_stability,
     SNOWBOUGH_PT_cache,
@@ -257,5 +291,6 @@ CLASSES = (
     SNOWBOUGH_PT_sidebar_result,
     SNOWBOUGH_PT_tree,
     SNOWBOUGH_PT_object,
+    SNOWBOUGH_PT_pressing,
 )
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

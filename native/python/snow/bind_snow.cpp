@@ -11,6 +11,7 @@
 #include "object_description.h"
 #include "output_maps.h"
 #include "python/bindings.h"
+#include "python/choose.h"
 #include "python/numpy_arrays.h"
 #include "snow/simulation.h"
 
@@ -144,6 +145,17 @@ void set_mask(SnowSimulation& simulation, const std::string& name, const py::obj
   }
   const ReleasedGil release;
   simulation.set_mask(name, mask);
+}
+
+void set_presser(SnowSimulation& simulation, const std::string& name, const std::string& kind,
+                 double packed_density, double pushed_aside, double rim_width, double walls_stand) {
+  using Kind = snow::PressSettings::Kind;
+  const Kind chosen = choose<Kind>("kind", kind,
+                                   {{"NONE", Kind::kNone},
+                                    {"PRESS", Kind::kPress},
+                                    {"PLOUGH", Kind::kPlough},
+                                    {"CLEAR", Kind::kClear}});
+  simulation.set_presser(name, {chosen, packed_density, pushed_aside, rim_width, walls_stand});
 }
 
 /// Returns a receiver's map: height or texel_area.
@@ -359,6 +371,16 @@ values (T, 3) of the triangles' corners; or with uv (T, 3, 2) an image (H, W), r
 values, and by replace_object, the mask is removed. A mask scales what falls and lands, and the
 depth that may lie; snow shrinks with a mask that decreases. What is refused counts as
 masked_volume.)")
+      .def("set_presser", &set_presser, "name"_a, "kind"_a = "PRESS", py::kw_only(),
+           "packed_density"_a = snow::PressSettings{}.packed_density,
+           "pushed_aside"_a = snow::PressSettings{}.pushed_aside,
+           "rim_width"_a = snow::PressSettings{}.rim_width,
+           "walls_stand"_a = snow::PressSettings{}.walls_stand, py::call_guard<ReleasedGil>(),
+           R"(Sets what an object does to the snow of others that it touches: PRESS packs it (feet,
+wheels), PLOUGH pushes all of it ahead and aside (blades), CLEAR removes it, NONE. packed_density:
+in kg/m3, of fresh snow with 100; pushed_aside: fraction of displaced snow that is not packed;
+rim_width: metres over which it spreads; walls_stand: metres up to which walls of packed snow stand.
+Counts as pressed_volume and cleared_volume. A step without duration presses nothing.)")
       .def("height", &map_of<&SnowSimulation::height>, "name"_a,
            R"(Stored thickness along the normal in metres, (H, W) float32, row 0 = v 0; negative for
 snow on the back.)")

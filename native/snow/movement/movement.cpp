@@ -1,6 +1,7 @@
 #include "snow/movement/movement.h"
 
 #include <cmath>
+#include <utility>
 
 #include "base/parallel_for.h"
 #include "snow/scene/memory_estimate.h"
@@ -35,6 +36,7 @@ void Movement::lay_out(const std::vector<const SceneObject*>& objects) {
   receivers_.clear();
   targets_.lay_out(objects);
   masks_.lay_out(objects);
+  pressing_.lay_out(objects);
   landing_.lay_out(targets_.rays());
   link_tables_ = std::make_unique<ReposeLinkTables>();
   for (const SceneObject* object : objects) {
@@ -45,6 +47,7 @@ void Movement::lay_out(const std::vector<const SceneObject*>& objects) {
 }
 
 void Movement::forget_pose(size_t object) {
+  pressing_.forget_pose(object);
   if (receivers_[object] != nullptr) receivers_[object]->forget_pose();
   targets_.forget_pose(object, [&](size_t near) {
     if (receivers_[near] != nullptr) receivers_[near]->forget_rooms();
@@ -73,34 +76,62 @@ void Movement::after(const MovementSettings& settings, uint32_t step_number, dou
                      std::vector<MovingMap>& maps) {
   const std::vector<MovingMap*> moving = shown(maps);
   for (MovingMap* map : moving) masks_.refuse(*map, *receivers_[map->object]);
-  if (dt > 0.0 && settings.repose.is_on()) run_repose(settings, static_cast<float>(dt), moving);
+  // Without duration nothing is pressed: objects are only put in their places.
+  const int parts = dt > 0.0 ? pressing_.begin(moving) : 1;
+  for (int part = 1; part <= parts; ++part) {
+    if (dt > 0.0) {
+      pressing_.move_to(part);
+      for (MovingMap* map : moving) pressing_.press(*map, *receivers_[map->object]);
+    }
+    const bool each = pressing_.rests_in_each_part();
+    if (each || part == parts) rest(settings, each ? dt / parts : dt, moving);
+  }
+  pressing_.end();
   for (MovingMap* map : moving) {
     masks_.limit(*map, *receivers_[map->object], settings.max_depth);
   }
-  if (!settings.landing.is_on || !settings.repose.is_on()) return;
-  for (MovingMap* map : moving) {
-    landing_.release(settings.landing, *map, *receivers_[map->object]);
+  if (settings.landing.is_on && settings.repose.is_on()) {
+    landing_.fall(step_number, dt, settings.landing);
   }
-  landing_.fall(step_number, dt, settings.landing);
+}
+
+/// Lets snow come to rest for `dt` seconds, and collects what leaves the maps.
+void Movement::rest(const MovementSettings& settings, double dt,
+                    const std::vector<MovingMap*>& maps) {
+  if (!settings.repose.is_on()) return;
+  std::vector<double> slid;
+  for (MovingMap* map : maps) slid.push_back(std::exchange(map->slid, 0.0));
+  if (dt > 0.0) run_repose(settings, static_cast<float>(dt), maps);
+  for (size_t i = 0; i < maps.size(); ++i) {
+    if (settings.landing.is_on) {
+      landing_.release(settings.landing, *maps[i], *receivers_[maps[i]->object]);
+    }
+    maps[i]->slid += slid[i];
+    maps[i]->slid_from.clear();
+  }
 }
 
 void Movement::save(SimulationState& state) const {
   state.landing = landing_.state();
+  pressing_.save(state);
 }
 
 void Movement::save(size_t object, ObjectState& state) const {
   if (std::vector<float> mask = masks_.state(object); !mask.empty()) {
     state.planes[kMaskPlane] = std::move(mask);
   }
+  pressing_.save(object, state);
 }
 
 void Movement::load(const SimulationState& state) {
   landing_.set_state(state.landing);
+  pressing_.load(state);
 }
 
 void Movement::load(size_t object, const ObjectState& state) {
   const auto plane = state.planes.find(kMaskPlane);
   masks_.set_state(object, plane != state.planes.end() ? &plane->second : nullptr);
+  pressing_.load(object, state);
 }
 
 void Movement::run_repose(const MovementSettings& settings, float dt,
@@ -121,6 +152,7 @@ void Movement::run_repose(const MovementSettings& settings, float dt,
     base::for_each_item(small.size(), 1, [&](size_t i) { work(*maps[small[i]], false); });
   };
   for_maps([&](const MovingMap& map, bool on_all_cores) {
+    receivers_[map.object]->set_stand(pressing_.stand(map));
     receivers_[map.object]->set_up(*map.height, on_all_cores);
   });
   // Without landing a receiver's snow must not depend on that of others, so that machines can share

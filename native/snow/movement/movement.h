@@ -7,6 +7,7 @@
 #include "snow/movement/masks.h"
 #include "snow/movement/moving_map.h"
 #include "snow/movement/outlet_targets.h"
+#include "snow/movement/pressing.h"
 #include "snow/movement/repose/repose.h"
 
 namespace snowbough::snow {
@@ -33,7 +34,7 @@ class Movement {
   /// Whether any snow lands in the next step. `dt`: its duration in seconds.
   bool has_arrivals(double dt) const { return landing_.has_arrivals(dt); }
   /// Whether the next step needs `before` and `after` even if no snow lands or moves by itself.
-  bool acts_always() const { return masks_.is_on(); }
+  bool acts_always() const { return masks_.is_on() || pressing_.is_on(); }
   void before(const MovementSettings& settings, double dt, std::vector<MovingMap>& maps);
   /// A longer step may run more rounds until all snow rests; without duration only what stability
   /// has released moves.
@@ -49,11 +50,13 @@ class Movement {
 
  private:
   std::vector<MovingMap*> shown(std::vector<MovingMap>& maps) const;
+  void rest(const MovementSettings& settings, double dt, const std::vector<MovingMap*>& maps);
   void run_repose(const MovementSettings& settings, float dt, const std::vector<MovingMap*>& maps);
 
   std::unique_ptr<ReposeLinkTables> link_tables_;
   OutletTargets targets_;
   Masks masks_;
+  Pressing pressing_;
   Landing landing_;
   /// By object; null for objects that do not receive.
   std::vector<std::unique_ptr<Repose>> receivers_;

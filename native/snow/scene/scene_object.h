@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "snow/scene/alpha_mask.h"
+#include "snow/scene/press_settings.h"
 #include "snow/scene/projection.h"
 #include "snow/texels/texel_table.h"
 
@@ -58,6 +59,8 @@ struct SceneObject {
   std::vector<uint8_t> two_sided;
   /// Receivers only: by texel, the part of the snow that it takes (snow_mask.h); null: all.
   std::shared_ptr<const std::vector<float>> mask;
+  /// What it does to the snow of other objects.
+  PressSettings press;
   /// Current world positions in metres; empty before the object's first step.
   std::vector<glm::vec3> positions;
   Bounds bounds;

@@ -37,7 +37,7 @@ def halves(mesh, left, right):
 
 
 def fall(sim, mesh, steps=8, depth=0.08):
-    for step in range(steps):
+    for _ in range(steps):
         sim.step(
             {"ground": mesh[0]} if sim.statistics()["step_number"] == 0 else {}, depth / steps, DOWN, FRAME
         )

@@ -90,6 +90,31 @@ double Repose::run(std::vector<float>& height, float dt, bool lists_releases) {
 void Repose::link_tile(int32_t block) {
   if (tiles_[static_cast<size_t>(block)]->links.has_limits) return;
   set_up_tile_links(tiles_, block, links_->blocks_a_side, limits_);
+  if (stand_ != nullptr) raise_limits(block);
+}
+
+/// The height to which snow stands at either of two places.
+float Repose::stands(int32_t a, int32_t b) const {
+  return std::max((*stand_)[static_cast<size_t>(a)], (*stand_)[static_cast<size_t>(b)]);
+}
+
+/// Raises the limits of a tile's links where snow stands.
+void Repose::raise_limits(int32_t block) {
+  const BlockRect rect = rect_of(block);
+  const int32_t side = links_->resolution;
+  TileLinks& links = tiles_[static_cast<size_t>(block)]->links;
+  for (int32_t row = 0; row < rect.size.y; ++row) {
+    for (int32_t column = 0; column < rect.size.x; ++column) {
+      const int32_t place = static_cast<int32_t>(rect.place) + row * side + column;
+      for (int32_t k = 0; k < kForwardLinks; ++k) {
+        float& limit =
+            links.limit[static_cast<size_t>(k)][static_cast<size_t>(row * kReposeBlock + column)];
+        // Links end on the map.
+        if (!(limit < kNoLink)) continue;
+        limit = std::max(limit, stands(place, place + kForwardRow[k] * side + kForwardColumn[k]));
+      }
+    }
+  }
 }
 
 /// The chosen blocks with chosen(block) in every second row and column, starting at the colour's

@@ -55,6 +55,13 @@ class Repose {
   /// Selects the blocks in which snow may move, by their heights; returns their number.
   size_t choose_blocks(const std::vector<float>& height, const ReposeLimits& limits);
 
+  /// Sets the height in metres to which snow stands at each place whatever its slope, until the
+  /// next call; null: nowhere.
+  void set_stand(const std::vector<float>* stand) {
+    relinks_ = stand != nullptr || stand_ != nullptr;
+    stand_ = stand;
+  }
+
   /// Prepares those blocks. `on_all_cores`: share the work of this call and of `run` among threads.
   void set_up(const std::vector<float>& height, bool on_all_cores);
 
@@ -107,6 +114,8 @@ class Repose {
   };
   /// The first call in a pose evaluates it.
   const BareTexels& bare_texels();
+  /// After bare_texels.
+  const ReposeLinks& links() const { return *links_; }
   /// Where snow on a texel ends if it slides down the bare surface.
   Release way_down(int32_t texel);
 
@@ -198,6 +207,8 @@ class Repose {
   template <typename Chosen>
   Blocks blocks_of_colour(int32_t colour, const Chosen& chosen) const;
   void link_tile(int32_t block);
+  void raise_limits(int32_t block);
+  float stands(int32_t a, int32_t b) const;
   void empty_over_outlets();
   void run_rounds(float work_factor);
   double run_colour(const Blocks& blocks, int first_round);
@@ -215,6 +226,9 @@ class Repose {
   bool has_pose_ = false;
   bool on_all_cores_ = false;
   bool has_changed_ = false;
+  const std::vector<float>* stand_ = nullptr;
+  /// Whether all links need new limits.
+  bool relinks_ = false;
   /// Whether snow may flow across seams.
   bool seams_are_pending_ = false;
   ReposeLimits limits_;

@@ -203,6 +203,12 @@ void Repose::set_up_ends(int32_t block) {
     }
     if (end.sign > 0) continue;
     flow.limit = link_limit(a, b, shared::kAllLeadDown);
+    if (stand_ != nullptr) {
+      const ReposeLinks::Across& across = links_->across[link];
+      const std::vector<int32_t>& places = object_->table->texel;
+      flow.limit = std::max(flow.limit, stands(places[static_cast<size_t>(across.a)],
+                                               places[static_cast<size_t>(across.b)]));
+    }
     flow.rate = shared::link_rate(a.tile->stiffness(a.at), b.tile->stiffness(b.at));
   }
 }
@@ -390,6 +396,7 @@ void Repose::set_up(const std::vector<float>& height, bool on_all_cores) {
   on_all_cores_ = on_all_cores;
   Marks changes(links_->block_count(), 0);
   reuse_tiles(changes);
+  if (relinks_) std::fill(changes.begin(), changes.end(), uint8_t{1});
   for_blocks(chosen_, [&](int32_t b) {
     if (cover_tile(b, height)) changes[static_cast<size_t>(b)] = 1;
   });

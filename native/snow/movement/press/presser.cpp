@@ -1,0 +1,77 @@
+#include "snow/movement/press/presser.h"
+
+#include <glm/geometric.hpp>
+
+#include "snow/texels/open_sheets.h"
+
+namespace snowbough::snow {
+namespace {
+
+/// Rays begin this far below a texel, in metres, so that they meet an object that stands on it.
+constexpr double kBelow = 1e-4;
+
+Bounds bounds_of(const std::vector<glm::vec3>& points) {
+  Bounds bounds;
+  for (const glm::vec3& point : points) bounds.include(glm::dvec3(point));
+  return bounds;
+}
+
+}  // namespace
+
+Presser::Presser(const SceneObject& object) : object_(&object) {
+  const std::vector<int32_t>& corners = object.description.topology.triangles;
+  triangles_.resize(corners.size() / 3);
+  for (size_t t = 0; t < triangles_.size(); ++t) {
+    triangles_[t] = {corners[3 * t], corners[3 * t + 1], corners[3 * t + 2]};
+  }
+}
+
+void Presser::begin(const std::vector<glm::vec3>& last) {
+  motion_.emplace(last, object_->positions);
+  motion_->pose(0.0, pose_);
+  swept_ = bounds_of(pose_);
+  swept_.include(bounds_of(object_->positions));
+  // A turning object leaves the box of its two poses by less than this.
+  const glm::dvec3 margin(0.5 * motion_->travel());
+  swept_.low -= margin;
+  swept_.high += margin;
+}
+
+void Presser::move_to(int number, int count) {
+  if (is_open_.size() != triangles_.size()) {
+    const std::vector<glm::vec3>& rest = object_->description.rest;
+    is_open_ = find_open_sheets(object_->description.topology.triangles,
+                                rest.empty() ? object_->positions : rest);
+  }
+  before_ = pose_;
+  motion_->pose(static_cast<double>(number) / count, pose_);
+  bounds_ = bounds_of(pose_);
+  if (tree_ == nullptr) {
+    tree_ = std::make_unique<base::TriangleTree>(
+        pose_, triangles_, std::vector<int32_t>{0, static_cast<int32_t>(triangles_.size())});
+  } else {
+    tree_->refit(pose_, triangles_);
+  }
+}
+
+Clearance Presser::clearance(const glm::dvec3& from, const glm::dvec3& direction) const {
+  const base::TriangleTree::Hit hit =
+      tree_->first_along(0, from - kBelow * direction, direction, 0.0);
+  Clearance clearance;
+  if (hit.triangle < 0) return clearance;
+  const auto triangle = static_cast<size_t>(hit.triangle);
+  std::array<glm::dvec3, 3> corner;
+  for (size_t k = 0; k < 3; ++k) {
+    const auto vertex = static_cast<size_t>(triangles_[triangle][k]);
+    corner[k] = glm::dvec3(pose_[vertex]);
+    clearance.moves += corner[k] - glm::dvec3(before_[vertex]);
+  }
+  const double way = glm::length(clearance.moves);
+  clearance.moves = way > 1e-9 ? clearance.moves / way : glm::dvec3(0.0);
+  const glm::dvec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
+  const bool leaves = is_open_[triangle] == 0 && glm::dot(normal, direction) > 0.0;
+  clearance.metres = leaves ? 0.0 : std::max(hit.distance - kBelow, 0.0);
+  return clearance;
+}
+
+}  // namespace snowbough::snow

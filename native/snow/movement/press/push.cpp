@@ -1,0 +1,267 @@
+#include "snow/movement/press/push.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <limits>
+#include <queue>
+#include <utility>
+
+#include "shaders/lib/texel_repose.h"
+
+namespace snowbough::snow {
+namespace {
+
+/// By how much a way along the object's motion is shorter.
+constexpr double kAhead = 0.9;
+/// A horizontal part of the motion over this is that of a blade, which spreads snow ahead only.
+constexpr double kBlade = 0.7;
+/// Largest radius of the spread, in texels.
+constexpr int32_t kMostSpread = 24;
+
+/// Units at a texel, and the way in which they were pushed.
+struct Heap {
+  int32_t texel = 0;
+  int64_t units = 0;
+  glm::dvec3 way{0.0};
+};
+
+/// Calls visit(neighbour) for the texels linked with one.
+template <typename Visit>
+void for_linked(const PressedMap& map, int32_t texel, const Visit& visit) {
+  const ReposeLinks& links = *map.links;
+  const int32_t place = map.place(texel);
+  const int32_t column = place % links.resolution;
+  const int32_t row = place / links.resolution;
+  for (int32_t k = 0; k < kForwardLinks; ++k) {
+    for (const int32_t sign : {1, -1}) {
+      const int32_t x = column + sign * kForwardColumn[k];
+      const int32_t y = row + sign * kForwardRow[k];
+      if (x < 0 || y < 0 || x >= links.resolution || y >= links.resolution) continue;
+      const int32_t giver = sign > 0 ? links.cell_at(column, row) : links.cell_at(x, y);
+      if (((links.forward[static_cast<size_t>(giver)] >> k) & 1) == 0) continue;
+      const int32_t to = map.bare->texel_of[static_cast<size_t>(y * links.resolution + x)];
+      if (to >= 0) visit(to);
+    }
+  }
+  const int32_t* const range = &links.end_begin[static_cast<size_t>(links.block_of(place))];
+  const auto last = links.ends.begin() + range[1];
+  const auto is_before = [](const ReposeLinks::End& end, int32_t t) { return end.texel < t; };
+  for (auto end = std::lower_bound(links.ends.begin() + range[0], last, texel, is_before);
+       end != last && end->texel == texel; ++end) {
+    const auto link = static_cast<size_t>(end->link);
+    if (link >= links.across.size()) continue;
+    visit(end->sign < 0 ? links.across[link].b : links.across[link].a);
+  }
+}
+
+/// The nearest free texel of each covered one, found from the edge inwards (E. W. Dijkstra, A note
+/// on two problems in connexion with graphs, 1959).
+class NearestFree {
+ public:
+  NearestFree(const PressedMap& map, const std::vector<int32_t>& covered,
+              const std::vector<PushedSnow>& pushed)
+      : map_(map),
+        covered_(covered),
+        cost_(covered.size(), std::numeric_limits<double>::infinity()),
+        goal_(covered.size(), -1),
+        way_(covered.size(), glm::dvec3(0.0)) {
+    numbers_.assign(map.points->size(), -1);
+    for (size_t i = 0; i < covered.size(); ++i) {
+      numbers_[static_cast<size_t>(covered[i])] = static_cast<int32_t>(i);
+    }
+    for (const PushedSnow& snow : pushed) way_[static_cast<size_t>(number(snow.texel))] = snow.way;
+    for (size_t i = 0; i < covered.size(); ++i) {
+      for_linked(map, covered[i], [&](int32_t free) {
+        if (number(free) < 0 && map.is_ground(free)) offer(i, free, 0.0, free);
+      });
+    }
+    while (!open_.empty()) {
+      const auto [cost, texel] = open_.top();
+      open_.pop();
+      const auto own = static_cast<size_t>(number(texel));
+      if (cost > cost_[own]) continue;
+      for_linked(map, texel, [&](int32_t other) {
+        const int32_t inner = number(other);
+        if (inner >= 0) offer(static_cast<size_t>(inner), texel, cost, goal_[own]);
+      });
+    }
+  }
+
+  /// -1: none.
+  int32_t of(int32_t texel) const { return goal_[static_cast<size_t>(number(texel))]; }
+
+ private:
+  /// Place in `covered`, -1: none.
+  int32_t number(int32_t texel) const { return numbers_[static_cast<size_t>(texel)]; }
+  /// A way from a covered texel over a neighbour from which the goal costs `cost`.
+  void offer(size_t from, int32_t over, double cost, int32_t goal) {
+    const glm::dvec3 step = map_.point(over) - map_.point(covered_[from]);
+    const double whole = cost + glm::length(step) - kAhead * glm::dot(step, way_[from]);
+    if (!(whole < cost_[from])) return;
+    cost_[from] = whole;
+    goal_[from] = goal;
+    open_.emplace(whole, covered_[from]);
+  }
+
+  using Entry = std::pair<double, int32_t>;
+  const PressedMap& map_;
+  const std::vector<int32_t>& covered_;
+  std::vector<int32_t> numbers_;
+  std::vector<double> cost_;
+  std::vector<int32_t> goal_;
+  std::vector<glm::dvec3> way_;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_;
+};
+
+/// Sums the units of each texel, ascending.
+std::vector<Heap> summed(std::vector<Heap> heaps) {
+  std::stable_sort(heaps.begin(), heaps.end(),
+                   [](const Heap& a, const Heap& b) { return a.texel < b.texel; });
+  std::vector<Heap> sums;
+  for (const Heap& heap : heaps) {
+    if (sums.empty() || sums.back().texel != heap.texel) {
+      sums.push_back({heap.texel, 0, glm::dvec3(0.0)});
+    }
+    sums.back().units += heap.units;
+    sums.back().way += static_cast<double>(heap.units) * heap.way;
+  }
+  for (Heap& sum : sums) sum.way /= static_cast<double>(std::max<int64_t>(sum.units, 1));
+  return sums;
+}
+
+/// The part of a map on which heaps spread.
+class Window {
+ public:
+  Window(const PressedMap& map, const std::vector<int32_t>& covered, const std::vector<Heap>& heaps,
+         double reach)
+      : map_(map), side_(map.links->resolution) {
+    glm::ivec2 low(side_);
+    glm::ivec2 high(-1);
+    for (const Heap& heap : heaps) {
+      const int32_t margin = std::min(texels(heap.texel, reach), 2 * kMostSpread);
+      const glm::ivec2 at(map.place(heap.texel) % side_, map.place(heap.texel) / side_);
+      low = glm::min(low, at - margin);
+      high = glm::max(high, at + margin);
+    }
+    low_ = glm::max(low, glm::ivec2(0));
+    size_ = glm::max(glm::min(high, glm::ivec2(side_ - 1)) - low_ + 1, glm::ivec2(0));
+    takes_.assign(static_cast<size_t>(size_.x) * static_cast<size_t>(size_.y), kUnknown);
+    for (const int32_t texel : covered) {
+      const glm::ivec2 at = glm::ivec2(map.place(texel) % side_, map.place(texel) / side_) - low_;
+      if (at.x < 0 || at.y < 0 || at.x >= size_.x || at.y >= size_.y) continue;
+      takes_[static_cast<size_t>(at.y * size_.x + at.x)] = kNo;
+    }
+  }
+
+  /// Spreads a heap over the free texels within a radius on the map and on the surface, in whole
+  /// units; the remainder stays in the middle. `units`: by cell of the window.
+  void spread(const Heap& heap, double radius, bool ahead_only, std::vector<int64_t>& units) {
+    const int32_t reach = std::min(texels(heap.texel, radius), kMostSpread);
+    const double range = std::min(radius, reach * size_of_texel(heap.texel));
+    const glm::ivec2 centre(map_.place(heap.texel) % side_, map_.place(heap.texel) / side_);
+    const glm::dvec3 middle = map_.point(heap.texel);
+    const glm::ivec2 from = glm::max(centre - reach, low_);
+    const glm::ivec2 to = glm::min(centre + reach, low_ + size_ - 1);
+    parts_.clear();
+    double whole = 0.0;
+    for (int32_t y = from.y; y <= to.y; ++y) {
+      for (int32_t x = from.x; x <= to.x; ++x) {
+        const size_t cell = cell_at(x, y);
+        if (!takes(cell, x, y)) continue;
+        const int32_t own = map_.bare->texel_of[static_cast<size_t>(y * side_ + x)];
+        const glm::dvec3 way = map_.point(own) - middle;
+        const double weight = (1.0 - glm::dot(way, way) / (range * range)) * map_.area(own);
+        if (!(weight > 0.0) || (ahead_only && glm::dot(way, heap.way) < 0.0)) continue;
+        parts_.emplace_back(cell, weight);
+        whole += weight;
+      }
+    }
+    int64_t rest = heap.units;
+    for (const auto& [cell, weight] : parts_) {
+      const auto own = static_cast<int64_t>(static_cast<double>(heap.units) * (weight / whole));
+      const int64_t given = std::min(own, rest);
+      rest -= given;
+      units[cell] += given;
+    }
+    units[cell_at(centre.x, centre.y)] += rest;
+  }
+
+  size_t cells() const { return takes_.size(); }
+  int32_t texel(size_t cell) const {
+    const auto at = static_cast<int32_t>(cell);
+    return map_.bare
+        ->texel_of[static_cast<size_t>((at / size_.x + low_.y) * side_ + low_.x + at % size_.x)];
+  }
+
+ private:
+  static constexpr uint8_t kUnknown = 0;
+  static constexpr uint8_t kYes = 1;
+  static constexpr uint8_t kNo = 2;
+
+  double size_of_texel(int32_t texel) const { return std::sqrt(std::max(map_.area(texel), 1e-12)); }
+  int32_t texels(int32_t texel, double radius) const {
+    return static_cast<int32_t>(std::clamp(std::ceil(radius / size_of_texel(texel)), 1.0, 1e4));
+  }
+  size_t cell_at(int32_t x, int32_t y) const {
+    return static_cast<size_t>((y - low_.y) * size_.x + x - low_.x);
+  }
+  /// Whether snow may spread to a cell.
+  bool takes(size_t cell, int32_t x, int32_t y) {
+    if (takes_[cell] == kUnknown) {
+      const int32_t own = map_.bare->texel_of[static_cast<size_t>(y * side_ + x)];
+      takes_[cell] = own >= 0 && map_.is_ground(own) ? kYes : kNo;
+    }
+    return takes_[cell] == kYes;
+  }
+
+  const PressedMap& map_;
+  int32_t side_;
+  glm::ivec2 low_{0};
+  glm::ivec2 size_{0};
+  std::vector<uint8_t> takes_;
+  std::vector<std::pair<size_t, double>> parts_;
+};
+
+}  // namespace
+
+bool PressedMap::is_ground(int32_t texel) const {
+  const double up = side(texel) * static_cast<double>(bare->up[static_cast<size_t>(texel)]);
+  return area(texel) > 0.0 && !shared::is_wall(static_cast<float>(up));
+}
+
+std::vector<std::pair<int32_t, int64_t>> spread_pushed(const PressedMap& map,
+                                                       const std::vector<int32_t>& covered,
+                                                       const std::vector<PushedSnow>& pushed,
+                                                       double radius, int64_t& kept) {
+  const NearestFree nearest(map, covered, pushed);
+  std::vector<Heap> heaps;
+  double fastest = 0.0;
+  for (const PushedSnow& snow : pushed) {
+    const int32_t goal = nearest.of(snow.texel);
+    if (goal < 0) {
+      kept += snow.units;
+      continue;
+    }
+    heaps.push_back({goal, snow.units, snow.way});
+    fastest = std::max(fastest, glm::length(snow.way));
+  }
+  heaps = summed(std::move(heaps));
+  std::vector<std::pair<int32_t, int64_t>> gains;
+  if (radius <= 0.0) {
+    for (const Heap& heap : heaps) gains.emplace_back(heap.texel, heap.units);
+    return gains;
+  }
+  Window window(map, covered, heaps, radius);
+  std::vector<int64_t> units(window.cells(), 0);
+  for (const Heap& heap : heaps) window.spread(heap, radius, fastest > kBlade, units);
+  for (size_t cell = 0; cell < units.size(); ++cell) {
+    if (units[cell] > 0) gains.emplace_back(window.texel(cell), units[cell]);
+  }
+  return gains;
+}
+
+}  // namespace snowbough::snow

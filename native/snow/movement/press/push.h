@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <utility>
+#include <vector>
+
+#include "snow/movement/repose/links.h"
+#include "snow/movement/repose/repose.h"
+#include "snow/scene/scene_object.h"
+
+namespace snowbough::snow {
+
+/// A receiver while objects press its snow. Texels are indices in its table.
+struct PressedMap {
+  const SceneObject* object = nullptr;
+  const ReposeLinks* links = nullptr;
+  const Repose::BareTexels* bare = nullptr;
+  /// World positions of the texels in metres.
+  const std::vector<glm::vec3>* points = nullptr;
+  std::vector<float>* height = nullptr;
+
+  int32_t place(int32_t texel) const { return object->table->texel[static_cast<size_t>(texel)]; }
+  float& height_at(int32_t texel) const { return (*height)[static_cast<size_t>(place(texel))]; }
+  double area(int32_t texel) const {
+    return static_cast<double>(bare->area[static_cast<size_t>(texel)]);
+  }
+  glm::dvec3 point(int32_t texel) const {
+    return glm::dvec3((*points)[static_cast<size_t>(texel)]);
+  }
+  /// The side on which snow lies, or comes to lie: -1 on the back.
+  double side(int32_t texel) const {
+    const float own = height_at(texel);
+    return own < 0.0f || (own == 0.0f && bare->up[static_cast<size_t>(texel)] < 0.0f) ? -1.0 : 1.0;
+  }
+  /// Whether snow can lie on a texel.
+  bool is_ground(int32_t texel) const;
+};
+
+/// Volume in m3 of the unit in which snow is pushed: 2^-44.
+inline constexpr double kPushUnit = 1.0 / 17592186044416.0;
+
+/// Snow that an object pushes away from a texel, in units.
+struct PushedSnow {
+  int32_t texel = 0;
+  int64_t units = 0;
+  /// Horizontal part of the unit vector of the object's motion there.
+  glm::dvec3 way{0.0};
+};
+
+/// Where pushed snow goes. Each texel's snow goes to the nearest texel that the object does not
+/// cover, along the links of the surface, with a shorter way along the object's motion than against
+/// it: a foot pushes to all sides, a blade ahead. Then it spreads over `radius` metres, never under
+/// the object. Returns texels and units. `covered`: the texels under the object,
+/// ascending, with those of `pushed`, ascending, among them. `kept`: units for which there is no
+/// other place.
+std::vector<std::pair<int32_t, int64_t>> spread_pushed(const PressedMap& map,
+                                                       const std::vector<int32_t>& covered,
+                                                       const std::vector<PushedSnow>& pushed,
+                                                       double radius, int64_t& kept);
+
+}  // namespace snowbough::snow
