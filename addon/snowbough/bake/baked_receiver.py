@@ -58,6 +58,8 @@ class BakedReceiver:
     """Of the folder, while it is written."""
     last_frame: int = None
     """The last frame whose maps were written."""
+    is_resumed: bool = False
+    """Whether it may have checkpoints that a stop left between the regular ones."""
     covered: Coverage = None
     wanted: WantedPoints = WantedPoints()
     """Its part in the surface points of the scene."""
@@ -211,6 +213,7 @@ class BakedReceiver:
         receiver_folder.remove_stray_files(self.folder)
         state, driver, lines = self._read_checkpoint(native, frame, sizes)
         self.journal, self.last_frame = Journal(self.folder, lines.ends[-1]), frame
+        self.is_resumed = True
         return state, driver, lines.poses
 
     def peek_checkpoint(self, native, frame, sizes):
@@ -282,9 +285,11 @@ class BakedReceiver:
             raise
 
     def _remove_passed_checkpoints(self, shot, before):
-        receiver_folder.remove_irregular_checkpoints(
-            self.folder, shot["frame_start"], shot["checkpoint_interval"], before
-        )
+        if self.is_resumed:  # looking for them takes longer with each frame
+            receiver_folder.remove_irregular_checkpoints(
+                self.folder, shot["frame_start"], shot["checkpoint_interval"], before
+            )
+            self.is_resumed = False
 
 
 def surface_and_uv_area(topology, positions):
