@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The bake's folders, manifests and locks (snowbough.cache), without Blender."""
 
+import datetime
 import math
 import os
 import re
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 import snowbough
 from cache_files import write_manifest, write_old_manifest, written
+from snowbough.bake import log
 from snowbough.base import names
 from snowbough.base.map_kinds import MAP_KINDS
 from snowbough.cache import errors, files, folder, lock, manifest, sealed, versions
@@ -397,6 +399,27 @@ def test_a_link_in_place_of_a_lock_is_not_followed(tmp_path, name):
     ):
         pass
     assert own.read_text() == "keep me"
+
+
+@pytest.mark.skipif(not hasattr(os, "O_NOFOLLOW"), reason="this system has no such links")
+def test_a_log_is_not_written_through_a_link(tmp_path, monkeypatch):
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "logs").symlink_to("elsewhere")
+    with pytest.raises(errors.CacheError, match="logs is a link"), log.open_log(tmp_path):
+        pass
+    (tmp_path / "logs").unlink()
+    with log.open_log(tmp_path) as write:
+        write("mine")
+    (written_,) = (tmp_path / "logs").iterdir()
+    (tmp_path / "letter.txt").write_text("keep me")
+    written_.unlink()
+    written_.symlink_to(tmp_path / "letter.txt")
+    moment = datetime.datetime.strptime(written_.name[:15], "%Y%m%dT%H%M%S")
+    clock = type("clock", (), {"now": lambda _: moment})
+    monkeypatch.setattr(log.datetime, "datetime", clock)
+    with pytest.raises(errors.CacheError, match="could not be written"), log.open_log(tmp_path):
+        pass
+    assert (tmp_path / "letter.txt").read_text() == "keep me"
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes")

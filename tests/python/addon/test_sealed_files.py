@@ -185,7 +185,12 @@ def test_a_pipe_in_place_of_the_lines_ends_a_bake_at_once(tmp_path, patience):
 @pytest.mark.parametrize("number", [1, 2])
 def test_a_shot_that_blender_does_not_have_is_refused(tmp_path, number):
     """Formats without a checksum: the names of so many frames' files took 4.6 GB."""
-    for wrong in ({"frame_end": 30_000_000}, {"frame_end": 1_000_000}, {"frame_start": -5}, {"flutter": 1e300}):
+    for wrong in (
+        {"frame_end": 30_000_000},
+        {"frame_end": 1_000_000},
+        {"frame_start": -5},
+        {"flutter": 1e300},
+    ):
         write_old_manifest(tmp_path, number, **wrong)
         with pytest.raises(errors.CacheError, match="object.json is damaged"):
             folder.listed_files(tmp_path)
