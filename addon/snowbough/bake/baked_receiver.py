@@ -58,8 +58,8 @@ class BakedReceiver:
     """Of the folder, while it is written."""
     last_frame: int = None
     """The last frame whose maps were written."""
-    is_resumed: bool = False
-    """Whether it may have checkpoints that a stop left between the regular ones."""
+    found: tuple = ()
+    """Frames of the checkpoints that the bake found and has not passed."""
     covered: Coverage = None
     wanted: WantedPoints = WantedPoints()
     """Its part in the surface points of the scene."""
@@ -101,6 +101,7 @@ class BakedReceiver:
         self.lock.check()
         receiver_folder.clear(self.folder)
         receiver_folder.remove_stray_files(self.folder)
+        self.found = receiver_folder.checkpoints(self.folder)
         self.covered = Coverage(self.resolution)
         self.write_manifest(shot, complete=False)
         with self._writing():
@@ -213,7 +214,7 @@ class BakedReceiver:
         receiver_folder.remove_stray_files(self.folder)
         state, driver, lines = self._read_checkpoint(native, frame, sizes)
         self.journal, self.last_frame = Journal(self.folder, lines.ends[-1]), frame
-        self.is_resumed = True
+        self.found = receiver_folder.checkpoints(self.folder)
         return state, driver, lines.poses
 
     def peek_checkpoint(self, native, frame, sizes):
@@ -285,11 +286,11 @@ class BakedReceiver:
             raise
 
     def _remove_passed_checkpoints(self, shot, before):
-        if self.is_resumed:  # looking for them takes longer with each frame
+        if any(frame < before for frame in self.found):  # looking for them takes longer with each frame
             receiver_folder.remove_irregular_checkpoints(
                 self.folder, shot["frame_start"], shot["checkpoint_interval"], before
             )
-            self.is_resumed = False
+            self.found = [frame for frame in self.found if frame >= before]
 
 
 def surface_and_uv_area(topology, positions):
