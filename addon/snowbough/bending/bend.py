@@ -176,9 +176,10 @@ def bend_under_snow(context, rig):
     parents, connected, heads, tails, radii, axes = sway.bone_arrays(rig.data)
     tail_radii = np.empty(len(radii), np.float32)
     rig.data.bones.foreach_get("tail_radius", tail_radii)
-    lengths = np.linalg.norm(tails - heads, axis=1)
+    lengths = np.linalg.norm(tails - heads, axis=1) * metres
     limbs = wind.find_chains(parents, connected, lengths, radii).limb
-    chain = Cantilevers(heads * metres, tails * metres, parents, radii * metres, tail_radii * metres, limbs)
+    thick = load.plausible_radii(radii * metres, tail_radii * metres, lengths, limbs)
+    chain = Cantilevers(heads * metres, tails * metres, parents, *thick, limbs)
 
     volumes, centres = load.held_snow(snow.meshes, len(parents))
     held = volumes.sum()

@@ -24,9 +24,11 @@ LOAD_STEPS = (0.25, 0.5, 0.75, 1.0)
 MOST_ROUNDS = 200
 # Largest change of a joint in the last round, as a share of the largest angle.
 TOLERANCE = 1e-4
-# Share of a round's change that is applied; halved when rounds stop to converge.
-RELAXATION = 0.8
-LEAST_RELAXATION = 0.05
+# Share of a round's change that a joint applies: at first and at most, at least, and its factors where the change turns
+# back and where it does not, as in resilient propagation (M. Riedmiller, H. Braun 1993). One share for all joints does
+# not converge on overloaded trees.
+RELAXATION, LEAST_RELAXATION = 0.8, 1e-3
+SLOWER, FASTER = 0.5, 1.2
 THINNEST = 1e-5
 
 
@@ -89,7 +91,7 @@ class Cantilevers:
         lengths = np.maximum(np.linalg.norm(along, axis=1), 1e-9)
         self._directions = along / lengths[:, None]
         a, b = (np.maximum(np.asarray(radii, float), THINNEST) for radii in (head_radii, tail_radii))
-        self._radii = np.minimum(a, b)
+        self._radii = a
         # The mean of r^-4 over a linear taper: the thin end decides.
         softness = (a * a + a * b + b * b) / (3.0 * a**3 * b**3)
         half = 0.5 * lengths * softness * 4.0 / np.pi
@@ -138,7 +140,7 @@ class Cantilevers:
         vectors, rounds, error = np.zeros_like(self.heads), 0, 0.0
         kept = {0.0: vectors}
         for share in sorted({*LOAD_STEPS, *shares} - {0.0}):
-            last, relaxation = np.inf, RELAXATION
+            relaxation, before = np.full(len(most), RELAXATION), np.zeros_like(vectors)
             for _ in range(MOST_ROUNDS):
                 moments = self._moments(vectors, masses * share, places, down)
                 size = np.linalg.norm(moments, axis=1)
@@ -147,10 +149,10 @@ class Cantilevers:
                 change = target - vectors
                 error = np.linalg.norm(change, axis=1).max()
                 error /= max(np.linalg.norm(target, axis=1).max(), 1e-12)
-                if error > 0.9 * last:
-                    relaxation = max(0.5 * relaxation, LEAST_RELAXATION)
-                last = error
-                vectors = vectors + relaxation * change
+                turns_back = (change * before).sum(axis=1) < 0.0
+                relaxation = relaxation * np.where(turns_back, SLOWER, FASTER)
+                relaxation = np.clip(relaxation, LEAST_RELAXATION, RELAXATION)
+                vectors, before = vectors + relaxation[:, None] * change, change
                 rounds += 1
                 if error < TOLERANCE:
                     break

@@ -21,6 +21,12 @@ CROWN_CELL = 0.1
 KEYS = 8
 
 
+# A limb is at least this share of the length beyond a place thick there, and LEAST_RADIUS metres: exports draw twigs as
+# hairs, which could not stand. Real limbs have 1/100 to 1/200.
+SLENDEREST = 1.0 / 150.0
+LEAST_RADIUS = 0.001
+
+
 @dataclass
 class SnowyMesh:
     """A mesh of a tree with its snow.
@@ -93,6 +99,19 @@ def crown_area(meshes):
 def intercepted(area, depth, density):
     """Mass in kg that a crown of `area` m2 keeps of snow `depth` metres deep with `density` kg/m3."""
     return area * min(INTERCEPTED * depth * density, MOST_INTERCEPTED)
+
+
+def plausible_radii(head_radii, tail_radii, lengths, limbs):
+    """(head radii, tail radii) float (B,) of bones, raised to what a living limb has. lengths float (B,), metres; limbs
+    int (B,): the limb of each bone, whose bones are in order."""
+    beyond_tails, reached = np.zeros(len(lengths)), np.zeros(max(limbs, default=0) + 1)
+    for bone in range(len(lengths) - 1, -1, -1):
+        beyond_tails[bone] = reached[limbs[bone]]
+        reached[limbs[bone]] += lengths[bone]
+    at_heads, at_tails = (SLENDEREST * beyond for beyond in (beyond_tails + lengths, beyond_tails))
+    return np.maximum(head_radii, np.maximum(at_heads, LEAST_RADIUS)), np.maximum(
+        tail_radii, np.maximum(at_tails, LEAST_RADIUS)
+    )
 
 
 def load_keys(frame_start, totals):

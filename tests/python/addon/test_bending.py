@@ -102,6 +102,34 @@ def test_a_joint_takes_no_more_moment_than_its_strength():
     assert bent.stress == pytest.approx([2.546, 1.91, 1.273, 0.637], rel=0.01)
 
 
+def test_an_overloaded_tree_of_hairs_converges():
+    """A trunk of 20 bones that is far too thin, with limbs to both sides, heavier on one."""
+    trunk = [((0, 0, 0.2 * k), (0, 0, 0.2 * k + 0.2)) for k in range(20)]
+    limbs = [((0, 0, 0.2 * k), (s / 2, 0, 0.2 * k)) for k in range(20) for s in (1, -1)]
+    tips = [((tail[0], 0, tail[2]), (2 * tail[0], 0, tail[2])) for _, tail in limbs]
+    heads, tails = zip(*trunk, *limbs, *tips)
+    parents = [*range(-1, 19), *(k // 2 for k in range(40)), *range(20, 60)]
+    radii = np.array([0.004] * 20 + [0.002] * 40 + [0.001] * 40)
+    tree = Cantilevers(heads, tails, parents, radii, radii, [0] * 20 + [*range(1, 41)] * 2)
+    masses = np.where(tree.tails[:, 0] > 0.0, 0.10, 0.08)
+    for strength, error in ((40e6, 1e-3), (UNBREAKABLE, 5e-3)):
+        bent = tree.bend(masses, middles(tree), DOWN, WOOD, strength)
+        assert bent.error < error
+        assert tree.bent_tails(bent.vectors[-1])[19, 2] < -2.0, "the top of the trunk, 4 m long, hangs down"
+
+
+def test_radii_of_exports_are_raised_to_what_a_limb_needs():
+    """A limb of 3 m in two bones, and a twig of 0.1 m."""
+    heads, tails = load.plausible_radii(
+        np.array([0.05, 0.001, 1e-4]),
+        np.array([0.001, 1e-4, 1e-4]),
+        np.array([1.5, 1.5, 0.1]),
+        np.array([0, 0, 1]),
+    )
+    assert heads == pytest.approx([0.05, 0.01, 0.001])
+    assert tails == pytest.approx([0.01, 0.001, 0.001])
+
+
 def test_a_part_of_the_load_bends_as_that_load_alone():
     chain = beam(12, 0.004)
     masses = np.full(12, 0.05)
