@@ -121,22 +121,22 @@ def _let_it_snow(context, rig):
         depsgraph = context.evaluated_depsgraph_get()
         pose = SceneReader(specs, scale).read(depsgraph, scene.frame_current)
         refused = [*pose.refused.values(), *pose.reasons.values()]
-        keys = [key for key, obj in pose.objects.items() if obj.receives]
-        if not keys:
+        snowy = [key for key, obj in pose.objects.items() if obj.receives]
+        if not snowy:
             raise ValueError(
                 refused[0] if refused else f"The meshes of the tree '{rig.name}' are hidden: show them"
             )
         to_world = np.array(rig.evaluated_get(depsgraph).matrix_world, dtype=float)
         bones = {
             key: _vertex_bones(obj, obj.evaluated_get(depsgraph).data, number)
-            for key, obj in ((key, tree[pose.objects[key].name, pose.objects[key].library]) for key in keys)
+            for key, obj in ((key, tree[pose.objects[key].name, pose.objects[key].library]) for key in snowy)
         }
     totals = falling.snowfall.totals
     heights = bake_heights(
-        native.load(), pose, keys, falling.snow, falling.texel_size, totals[-1], len(totals) / falling.fps
+        native.load(), pose, snowy, falling.snow, falling.texel_size, totals[-1], len(totals) / falling.fps
     )
     meshes, foliage = [], []
-    for key in keys:
+    for key in snowy:
         obj, topology = pose.objects[key], pose.objects[key].topology
         table = native.load().texel_table(topology.triangles, topology.corner_uv, len(heights[key]))
         meshes.append(load.SnowyMesh(heights[key], table, topology.triangles, obj.positions, *bones[key]))
@@ -192,7 +192,7 @@ def bend_under_snow(context, rig):
     # From metres in the world to metres in the armature's own axes.
     origin = snow.to_world[:3, 3] * metres_per_unit(scene)
     places = np.where(volumes[:, None] > 0.0, turned(turn.T, centres - origin), chain.heads)
-    down = turn.T @ (0.0, 0.0, -1.0)
+    down = turned(turn.T, np.array((0.0, 0.0, -1.0)))
 
     frames, shares = zip(*load.load_keys(snow.frame_start, snow.totals))
     modulus, strength = settings.wood()
