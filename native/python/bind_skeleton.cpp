@@ -242,7 +242,8 @@ py::dict report_dict(const ImportReport& report) {
                   py::arg("branches_per_level") = report.branches_per_level,
                   py::arg("skipped_parts") = skipped, py::arg("extra_roots") = report.extra_roots,
                   py::arg("foliage_parts") = report.foliage_parts,
-                  py::arg("wood_name") = report.wood_name, py::arg("coverage") = report.coverage, py::arg("warnings") = report.warnings);
+                  py::arg("wood_name") = report.wood_name, py::arg("coverage") = report.coverage,
+                  py::arg("warnings") = report.warnings);
 }
 
 py::ssize_t count_of(const auto& values) {

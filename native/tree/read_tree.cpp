@@ -187,8 +187,8 @@ SortedParts sort_parts(const ObjScene& scene, const std::string& foliage_names, 
 
 /// Whether there are branches, and not hardly any without names that confirm them.
 bool has_limbs(const TracedBranches& traced, const LeftOut& left_out) {
-  return !traced.branches.empty() && (traced.named || left_out.share < kMostLeftOut ||
-                                      traced.branches.size() >= kFewLimbs);
+  return !traced.branches.empty() &&
+         (traced.named || left_out.share < kMostLeftOut || traced.branches.size() >= kFewLimbs);
 }
 
 /// @throws std::invalid_argument if there are none, or hardly any without names that confirm them.

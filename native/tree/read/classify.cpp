@@ -1,6 +1,7 @@
 #include "tree/read/classify.h"
 
 #include <algorithm>
+#include <array>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -29,6 +30,11 @@ constexpr double kShuffledShare = 0.57;
 constexpr size_t kFewestTurns = 20;
 /// An unnamed closed tube shorter than this many of its radii is a fruit.
 constexpr float kRoundest = 3.0f;
+
+/// Fewest pieces that are taken for copies of one another, and the share of them that must not be
+/// tubes for none to be one.
+constexpr size_t kFewestCopies = 16;
+constexpr double kOtherCopies = 0.2;
 
 /// Maximum mean thickness of a tree's limbs relative to its size; a cow has 0.26, a rabbit 0.31.
 constexpr double kThickestTree = 0.08;
@@ -93,6 +99,35 @@ Shapes find_shapes(const ObjScene& scene, const Parts& parts, const PartLabels& 
     }
   }
   return shapes;
+}
+
+/// Copies of one piece have one shape: if some of many pieces with the same numbers of faces,
+/// corners and vertices are no tubes, none is. Curved leaves resemble tubes one by one.
+void refuse_leaves(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
+                   Shapes& shapes) {
+  std::map<std::array<size_t, 3>, std::vector<int32_t>> copies;
+  for (int32_t p = 0; p < parts.count(); ++p) {
+    const bool counts = shapes.shape[p] == Shape::kTube || shapes.shape[p] == Shape::kOther;
+    if (!counts || labels.meaning[p] != NameMeaning::kSilent) continue;
+    size_t corners = 0;
+    for (const int32_t f : parts.part_faces(p)) {
+      corners += static_cast<size_t>(scene.face_begin[f + 1] - scene.face_begin[f]);
+    }
+    copies[{parts.part_faces(p).size(), corners, parts.part_vertices(p).size()}].push_back(p);
+  }
+  for (const auto& [size, members] : copies) {
+    const auto others = std::count_if(members.begin(), members.end(),
+                                      [&](int32_t p) { return shapes.shape[p] == Shape::kOther; });
+    if (members.size() < kFewestCopies ||
+        static_cast<double>(others) < kOtherCopies * static_cast<double>(members.size())) {
+      continue;
+    }
+    for (const int32_t p : members) {
+      if (shapes.shape[p] != Shape::kTube) continue;
+      shapes.shape[p] = Shape::kOther;
+      shapes.why[p] = NotATube::kUneven;
+    }
+  }
 }
 
 /// The parts of each label in file order; parts without label come first.
@@ -296,6 +331,8 @@ ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const 
   ClassifiedParts result;
   result.role.assign(parts.count(), PartRole::kFoliage);
   Shapes shapes = find_shapes(scene, parts, labels, result, execution.part(0.0f, kShapesFound));
+
+  refuse_leaves(scene, parts, labels, shapes);
 
   std::vector<int32_t> tubes;
   for (int32_t p = 0; p < parts.count(); ++p) {

@@ -11,6 +11,7 @@ import time
 import numpy as np
 import pytest
 import snowbough_native as native
+import tube_tree
 
 TREES = pathlib.Path(__file__).resolve().parents[3] / ".." / "shared" / "data" / "trees"
 needs_trees = pytest.mark.skipif(not TREES.is_dir(), reason="../shared/data/trees is not there")
@@ -433,6 +434,36 @@ def test_foliage_takes_a_bool_a_word_or_names(tmp_path):
         native.read_tree(path, foliage="petals")
     with pytest.raises(ValueError, match="foliage must be"):
         native.read_tree(path, foliage=3)
+
+
+def curved_leaves(count):
+    """OBJ lines of leaves: curved grids of 3 by 4 corners, folded along the middle, at random places."""
+    rng = np.random.default_rng(3)
+    lines = []
+    for _ in range(count):
+        at = rng.normal(size=3) * (1, 1, 0.5) + (0, 0, 4)
+        bearing, rise = rng.uniform(0, 2 * np.pi), rng.uniform(-0.5, 0.5)
+        along = np.array((np.cos(bearing), np.sin(bearing), rise))
+        across = np.array((-np.sin(bearing), np.cos(bearing), 0))
+        for row in range(4):
+            for column in range(3):
+                wide = 0.03 * (column - 1) * (2 if row in (1, 2) else 1)
+                up = (0, 0, 0.01 * (column != 1) + 0.008 * row * row)
+                lines.append("v %.5f %.5f %.5f" % tuple(at + 0.04 * row * along + wide * across + up))
+        for row in range(3):
+            for column in range(2):
+                a = -12 + 3 * row + column
+                lines.append(f"f {a} {a + 1} {a + 4} {a + 3}")
+    return lines
+
+
+def test_curved_leaves_without_names_are_no_limbs(tmp_path):
+    groups = tube_tree.obj_text().split("g ")
+    text = "".join(part.partition("\n")[2] if k else part for k, part in enumerate(groups))
+    path = tmp_path / "nameless.obj"
+    path.write_text("\n".join([text.replace("usemtl bark", ""), *curved_leaves(300), ""]))
+    skeleton = native.read_tree(path)
+    assert len(skeleton.branches) == 4 and len(skeleton.foliage.leaf_branch) == 300
 
 
 def tubes_without_shared_vertices():
