@@ -159,6 +159,7 @@ void close_seams(ObjScene& scene) {
     };
     join_pairs(scene, number_places(place.size(), textured), edges, open, sets);
   }
+  join_pairs(scene, place, edges, open, sets);
   // Polygons without area, such as those of a tip that is a ring, have several edges at one place.
   std::erase_if(edges, [&](int32_t e) { return has_coincident_corners(scene, open[e].corner); });
   join_pairs(scene, place, edges, open, sets);

@@ -13,6 +13,8 @@ namespace {
 constexpr double kAttachReach = 4.0;
 /// At a fork thickness is weighted by this power of (1 + cosine of the turn) / 2.
 constexpr double kStraightness = 4.0;
+/// Ratio of reaches at which a limb without a heading continues along the farther one.
+constexpr double kFarther = 1.5;
 /// Minimum distance of a limb's tip from the parent's centreline, in the parent's radii.
 constexpr double kStandsOut = 1.5;
 /// Number of rings after a fork whose median gives the thickness of a limb.
@@ -137,6 +139,30 @@ class Assembler {
     return rings_[arc].empty() ? nullptr : &rings_[arc];
   }
 
+  /// Farthest distance on an arc and all that grows from it.
+  double reach_of(int32_t arc) const {
+    double reach = tree_.arcs[arc].end;
+    for (const int32_t next : tree_.arcs[arc].above) reach = std::max(reach, reach_of(next));
+    return reach;
+  }
+
+  /// Whether one arc reaches much farther than the others; `best` receives it.
+  bool reaches_farthest(const std::vector<int32_t>& above, int32_t& best) const {
+    double most = 0.0;
+    double second = 0.0;
+    for (const int32_t arc : above) {
+      const double reach = reach_of(arc);
+      if (reach > most) {
+        second = most;
+        most = reach;
+        best = arc;
+      } else {
+        second = std::max(second, reach);
+      }
+    }
+    return most >= kFarther * second;
+  }
+
   /// The arc that continues the limb.
   int32_t continuing(const std::vector<int32_t>& above, const Limb& limb) const {
     const size_t count = limb.points.size();
@@ -147,6 +173,9 @@ class Assembler {
         : count == 2 ? direction(glm::dvec3(limb.points[0]), glm::dvec3(limb.points[1]))
                      : glm::dvec3(0.0);
     int32_t best = above.front();
+    // Above roots the limb begins without a heading: its crown reaches much farther than they do.
+    if (count == 0 && reaches_farthest(above, best)) return best;
+    best = above.front();
     double best_score = -std::numeric_limits<double>::infinity();
     for (const int32_t arc : above) {
       const ArcRings* rings = rings_from(arc);

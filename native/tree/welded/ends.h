@@ -18,4 +18,12 @@ std::vector<int32_t> thickest_end(const LocalMesh& mesh,
                                   const std::vector<LocalTriangle>& triangles,
                                   const base::Progress& progress);
 
+/// Where the tree begins if several thick roots end at the ground: the vertices around its trunk
+/// just above them, so that the roots are limbs of the trunk. The trunk is the arc with most wood;
+/// its roots reach less far than its crown. Else `root`.
+/// @param root  a first guess, at any end.
+/// @throws Cancelled when progress says stop.
+std::vector<int32_t> above_roots(const LocalMesh& mesh, const std::vector<LocalTriangle>& triangles,
+                                 const std::vector<int32_t>& root, const base::Progress& progress);
+
 }  // namespace snowbough::tree

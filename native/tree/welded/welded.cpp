@@ -21,10 +21,11 @@ constexpr double kRingSpacing = 1.5;
 constexpr double kEdgeSpacing = 0.75;
 /// Maximum number of rings between two forks.
 constexpr double kMostRings = 1000.0;
-/// Progress at which equal positions are welded, the edges are known, and the root is found; and,
+/// Progress at which equal positions are welded, the edges are known, an end, and the root; and,
 /// from there on, the triangles, the distances, the graph and the contours.
 constexpr float kWelded = 0.1f;
 constexpr float kTopology = 0.2f;
+constexpr float kEnd = 0.4f;
 constexpr float kRoot = 0.5f;
 constexpr float kDistances = 0.05f;
 constexpr float kGraph = 0.5f;
@@ -129,10 +130,13 @@ std::optional<WeldedTree> trace_welded(const ObjScene& scene, std::span<const in
   base::report_progress(progress, kWelded);
   const Topology topology = build_topology(mesh);
   base::report_progress(progress, kTopology);
-  const std::vector<int32_t> root =
+  const std::vector<LocalTriangle> triangles = triangulate(mesh);
+  const std::vector<int32_t> end =
       topology.boundary_loops.empty()
-          ? thickest_end(mesh, triangulate(mesh), base::part_of(progress, kTopology, kRoot))
+          ? thickest_end(mesh, triangles, base::part_of(progress, kTopology, kEnd))
           : widest_loop(mesh, topology);
+  const std::vector<int32_t> root =
+      above_roots(mesh, triangles, end, base::part_of(progress, kEnd, kRoot));
   std::optional<WeldedTree> welded =
       trace_welded_from(mesh, root, base::part_of(progress, kRoot, 1.0f));
   if (!welded) return welded;

@@ -31,9 +31,9 @@ struct WeldedTree {
 
 /// Finds the limbs of a connected surface that forks: the skeleton is its Reeb graph under the
 /// geodesic distance from the root. The root is the widest open end or, on a closed surface, the
-/// thickest end. Rings are level sets, spaced by about their thickness. At a fork the limb
-/// continues along the thickest and straightest arc. Bumps lower than one and a half times their
-/// width are not limbs.
+/// thickest end; if several thick roots end at the ground, the trunk above them. Rings are level
+/// sets, spaced by about their thickness. At a fork the limb continues along the thickest and
+/// straightest arc. Bumps lower than one and a half times their width are not limbs.
 ///
 /// @param faces, vertices the component's faces and its vertices (ascending).
 /// @return no value for a surface without extent.

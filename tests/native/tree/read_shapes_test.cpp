@@ -1,8 +1,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -286,6 +289,80 @@ TEST(UnevenTubes, ABowlIsNone) {
     bowl.add_face({6 + k, 6 + (k + 1) % 6, 12});
   }
   EXPECT_FALSE(bowl.trace());
+}
+
+/// The surface of unit cubes as one welded mesh.
+class Cubes {
+ public:
+  void fill(glm::ivec3 low, glm::ivec3 high) {
+    for (int x = low.x; x < high.x; ++x) {
+      for (int y = low.y; y < high.y; ++y) {
+        for (int z = low.z; z < high.z; ++z) cubes_.insert({x, y, z});
+      }
+    }
+  }
+
+  std::string text() const {
+    std::map<std::array<int, 3>, int> number;
+    std::string vertices;
+    std::string faces = "g trunk\n";
+    for (const auto& [x, y, z] : cubes_) {
+      for (int axis = 0; axis < 3; ++axis) {
+        for (const int side : {0, 1}) {
+          std::array<int, 3> beside{x, y, z};
+          beside[axis] += 2 * side - 1;
+          if (cubes_.contains(beside)) continue;
+          faces += "f";
+          for (int c = 0; c < 4; ++c) {
+            std::array<int, 3> corner{x, y, z};
+            corner[axis] += side;
+            const int turn = side == 1 ? c : 3 - c;
+            corner[(axis + 1) % 3] += turn == 1 || turn == 2 ? 1 : 0;
+            corner[(axis + 2) % 3] += turn >= 2 ? 1 : 0;
+            const auto next = static_cast<int>(number.size()) + 1;
+            const auto [found, added] = number.try_emplace(corner, next);
+            if (added) {
+              vertices += "v " + std::to_string(corner[0]) + " " + std::to_string(corner[1]) + " " +
+                          std::to_string(corner[2]) + "\n";
+            }
+            faces += " " + std::to_string(found->second);
+          }
+          faces += "\n";
+        }
+      }
+    }
+    return vertices + faces;
+  }
+
+ private:
+  std::set<std::array<int, 3>> cubes_;
+};
+
+TEST_F(ReadTree, ATreeStartsAboveItsRootsWhichAreBranches) {
+  Cubes cubes;
+  cubes.fill({0, 0, 0}, {4, 4, 40});
+  for (const int z : {0, 30}) {
+    const int reach = z == 0 ? 10 : 24;
+    cubes.fill({4, 1, z}, {4 + reach, 3, z + 2});
+    cubes.fill({-reach, 1, z}, {0, 3, z + 2});
+    cubes.fill({1, 4, z}, {3, 4 + reach, z + 2});
+    cubes.fill({1, -reach, z}, {3, 0, z + 2});
+  }
+  ReadTreeOptions options;
+  options.up_axis = UpAxis::kZ;
+  const Skeleton skeleton = read(cubes.text(), options);
+  EXPECT_EQ(skeleton.report.form, "WELDED");
+  const Branch& trunk = skeleton.branches[0];
+  EXPECT_LT(trunk.points.front().z, 8.0f);
+  const glm::vec3 middle = trunk.points[trunk.points.size() / 2];
+  EXPECT_GT(middle.z, 15.0f);
+  int roots = 0;
+  for (const Branch& branch : skeleton.branches) {
+    const bool low = branch.points.back().z < 3.0f;
+    roots += low ? 1 : 0;
+    EXPECT_FALSE(low && branch.parent < 0);
+  }
+  EXPECT_EQ(roots, 4);
 }
 
 }  // namespace
