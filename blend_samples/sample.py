@@ -83,14 +83,14 @@ def run(
     bearing=70.0,
     resolution=512,
     name=NAME,
-    before_bake=None,
+    prepare=None,
     **settings,
 ):
     """Builds the scene on snowy ground, bakes it, and renders the last frame to FOLDER/<name>.png.
 
     eye, target: the camera's place and what it looks at, in metres. depth: snow on level ground at the end, in metres.
-    angle, bearing: the wind, in degrees. before_bake: called when the scene is set up. settings:
-    further settings of the snowfall.
+    angle, bearing: the wind, in degrees. prepare: called with the scene's settings before the bake. settings: further
+    settings of the snowfall.
     """
     bpy.ops.wm.read_homefile(use_empty=True)
     snowbough.register()
@@ -106,8 +106,8 @@ def run(
     scene.camera = demo_scene.make_camera(scene, "camera", Vector(eye), Vector(target), lens)
     demo_scene.set_render(scene, 640, 400, 20)
     scene.frame_set(1)
-    if before_bake is not None:
-        before_bake()
+    if prepare is not None:
+        prepare(scene.snowbough)
     bpy.ops.wm.save_as_mainfile(filepath=str(FOLDER / f"{name}.blend"), compress=True)
     if bpy.ops.snowbough.bake() != {"FINISHED"}:
         raise RuntimeError("the bake did not finish")

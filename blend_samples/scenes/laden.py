@@ -10,7 +10,7 @@ import sample
 SPECIES, WEIGHT = (*sample.ARGUMENTS, *("spruce", "")[len(sample.ARGUMENTS) :])[:2]
 
 
-def bend():
+def bend(_settings):
     rig = next(obj for obj in bpy.data.objects if obj.type == "ARMATURE")
     rig.snowbough.bending.species = SPECIES.upper()
     rig.snowbough.bending.weight = float(WEIGHT or 0)
@@ -27,5 +27,5 @@ sample.run(
     resolution=1024,
     name=f"laden_{SPECIES}_{WEIGHT or 'automatic'}",
     frames=1,
-    before_bake=bend,
+    prepare=bend,
 )

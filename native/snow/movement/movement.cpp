@@ -1,5 +1,6 @@
 #include "snow/movement/movement.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -20,14 +21,22 @@ int64_t Movement::memory(const std::vector<const SceneObject*>& objects) {
   // See Repose::BareTexels, and where ways end.
   constexpr int64_t kPerTexel = 5 * 4 + 2 * 4;
   constexpr int64_t kPerPlace = 4;
+  // See Masks, and Pressing::Pressed.
+  constexpr int64_t kPerMasked = 3 * 4;
+  constexpr int64_t kPerPressed = 3 * 4 + 3 * 4 + 4;
+  const bool presses = std::any_of(objects.begin(), objects.end(), [](const SceneObject* object) {
+    return object->press.kind != PressSettings::Kind::kNone;
+  });
   int64_t bytes =
       count_blocks(objects, kReposeBlock) *
       static_cast<int64_t>(sizeof(ReposeTile) + sizeof(std::array<TilePlane, kForwardLinks>));
   for (const SceneObject* object : objects) {
     if (!object->description.receive) continue;
     const int64_t side = object->description.topology.resolution;
+    const int64_t per_texel =
+        kPerTexel + (object->mask != nullptr ? kPerMasked : 0) + (presses ? kPerPressed : 0);
     bytes +=
-        kPerTexel * static_cast<int64_t>(object->table->texel.size()) + kPerPlace * side * side;
+        per_texel * static_cast<int64_t>(object->table->texel.size()) + kPerPlace * side * side;
   }
   return bytes;
 }
@@ -78,13 +87,16 @@ void Movement::after(const MovementSettings& settings, uint32_t step_number, dou
   for (MovingMap* map : moving) masks_.refuse(*map, *receivers_[map->object]);
   // Without duration nothing is pressed: objects are only put in their places.
   const int parts = dt > 0.0 ? pressing_.begin(moving) : 1;
+  double left = dt;
   for (int part = 1; part <= parts; ++part) {
     if (dt > 0.0) {
       pressing_.move_to(part);
       for (MovingMap* map : moving) pressing_.press(*map, *receivers_[map->object]);
     }
-    const bool each = pressing_.rests_in_each_part();
-    if (each || part == parts) rest(settings, each ? dt / parts : dt, moving);
+    // A blade pushes a heap ahead, which must not grow into a wall meanwhile.
+    const double time = part == parts ? left : pressing_.has_ploughed() ? dt / parts : 0.0;
+    if (time > 0.0 || part == parts) rest(settings, time, moving);
+    left -= time;
   }
   pressing_.end();
   for (MovingMap* map : moving) {

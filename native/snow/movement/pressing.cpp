@@ -77,7 +77,6 @@ bool Pressing::is_on() const {
 
 int Pressing::begin(const std::vector<MovingMap*>& maps) {
   is_near_.assign(objects_.size(), 0);
-  rests_in_each_part_ = false;
   parts_ = 1;
   for (Pressed& own : pressed_) {
     own.under.clear();
@@ -98,7 +97,6 @@ int Pressing::begin(const std::vector<MovingMap*>& maps) {
     if (pressers_[i] == nullptr) pressers_[i] = std::make_unique<Presser>(object);
     Presser& presser = *pressers_[i];
     presser.begin(last_[i]);
-    const bool ploughs = object.press.kind == PressSettings::Kind::kPlough;
     const bool presses = object.press.kind == PressSettings::Kind::kPress;
     for (const MovingMap* map : maps) {
       const Pressed& own = pressed_[map->object];
@@ -115,12 +113,12 @@ int Pressing::begin(const std::vector<MovingMap*>& maps) {
       const double parts = std::ceil(presser.travel() / part);
       parts_ = std::max(parts_, static_cast<int>(std::min(parts, double{kMostParts})));
     }
-    rests_in_each_part_ = rests_in_each_part_ || (ploughs && is_near_[i] != 0);
   }
   return parts_;
 }
 
 void Pressing::move_to(int part) {
+  has_ploughed_ = false;
   base::for_each_item(objects_.size(), 1, [&](size_t i) {
     if (is_near_[i] != 0) pressers_[i]->move_to(part, parts_);
   });
@@ -225,6 +223,7 @@ void Pressing::press_with(size_t presser, MovingMap& map, PressedMap& pressed) {
   std::vector<PushedSnow> pushed;
   sink(settings, touched, map, pressed, pushed);
   if (pushed.empty()) return;
+  has_ploughed_ = has_ploughed_ || settings.kind == PressSettings::Kind::kPlough;
   int64_t kept = 0;
   for (const auto& [texel, units] :
        spread_pushed(pressed, covered, pushed, settings.rim_width, kept)) {

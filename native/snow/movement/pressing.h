@@ -28,8 +28,8 @@ class Pressing {
 
   /// Begins a step; returns into how many parts of equal time its motion is divided, at least 1.
   int begin(const std::vector<MovingMap*>& maps);
-  /// Whether snow must come to rest after each part: a blade pushes heaps ahead.
-  bool rests_in_each_part() const { return rests_in_each_part_; }
+  /// Whether a blade has pushed snow since the last call of move_to.
+  bool has_ploughed() const { return has_ploughed_; }
   /// Moves the objects to the end of a part, from 1.
   void move_to(int part);
   /// Presses a map's snow.
@@ -79,7 +79,7 @@ class Pressing {
   /// By object that presses: positions of the last step; empty if it was not shown.
   std::vector<std::vector<glm::vec3>> last_;
   int parts_ = 1;
-  bool rests_in_each_part_ = false;
+  bool has_ploughed_ = false;
 };
 
 }  // namespace snowbough::snow

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import snowbough_native as native
 from checkpoints import restore, save
+from child import in_child
 from snow_meshes import STAYS, box, grid, rotated, sphere
 
 FRAME = 1.0 / 24.0
@@ -299,3 +300,17 @@ def test_wrong_settings_are_refused_with_a_reason():
         world.sim.set_presser("tool", packed_density=20.0)
     with pytest.raises(ValueError, match="no object 'other'"):
         world.sim.set_presser("other")
+
+
+def test_the_number_of_threads_changes_no_byte():
+    program = """
+import hashlib, os
+if {single}:
+    os.sched_setaffinity(0, {{min(os.sched_getaffinity(0))}})
+import test_snow_pressing as t
+world, mesh = t.World(), t.wheel(around=48)
+world.add("tool", mesh)
+world.press([t.rolled(mesh, -0.3 + 0.1 * i) for i in range(5)])
+print(hashlib.sha256(world.height().tobytes()).hexdigest())
+"""
+    assert in_child(program.format(single=True)) == in_child(program.format(single=False))

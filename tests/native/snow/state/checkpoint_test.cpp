@@ -44,10 +44,10 @@ Checkpoint example() {
   ground.resolution = 3;
   ground.height = {0.1f, -0.0f, 1e-42f, std::nextafter(1.0f, 2.0f), 0.0f, -0.5f, 0.0f, 0.0f, 2.0f};
   for (size_t i = 0; i < ground.sums.size(); ++i) ground.sums[i] = static_cast<double>(i) / 3.0;
-  ObjectState cart{"cart", 1, {0.0f}, {}};
+  ObjectState cart{"cart", 1, {0.0f}, {}, {}};
   const LandingState landing{
       99, {{50, "cart", 0, true, int64_t{1} << 40}, {51, "cart", 0, false, 3}}, 7, -8};
-  return {"9f86d081", {48, {cart, ground}, landing}};
+  return {"9f86d081", {48, {cart, ground}, landing, {}}};
 }
 
 TEST_F(CheckpointFile, comesBackBitForBit) {
@@ -74,6 +74,38 @@ TEST_F(CheckpointFile, comesBackBitForBit) {
   EXPECT_EQ(landing.air[0].receiver, "cart");
   EXPECT_TRUE(landing.air[0].is_back);
   EXPECT_EQ(landing.air[0].units, int64_t{1} << 40);
+}
+
+TEST_F(CheckpointFile, keepsPlanesAndPressers) {
+  Checkpoint checkpoint = example();
+  checkpoint.state.objects[1].planes["mask"] = {0.0f, 0.25f, -0.0f, 0.0f, 1.0f,
+                                                0.5f, 0.0f,  3.0f,  0.0f};
+  checkpoint.state.pressers["foot"] = {{1.0f, -2.0f, 0.0f}, {0.5f, 0.25f, 1e-42f}};
+  save_checkpoint(path_, checkpoint);
+  const Checkpoint read = load_checkpoint(path_);
+  EXPECT_TRUE(read.state.objects[0].planes.empty());
+  EXPECT_EQ(read.state.objects[1].planes, checkpoint.state.objects[1].planes);
+  EXPECT_EQ(read.state.pressers, checkpoint.state.pressers);
+  EXPECT_EQ(image::read_file(path_)[16], 5);
+}
+
+TEST_F(CheckpointFile, withoutPlanesHasTheFormatThatKnowsNone) {
+  save_checkpoint(path_, example());
+  EXPECT_EQ(image::read_file(path_)[16], 4);
+}
+
+TEST_F(CheckpointFile, withPlanesIsRefusedWhereverItIsCutOffOrWrong) {
+  Checkpoint checkpoint = example();
+  checkpoint.state.objects[0].planes["packed"] = {0.5f};
+  checkpoint.state.pressers["foot"] = {{1.0f, -2.0f, 0.0f}};
+  save_checkpoint(path_, checkpoint);
+  const std::string whole = image::read_file(path_);
+  for (size_t length = 1; length < whole.size(); length += 7) {
+    image::atomic_write(path_, whole.substr(0, length));
+    EXPECT_THAT(refusal(), HasSubstr("truncated")) << length;
+  }
+  checkpoint.state.objects[0].planes["packed"] = {0.5f, 0.5f};
+  EXPECT_THROW(save_checkpoint(path_, checkpoint), std::invalid_argument);
 }
 
 TEST_F(CheckpointFile, theSameDataGivesTheSameBytes) {
