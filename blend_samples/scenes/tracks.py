@@ -86,7 +86,7 @@ def blade(material):
     made = pressing(active("blade", material), "PLOUGH", rim_width=0.03)
     made.scale, made.rotation_euler[2] = (0.03, 0.8, 0.35), math.radians(28.0)
     for frame, x in ((1, -2.3), (FRAMES, 0.55)):
-        keyed(made, "location", frame, (x, 1.05, TOP + 0.185))
+        keyed(made, "location", frame, (x, 1.05, TOP + 0.17))
 
 
 def build():
@@ -108,9 +108,9 @@ def mask(settings):
 
 sample.run(
     build,
-    eye=(-0.2, -4.0, 2.8),
+    eye=(-0.9, -3.7, 3.3),
     target=(-0.1, -0.05, 0.35),
-    lens=34.0,
+    lens=36.0,
     frames=FRAMES,
     depth=0.13,
     resolution=768,

@@ -150,13 +150,18 @@ def test_a_changed_mask_is_named(addon, tmp_path):
     [
         ("GROUP", {"mask_group": "Gone"}, "has no vertex group 'Gone'"),
         ("IMAGE", {}, "has no image"),
+        ("IMAGE", {"mask_image": "Grey", "mask_uv_map": "lost"}, "has no UV map 'lost'"),
     ],
 )
 def test_a_missing_mask_is_told(addon, tmp_path, kind, values, reason):
     other = s.square("Other", x=5.0)
     s.receive(other)
+    if "mask_image" in values:
+        values = {**values, "mask_image": image("Grey", [[0.5] * 4] * 4)}
     masked(plane(), kind, **values)
     s.settings(tmp_path, (1, 2))
+    issues = addon("bake.preflight").check(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+    assert [issue.object_name for issue in issues if reason in issue.text] == ["Ground"]
     running = s.bake_part(addon)
     assert reason in running.job.refused["Ground"]
 

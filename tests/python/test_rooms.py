@@ -58,7 +58,7 @@ LINES = {
     "addon/snowbough/preview": 1100,
     "addon/snowbough/realtime": 2250,
     "addon/snowbough/result": 1950,
-    "addon/snowbough/scene": 2400,
+    "addon/snowbough/scene": 2450,
     "addon/snowbough/settings": 850,
     "addon/snowbough/surface": 700,
     "addon/snowbough/tree": 2600,

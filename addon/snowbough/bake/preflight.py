@@ -17,7 +17,16 @@ from ..base import compat, native, session
 from ..base.names import FARTHEST, counted, sized
 from ..cache import versions
 from ..result import displacement, surface_files
-from ..scene import material_alpha, mesh_record, physics_caches, receivers, uv_maps, uv_overlap, visibility
+from ..scene import (
+    masks,
+    material_alpha,
+    mesh_record,
+    physics_caches,
+    receivers,
+    uv_maps,
+    uv_overlap,
+    visibility,
+)
 from ..scene.libraries import library_name
 from ..scene.pose import Topology, metres_per_unit, outliers, world_positions
 from ..scene.reader import SURFACE_TYPES
@@ -212,6 +221,12 @@ def _receiver(scene, entry, depsgraph):
                 "UNWRAP",
             )
         )
+    mask = masks.mask_spec(entry)
+    if mask is not None:
+        try:
+            masks.check(mask, obj)
+        except ValueError as error:
+            issues.append(Issue("ERROR", str(error), name))
     if min(obj.matrix_world.to_scale()) <= 0 or obj.matrix_world.determinant() < 0:
         issues.append(
             Issue(

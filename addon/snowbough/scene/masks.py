@@ -83,7 +83,7 @@ def _values(image):
     """(H, W) float32 of an image: the luminance of its stored colours, 0 to 1, row 0 = v 0."""
     width, height = image.size
     if not width or not height or not image.channels:
-        raise SceneError(f"The mask image '{image.name}' is missing: {image.filepath or 'it has no file'}")
+        raise SceneError(_missing(image))
     flat = np.empty(width * height * image.channels, dtype=np.float32)
     image.pixels.foreach_get(flat)
     channels = flat.reshape(height, width, image.channels)
@@ -91,12 +91,46 @@ def _values(image):
     return np.clip(np.nan_to_num(block_means(colour)), 0.0, 1.0).astype(np.float32)
 
 
-def vertex_weights(obj, mask, label, count):
-    """(V,) float32 of an evaluated mesh object: the weights of the group of a MaskSpec. Raises SceneError."""
+def check(mask, obj):
+    """Raises SceneError if a mesh object lacks what a MaskSpec names."""
+    if mask.kind == "GROUP":
+        _group(obj, mask, obj.name)
+        return
+    image = _required_image(mask, obj.name)
+    if image.source in ("FILE", "GENERATED") and not image.has_data and not image.size[0]:
+        raise SceneError(_missing(image))
+    if mask.uv_map and mask.uv_map not in obj.data.uv_layers:
+        raise SceneError(
+            f"The mask of '{obj.name}' has no UV map '{mask.uv_map}': choose one, or set Mask to None"
+        )
+
+
+def _missing(image):
+    return f"The mask image '{image.name}' is missing: {image.filepath or 'it has no file'}"
+
+
+def _group(obj, mask, label):
     group = obj.vertex_groups.get(mask.name)
     if obj.type != "MESH" or group is None:
         missing = f"has no vertex group '{mask.name}'" if mask.name else "has no vertex group chosen"
         raise SceneError(f"The mask of '{label}' {missing}: choose one, or set Mask to None")
+    return group
+
+
+def _required_image(mask, label):
+    image = _image(mask)
+    if image is None:
+        raise SceneError(f"The mask of '{label}' has no image: choose one, or set Mask to None")
+    if image.source not in ("FILE", "GENERATED", "SEQUENCE"):
+        raise SceneError(
+            f"The mask '{image.name}' is a {image.source.lower()}: use an image or an image sequence"
+        )
+    return image
+
+
+def vertex_weights(obj, mask, label, count):
+    """(V,) float32 of an evaluated mesh object: the weights of the group of a MaskSpec. Raises SceneError."""
+    group = _group(obj, mask, label)
     weights, index = np.zeros(count, dtype=np.float32), group.index
     vertices = obj.data.vertices
     if len(vertices) != count:
@@ -119,9 +153,7 @@ class MaskImages:
     def values(self, mask, label, frame):
         """(H, W) float32 of a MaskSpec's image in a frame. Raises SceneError."""
         known = (mask.name, mask.library)
-        image = _image(mask)
-        if image is None:
-            raise SceneError(f"The mask of '{label}' has no image: choose one, or set Mask to None")
+        image = _required_image(mask, label)
         if image.source == "SEQUENCE":
             numbers = _sequences.get(known)
             if numbers is None:
@@ -129,15 +161,11 @@ class MaskImages:
                     f"The mask '{image.name}' is not loaded: start the bake or the preview again"
                 )
             values = numbers[_nearest(numbers, frame)]
-        elif image.source in ("FILE", "GENERATED"):
+        else:
             before, was_dirty = self._known.get(known, (None, True))
             if was_dirty or image.is_dirty:
                 now = _values(image)
                 is_same = before is not None and np.array_equal(before, now)
                 self._known[known] = (before if is_same else now, image.is_dirty)
             values = self._known[known][0]
-        else:
-            raise SceneError(
-                f"The mask '{image.name}' is a {image.source.lower()}: use an image or an image sequence"
-            )
         return 1.0 - values if mask.inverted else values
