@@ -61,6 +61,10 @@ struct SnowFront {
   float eave;
   /// 1 if a face goes down from the rim, 0 if the surface ends there.
   float has_far;
+  /// Mean thickness of the map in the zone, as a fraction of that behind the rim: maps round snow off at rims.
+  float full;
+  /// 1 on tops so narrow that zones meet in their middle, 0 on wide ones.
+  float narrow;
   /// 0 without an opposite rim, 1 if a rim lies opposite across a gap; half the gap's width; half the height of the
   /// other rim above this one.
   float bridged;
@@ -79,6 +83,8 @@ struct SnowFront {
   vec3 level_out;
   vec3 down;
   vec3 lift;
+  /// Unit normal of the supporting face.
+  vec3 support;
 };
 
 // Away from rims.
@@ -119,6 +125,13 @@ KERNEL_CONSTANT float kFrontPart = 0.5f;
 /// Fraction of the far zone at which the hem closes; points beyond it lie inside the receiver.
 KERNEL_CONSTANT float kTucked = 0.68f;
 KERNEL_CONSTANT float kTuck = 0.002f;
+/// The lower part of a front that stands in snow: how far it leans into that snow, and how far down it reaches.
+KERNEL_CONSTANT float kOverlap = 0.06f;
+/// Snow beyond the rim that reaches this fraction of the height of the snow on this side covers the rim.
+KERNEL_CONSTANT float kCoversRim = 0.4f;
+/// Sinking of a front that snow beyond covers, as a fraction of its open height.
+KERNEL_CONSTANT float kSettles = 0.35f;
+KERNEL_CONSTANT float kBuried = 0.25f;
 /// Height of the outermost point of the front.
 KERNEL_CONSTANT float kBelly = 0.38f;
 KERNEL_CONSTANT float kShoulder = 0.8f;
@@ -216,10 +229,12 @@ SNOWBOUGH_SHARED_FUNCTION vec3 quarter(vec3 centre, vec3 from, vec3 to, float tu
          (to - centre) * pow(max(sin(angle), 0.0f), power);
 }
 
-/// Heights of the snow behind a rim, and behind the rim across its gap.
+/// Thickness of the snow behind a rim, and behind the rim across its gap. `beyond`: height of the snow below the rim, as
+/// the thickness that snow on this side would need to be level with it; not over 0 where that snow is below the rim.
 struct SnowBehind {
   float inland;
   float across;
+  float beyond;
 };
 
 /// Fraction, 0 to 1, to which snow bridges the gap beyond a rim.
@@ -231,9 +246,31 @@ SNOWBOUGH_SHARED_FUNCTION float bridged_part(KERNEL_CONST_REF(SnowFront) front, 
          eased(behind.across, kBareAcross * height, kSnowAcross * height);
 }
 
-/// Lengths of a front with snow of height `height`.
+/// Fractions, 0 to 1, to which the snow goes on beyond the rim: over a bridge; and over a bridge or over snow that
+/// covers the rim.
+struct SnowJoin {
+  float bridged;
+  float joined;
+};
+
+SNOWBOUGH_SHARED_FUNCTION SnowJoin snow_join(KERNEL_CONST_REF(SnowFront) front, KERNEL_CONST_REF(SnowStyle) style,
+                                             KERNEL_CONST_REF(SnowBehind) behind) {
+  const float bridged = front.bridged > 0.0f ? bridged_part(front, style, behind) : 0.0f;
+  if (behind.beyond <= 0.0f) return KERNEL_MAKE2(SnowJoin, bridged, bridged);
+  const float covered = eased(behind.beyond, 0.0f, kCoversRim * max(behind.inland, 1e-5f));
+  return KERNEL_MAKE2(SnowJoin, bridged, max(bridged, covered));
+}
+
+/// Factor on the thickness behind the rim that gives the height of the front. Snow that goes on is not rounded off.
+SNOWBOUGH_SHARED_FUNCTION float front_part(KERNEL_CONST_REF(SnowFront) front, float joined) {
+  return mix(1.0f, front.full, joined * front.narrow);
+}
+
+/// Lengths of a front with snow of thickness `height`, which stands in snow of thickness `base`: the front is as high
+/// as the difference.
 struct SnowProfile {
   float height;
+  float base;
   float overhang;
   float drop;
   float shoulder;
@@ -241,35 +278,46 @@ struct SnowProfile {
 
 SNOWBOUGH_SHARED_FUNCTION SnowProfile front_profile(KERNEL_CONST_REF(SnowFront) front,
                                                     KERNEL_CONST_REF(SnowStyle) style,
-                                                    KERNEL_CONST_REF(SnowBehind) behind) {
+                                                    KERNEL_CONST_REF(SnowBehind) behind,
+                                                    KERNEL_CONST_REF(SnowJoin) join) {
   const float inland = behind.inland;
   const float slow = clamp(front.noise_slow * style.hem_variation, -1.3f, 1.3f);
   const float fast = clamp(front.noise_fast * style.hem_variation, -1.3f, 1.3f);
   const float shoulder_noise = clamp(front.noise_shoulder * style.hem_variation, -1.3f, 1.3f);
-  const float bridged = bridged_part(front, style, behind);
-  const float height = inland * (1.0f - kBridgeSag * bridged);
+  const float bridged = join.bridged;
+  const float joined = join.joined;
+  const float full = inland * front_part(front, joined) * (1.0f - kBridgeSag * bridged);
+  const float base = clamp(behind.beyond, 0.0f, full) * (1.0f - bridged);
+  // Over a step that snow covers, the upper side is lower and the lower side is higher (see kRise in feet.cpp).
+  const float height = full - kSettles * (full - base) * joined * (1.0f - bridged);
+  const float open = height - base;
   // Each side is level up to the middle and dives below the other one beyond it, so that no edge shows between them.
   const float reach = front.half_gap + kBridgeOverlap * inland;
   const float eaves = 0.1f * max(slow, -0.5f) * front.eave;
   const float leaning = style.overhang * (max(0.10f + 0.14f * slow + 0.12f * fast, 0.02f) + eaves + front.lee);
-  const float overhang = mix(height * min(leaning, 0.55f), reach, bridged);
+  const float overhang = mix(open * min(leaning, 0.55f) + min(kOverlap * height, base), reach, bridged);
   const float hang = max(0.10f + 0.33f * fast * (1.0f + 0.8f * front.eave), 0.005f);
-  const float drop = min(height * hang * (1.0f - 0.7f * bridged), 0.9f * front.far_zone);
-  const float round = min(kShoulder * height * (1.0f + 0.25f * shoulder_noise), 0.62f * front.zone);
-  return KERNEL_MAKE4(SnowProfile, height, overhang, drop, mix(round, -front.half_gap, bridged));
+  const float drop = min(open * hang * (1.0f - 0.7f * bridged), 0.9f * front.far_zone);
+  const float round = min(kShoulder * open * (1.0f + 0.25f * shoulder_noise), 0.62f * front.zone);
+  return KERNEL_MAKE5(SnowProfile, height, base, overhang, drop, mix(round, -front.half_gap, bridged));
 }
 
 /// Offset from the carrier to a point of the front. `normal` and `height`: values of the point as if away from rims; `bumps`: noise; `sink`: depth of bare places.
 SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, KERNEL_CONST_REF(SnowStyle) style,
-                                            KERNEL_CONST_REF(SnowBehind) behind, vec3 normal, float height,
-                                            float bumps, float sink) {
+                                            KERNEL_CONST_REF(SnowBehind) behind, KERNEL_CONST_REF(SnowJoin) join,
+                                            vec3 normal, float height, float bumps, float sink) {
   const vec3 up = vec3(0.0f, 0.0f, 1.0f);
-  const SnowProfile profile = front_profile(front, style, behind);
-  const float bridged = bridged_part(front, style, behind);
+  const SnowProfile profile = front_profile(front, style, behind, join);
+  const float bridged = join.bridged;
+  const float joined = join.joined;
   // A bridge sinks towards its middle, where the two sides cross at one height.
-  const float to_middle = front.half_step + 0.5f * (behind.across - behind.inland);
-  const vec3 lift = front.lift * (profile.height * (1.0f - kBridgeDip * bridged)) + up * (to_middle * bridged);
-  const vec3 belly = up * (kBelly * profile.height);
+  const float to_middle = front.half_step + 0.5f * (behind.across - behind.inland) * front_part(front, joined);
+  // A front that stands in snow rises along the normal, as that snow does.
+  const float open = profile.height - profile.base;
+  const vec3 leaning = mix(front.lift, front.support, profile.base / max(profile.height, 1e-6f));
+  const vec3 lift = leaning * (profile.height * (1.0f - kBridgeDip * bridged)) + up * (to_middle * bridged);
+  const vec3 base = front.support * profile.base;
+  const vec3 belly = base + up * (kBelly * open);
   const vec3 farthest = front.level_out * profile.overhang + belly;
   const float rough = style.relief * kBumps * bumps * profile.height;
   // On a slope, lifted points move up the slope. They must not pass the points behind them.
@@ -285,7 +333,7 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
     const float part = (along - kFrontPart) / (1.0f - kFrontPart);
     const float easing = eased(along, kFrontPart, 1.0f);
     const float inwards = mix(shoulder, front.zone, part);
-    const float own = mix(profile.height, height, eased(along, 0.8f, 1.0f));
+    const float own = mix(profile.height, height, eased(along, 0.8f, 1.0f) * (1.0f - joined * front.narrow));
     const vec3 offset = mix(lift, normal * own, easing);
     const vec3 lifted = front.lift * (rough * (1.0f - easing));
     return to_rim - front.outward * inwards + offset + lifted + sunk;
@@ -304,10 +352,11 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
   const float eaves = clamp(2.0f * front.eave, 0.0f, 1.0f);
   const float down_way = clamp(-front.distance / (front.far_zone * kTucked), 0.0f, 1.0f);
   const float turn = front.has_far > 0.5f ? down_way : 1.0f - clamp(on_front / max(lower, 1e-6f), 0.0f, 1.0f);
-  const vec3 foot = front.has_far > 0.5f
+  const vec3 buried = front.support * max(profile.base - kBuried * profile.height, 0.0f);
+  const vec3 foot = buried + (front.has_far > 0.5f
                         ? front.down * profile.drop - front.level_out * kTuck
-                        : up * (-0.3f * min(profile.drop, 0.1f * profile.height)) - front.level_out * 0.001f;
-  const vec3 lowest = front.level_out * (0.9f * profile.overhang) -
+                        : up * (-0.3f * min(profile.drop, 0.1f * open)) - front.level_out * 0.001f);
+  const vec3 lowest = buried + front.level_out * (0.9f * profile.overhang) -
                       up * (profile.drop * (1.0f + 0.9f * eaves));
   const float exponent = mix(kLowerExponent, kEaveExponent, eaves);
   const vec3 at = quarter(farthest + foot - lowest, farthest, foot, turn, exponent);

@@ -48,7 +48,7 @@ LINES = {
     "native/snow/seams": 2550,
     "native/snow/state": 500,
     "native/snow/step": 5250,
-    "native/snow/surface": 4100,
+    "native/snow/surface": 4500,
     "native/snow/texels": 1750,
     "addon/snowbough/bake": 3550,
     "addon/snowbough/base": 1150,

@@ -1,9 +1,10 @@
 #include "snow/surface/fronts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <utility>
+#include <limits>
 
 #include "base/parallel_for.h"
 #include "shaders/lib/snow_noise.h"
@@ -12,7 +13,6 @@
 namespace snowbough::snow {
 namespace {
 
-using shared::bridged_part;
 using shared::eased;
 using shared::layered_noise;
 using shared::SnowFront;
@@ -26,20 +26,30 @@ constexpr float kInland = 0.6f;
 constexpr float kBareBevel = 0.3f;
 constexpr float kCoveredBevel = 1.2f;
 
-/// What lies below a rim is looked for this far outwards, from this far above the rim down to this
-/// depth, as fractions of the depth.
-constexpr float kBeyond = 0.15f;
+/// What lies below a rim is looked for at these distances outwards, from this far above the rim
+/// down to this depth, as fractions of the depth. The first one that is hit says how far below it
+/// lies; the snow there has the thickness at the last distance, off the foot of the step.
+constexpr std::array<float, 3> kBeyond{0.03f, 0.15f, 0.35f};
 constexpr float kAbove = 0.05f;
 constexpr float kDeepest = 1.5f;
-/// A rim is hidden where less than the first part of the height behind it stands above the snow
-/// beyond, and stands free from the second part on.
-constexpr float kHidden = 0.25f;
-constexpr float kStandsFree = 0.6f;
+/// Greatest slope of what lies below, and least part of a rim in a place that counts.
+constexpr float kSlopeBelow = 1.2f;
+constexpr float kLeastPart = 0.05f;
+/// Rays for shelter start this far above a face, and this far inwards from a rim, as fractions of
+/// the depth.
+constexpr double kOffFace = 0.01;
+constexpr float kOnRim = 0.02f;
+/// Zones that are narrower than the first fraction of the depth leave no room between them; those
+/// over the second do.
+constexpr float kNarrowZone = 0.6f;
+constexpr float kWideZone = 1.1f;
 /// Least upward component of the normal where snow lies below a rim.
 constexpr float kCarriesBelow = 0.3f;
 
 /// Points whose feet are within this many depths of each other belong to one stretch of a rim.
 constexpr float kFullnessReach = 0.4f;
+/// Least mean thickness in a zone, as a fraction of that behind the rim.
+constexpr float kLeastFull = 0.4f;
 /// Fraction of the map's volume by which fronts may exceed it: on narrow tops, and on wide tops,
 /// where the difference is less visible. The last two constants are the room of narrow and wide
 /// tops, in depths.
@@ -71,47 +81,80 @@ void smooth_presence(Fronts& fronts, const HeightSamples& samples) {
   }
 }
 
-float mean_at(const Fronts::Inland& at, const std::vector<float>& height) {
-  float sum = 0.0f;
-  for (int k = 0; k < 4; ++k) sum += at.weight[k] * std::max(height[at.point[k]], 0.0f);
-  return sum;
+/// True if another surface lies less than a depth above a place.
+bool is_sheltered(const base::TriangleTree& tree, const glm::vec3& place, float depth) {
+  const glm::dvec3 from = glm::dvec3(place) + glm::dvec3(0.0, 0.0, kOffFace * depth);
+  return std::isfinite(tree.first_along(0, from, {0.0, 0.0, 1.0}, 1e-5, depth).distance);
+}
+
+std::vector<uint8_t> sheltered_points(const SurfacePoints& points, const base::TriangleTree& tree,
+                                      float depth) {
+  std::vector<uint8_t> sheltered(points.count(), 0);
+  base::for_each_item(sheltered.size(), 256, [&](size_t p) {
+    if (points.normal[p].z < kCarriesBelow) return;
+    sheltered[p] = is_sheltered(tree, points.mesh.position[p], depth) ? 1 : 0;
+  });
+  return sheltered;
+}
+
+/// What lies below the rims of a place. A rim with the greatest part in the place says how far
+/// below it lies, and what it is; `lying_at` returns the points there that snow can lie on.
+template <typename LyingAt>
+Fronts::Fall fall_beyond(const RimPlace& place, const Rims& rims, const base::TriangleTree& tree,
+                         bool may_bridge, float depth, const LyingAt& lying_at) {
+  Fronts::Fall found;
+  float most = 0.0f;
+  for (const RimPlace::Part& part : place.parts) {
+    if (part.weight < kLeastPart) continue;
+    const glm::vec3& out = rims.all()[part.rim].out;
+    const glm::vec3 level_out = unit(glm::vec3(out.x, out.y, 0.0f));
+    float drop = std::numeric_limits<float>::infinity();
+    glm::vec3 farthest(0.0f);
+    for (const float distance : kBeyond) {
+      const glm::vec3 beyond = part.foot + level_out * (distance * depth);
+      const glm::dvec3 above = glm::dvec3(beyond) + glm::dvec3(0.0, 0.0, kAbove * depth);
+      const double most_below = (kDeepest + kAbove) * depth;
+      const double hit = tree.first_along(0, above, {0.0, 0.0, -1.0}, 1e-5, most_below).distance;
+      if (!std::isfinite(hit)) continue;
+      // Beyond a gap, only a bridge meets the snow on the other side.
+      if (!std::isfinite(drop) && may_bridge && distance > kBeyond[0]) break;
+      const float below = static_cast<float>(hit) - kAbove * depth;
+      // The surface beyond may be a slope, but not a further step.
+      if (std::isfinite(drop) && std::abs(below - drop) > kSlopeBelow * distance * depth) break;
+      if (!std::isfinite(drop)) drop = below;
+      farthest = beyond - glm::vec3(0.0f, 0.0f, below);
+    }
+    if (!std::isfinite(drop)) continue;
+    found.weight += part.weight;
+    if (part.weight <= most) continue;
+    most = part.weight;
+    found.drop = drop;
+    found.at = lying_at(farthest);
+  }
+  return found;
 }
 
 }  // namespace
 
 shared::SnowBehind Fronts::behind(size_t number, const std::vector<float>& height) const {
   const bool may_bridge = front[number].bridged > 0.0f;
-  return {mean_at(inland[number], height), may_bridge ? mean_at(across[number], height) : 0.0f};
-}
-
-float Fronts::open_part(size_t number, const std::vector<float>& height) const {
   const Fall& below = fall[number];
-  const float top = mean_at(inland[number], height) / below.own_up;
-  if (!std::isfinite(below.drop) || top <= 0.0f) return 1.0f;
-  const float beyond = mean_at(below.at, height) / below.up - below.drop;
-  return std::clamp((top - beyond) / top, 0.0f, 1.0f);
+  const float beyond = below.weight > 0.0f
+                           ? std::max(below.at.of(height) / below.up - below.drop, 0.0f) *
+                                 below.own_up * below.weight
+                           : 0.0f;
+  return {inland[number].of(height), may_bridge ? across[number].of(height) : 0.0f, beyond};
 }
 
-void Fronts::cover(std::vector<float>& thickness) const {
-  std::vector<std::pair<int32_t, float>> covered;
-  for (size_t f = 0; f < count(); ++f) {
-    if (fall[f].hidden <= 0.0f || front[f].distance >= 0.0f) continue;
-    const float both = 0.5f * (mean_at(inland[f], thickness) + mean_at(fall[f].at, thickness));
-    const float own = thickness[point[f]];
-    covered.emplace_back(point[f], glm::mix(own, std::max(own, both), fall[f].hidden));
-  }
-  for (const auto& [p, height] : covered) thickness[p] = height;
-}
-
-float Fronts::presence(size_t number, const shared::SnowStyle& style,
-                       const shared::SnowBehind& behind) const {
+float Fronts::presence(size_t number, const shared::SnowBehind& behind,
+                       const shared::SnowJoin& join) const {
   const SnowFront& at = front[number];
   // Snow thinner than a bevel lies on it.
   const float covers = at.bevel > 0.0f
                            ? eased(behind.inland, kBareBevel * at.bevel, kCoveredBevel * at.bevel)
                            : 1.0f;
   const float own = at.presence * covers;
-  return own > 0.0f ? std::max(own, bridged_part(at, style, behind)) : 0.0f;
+  return own > 0.0f ? std::max(own, join.joined) : 0.0f;
 }
 
 Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zone, const Rims& rims,
@@ -119,64 +162,27 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zon
                    const glm::vec3& noise_shift, float depth) {
   Fronts fronts;
   if (rims.all().empty()) return fronts;
-  // Collect the points inland of rims.
-  std::vector<CellGrid::Box> boxes;
-  std::vector<int32_t> inland;
+  const std::vector<uint8_t> sheltered = sheltered_points(points, tree, depth);
+  std::vector<int32_t> behind_rims, lie;
   for (size_t p = 0; p < points.count(); ++p) {
-    if (!zone[p].place.is_far_off && zone[p].share > kInland) {
-      boxes.push_back({points.mesh.position[p], points.mesh.position[p]});
-      inland.push_back(static_cast<int32_t>(p));
-    }
+    const bool is_near = !zone[p].place.is_far_off;
+    if (is_near && zone[p].share > kInland) behind_rims.push_back(static_cast<int32_t>(p));
+    const bool is_far = is_near && zone[p].share < -1e-3f;
+    if (!is_far && points.normal[p].z >= kCarriesBelow) lie.push_back(static_cast<int32_t>(p));
   }
-  const CellGrid grid(boxes, 0.25f * depth);
-  // And those that snow can lie on.
-  std::vector<CellGrid::Box> lying_boxes;
-  std::vector<int32_t> lying;
+  const std::vector<glm::vec3>& position = points.mesh.position;
+  const NearestPoints inland(position, std::move(behind_rims), sheltered, depth);
+  const NearestPoints lying(position, std::move(lie), sheltered, depth);
   for (size_t p = 0; p < points.count(); ++p) {
-    const bool is_far = !zone[p].place.is_far_off && zone[p].share < -1e-3f;
-    if (is_far || points.normal[p].z < kCarriesBelow) continue;
-    lying_boxes.push_back({points.mesh.position[p], points.mesh.position[p]});
-    lying.push_back(static_cast<int32_t>(p));
-  }
-  const CellGrid lying_grid(lying_boxes, 0.25f * depth);
-
-  for (size_t p = 0; p < points.count(); ++p) {
-    if (zone[p].place.is_far_off || zone[p].share >= 1.0f || zone[p].share < -1.6f) continue;
+    // The middle of a narrow top belongs to the zones that meet there.
+    const float most = zone[p].support < kNarrowZone * depth ? 1.1f : 1.0f;
+    if (zone[p].place.is_far_off || zone[p].share >= most || zone[p].share < -1.6f) continue;
     fronts.point.push_back(static_cast<int32_t>(p));
   }
   fronts.front.resize(fronts.point.size());
   fronts.inland.resize(fronts.front.size());
   fronts.across.resize(fronts.front.size());
   fronts.fall.resize(fronts.front.size());
-  // The points of a grid that are nearest to a place; the point itself if there are none.
-  const auto nearest_of = [&](const CellGrid& grid, const std::vector<int32_t>& of,
-                              const glm::vec3& place, size_t own, float farthest) {
-    struct Found {
-      float distance;
-      int32_t point;
-    };
-    thread_local std::vector<Found> found;
-    found.clear();
-    for (float reach = 0.15f * depth; reach < farthest && found.size() < 4; reach *= 1.7f) {
-      found.clear();
-      grid.visit(place - reach, place + reach, [&](int32_t i) {
-        const int32_t q = of[i];
-        const float distance = glm::distance(points.mesh.position[q], place);
-        if (distance < reach) found.push_back({distance, q});
-      });
-    }
-    std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
-      return a.distance != b.distance ? a.distance < b.distance : a.point < b.point;
-    });
-    Fronts::Inland at{glm::ivec4(static_cast<int32_t>(own)), glm::vec4(0.0f)};
-    for (int k = 0; k < 4 && k < static_cast<int>(found.size()); ++k) {
-      at.point[k] = found[k].point;
-      at.weight[k] = 1.0f / (found[k].distance + 0.025f * depth);
-    }
-    if (found.empty()) at.weight[0] = 1.0f;
-    at.weight /= at.weight.x + at.weight.y + at.weight.z + at.weight.w;
-    return at;
-  };
   base::for_each_item(fronts.front.size(), 64, [&](size_t f) {
     const auto p = static_cast<size_t>(fronts.point[f]);
     const RimZones::Zone& here = zone[p];
@@ -187,6 +193,9 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zon
     front.zone = here.support;
     front.far_zone = here.far;
     front.has_far = here.place.has_far ? 1.0f : 0.0f;
+    front.support = here.place.support;
+    front.full = 1.0f;
+    front.narrow = 1.0f - eased(here.support, kNarrowZone * depth, kWideZone * depth);
     front.outward = here.place.out;
     front.level_out = here.place.level_out;
     front.down = here.place.down;
@@ -209,34 +218,41 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zon
     // The tip of a needle counts as a rim but is too small for a front.
     front.presence = eased(here.room / depth, 0.03f, 0.09f);
     const float farthest = front.presence > 0.0f ? 3.0f * depth : 0.0f;
+    const auto own = static_cast<int32_t>(p);
+    // A rim below another surface has the snow of its own shelter behind it.
+    const RimPlace::Part& first = here.place.parts[0];
+    const glm::vec3 on_rim = first.foot - rims.all()[first.rim].out * (kOnRim * depth);
+    const bool shelter = is_sheltered(tree, on_rim, depth);
     const glm::vec3 behind = here.place.foot - here.place.out * (here.support * 1.02f);
-    fronts.inland[f] = nearest_of(grid, inland, behind, p, farthest);
-    const glm::vec3 beyond = here.place.foot + here.place.level_out * (kBeyond * depth);
-    const glm::dvec3 above = glm::dvec3(beyond) + glm::dvec3(0.0, 0.0, kAbove * depth);
-    const double drop = tree.first_along(0, above, {0.0, 0.0, -1.0}, 1e-5).distance;
-    if (front.presence > 0.0f && drop < kDeepest * depth) {
+    fronts.inland[f] = inland.at(behind, own, farthest, shelter);
+    if (front.presence > 0.0f) {
+      const bool may_bridge = front.bridged > 0.0f;
+      const auto lying_at = [&](const glm::vec3& place) {
+        return lying.at(place, own, depth, shelter);
+      };
+      fronts.fall[f] = fall_beyond(here.place, rims, tree, may_bridge, depth, lying_at);
       Fronts::Fall& fall = fronts.fall[f];
-      const float below = static_cast<float>(drop) - kAbove * depth;
-      fall.at = nearest_of(lying_grid, lying, beyond - glm::vec3(0.0f, 0.0f, below), p, depth);
       float up = 0.0f;
       for (int k = 0; k < 4; ++k) up += fall.at.weight[k] * points.normal[fall.at.point[k]].z;
-      fall.drop = below;
       fall.up = std::max(up, kCarriesBelow);
       fall.own_up = std::max(here.place.support.z, kCarriesBelow);
     }
     if (front.bridged > 0.0f) {
       const glm::vec3 across = here.place.foot + glm::vec3(0.0f, 0.0f, opposite.step) +
                                here.place.level_out * (opposite.gap + here.support * 1.02f);
-      fronts.across[f] = nearest_of(grid, inland, across, p, farthest);
+      fronts.across[f] = inland.at(across, own, farthest, shelter);
     }
   });
-  fronts.room.resize(fronts.front.size());
-  for (size_t f = 0; f < fronts.front.size(); ++f) fronts.room[f] = zone[fronts.point[f]].room;
   for (size_t p = 0; p < points.count(); ++p) {
     if (zone[p].place.is_far_off || zone[p].share < -1e-4f) continue;
     const float near = eased(zone[p].share, 1.15f, 0.6f);
     points.normal[p] = unit(glm::mix(points.normal[p], zone[p].place.support, near));
   }
+  fronts.feet = find_feet(points, rims, lying, depth);
+  fronts.counted.assign(points.count(), 1.0f);
+  for (const Foot& foot : fronts.feet) fronts.counted[foot.point] = 1.0f - foot.share;
+  fronts.room.resize(fronts.front.size());
+  for (size_t f = 0; f < fronts.front.size(); ++f) fronts.room[f] = zone[fronts.point[f]].room;
   return fronts;
 }
 
@@ -277,15 +293,11 @@ void find_presence(Fronts& fronts, const SurfacePoints& points, const HeightSamp
     });
     if (upright <= 0.0f) return;
     const float fullness = std::clamp(held / upright, 0.0f, 0.999f);
+    front.full = std::max(fullness, kLeastFull);
     const float wide = eased(fronts.room[f], kNarrowFront * depth, kWideFront * depth);
     const float more = glm::mix(kMoreSnow, kMoreOnWide, wide);
     front.presence *= std::min(more * fullness / (1.0f - fullness), 1.0f);
   });
-  for (size_t f = 0; f < fronts.count(); ++f) {
-    Fronts::Fall& fall = fronts.fall[f];
-    fall.hidden = 1.0f - eased(fronts.open_part(f, thickness), kHidden, kStandsFree);
-    fronts.front[f].presence *= 1.0f - fall.hidden;
-  }
   smooth_presence(fronts, samples);
 }
 

@@ -3,13 +3,13 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
-#include <glm/vec4.hpp>
-#include <limits>
 #include <vector>
 
 #include "base/triangle_tree.h"
 #include "shaders/lib/snow_surface.h"
+#include "snow/surface/feet.h"
 #include "snow/surface/height_samples.h"
+#include "snow/surface/nearest_points.h"
 #include "snow/surface/rim_zones.h"
 #include "snow/surface/surface_points.h"
 
@@ -23,37 +23,31 @@ struct Fronts {
   /// Distance from the rim to the middle of the top, in metres.
   std::vector<float> room;
   /// Points behind the rim, and behind the rim across the gap, which give the height there.
-  struct Inland {
-    glm::ivec4 point{0};
-    glm::vec4 weight{0.0f};
-  };
-  std::vector<Inland> inland;
-  std::vector<Inland> across;
-  /// What lies below the rim: where the height of its snow comes from, how far it lies below the
-  /// rim in metres, and the upward components of its normal and of the supporting face's. There is
-  /// nothing if `drop` is infinite.
+  std::vector<PointMean> inland;
+  std::vector<PointMean> across;
+  /// What lies below the rim: where the thickness of its snow comes from, how far it lies below the
+  /// rim in metres, the upward components of its normal and of the supporting face's, and the part
+  /// of the rims near the point that have it below them; 0 where there is nothing.
   struct Fall {
-    Inland at;
-    float drop = std::numeric_limits<float>::infinity();
+    PointMean at;
+    float drop = 0.0f;
     float up = 1.0f;
     float own_up = 1.0f;
-    /// 1 where the snow beyond hides the rim in the last frame, 0 where the rim stands free.
-    float hidden = 0.0f;
+    float weight = 0.0f;
   };
   std::vector<Fall> fall;
+  std::vector<Foot> feet;
+  /// Per point of the surface, unless there are no rims: 0 where a furrow is filled, else 1. The
+  /// snow that fills it, partly below other pieces, does not count in the volume.
+  std::vector<float> counted;
 
   size_t count() const { return point.size(); }
   /// Mean heights behind the rims; bare points count as 0.
   shared::SnowBehind behind(size_t number, const std::vector<float>& height) const;
-  /// Part of the height behind a rim that stands above the snow on what lies below, 0 to 1.
-  float open_part(size_t number, const std::vector<float>& height) const;
-  /// Lets snow run over hidden rims: gives points on their far faces the mean of the heights on
-  /// both sides.
-  void cover(std::vector<float>& thickness) const;
   /// Share of a front's shape in the surface, 0 to 1. A bridge is a front as a whole: it holds the
   /// snow that the map has in the gap.
-  float presence(size_t number, const shared::SnowStyle& style,
-                 const shared::SnowBehind& behind) const;
+  float presence(size_t number, const shared::SnowBehind& behind,
+                 const shared::SnowJoin& join) const;
 };
 
 /// All but the presence, which depends on the snow. Sets the normals of points near rims to those

@@ -3,11 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numeric>
 
+#include "shaders/lib/snow_surface.h"
 #include "snow/surface/map_sampler.h"
 
 namespace snowbough::snow {
 namespace {
+
+/// A neighbour whose normal's upward component is lower by the first value counts fully, one that
+/// is lower by the second does not count.
+constexpr float kSameGround = 0.3f;
+constexpr float kOnWall = 0.6f;
 
 void find_samples(HeightSamples& samples, const SurfaceMesh& mesh, const SurfaceSource& source) {
   const size_t count = mesh.position.size();
@@ -20,6 +27,8 @@ void find_samples(HeightSamples& samples, const SurfaceMesh& mesh, const Surface
   std::vector<Sample> corners;
   samples.area.assign(count, 0.0f);
   samples.side.assign(count, 1.0f);
+  samples.up.assign(count, 0.0f);
+  std::vector<float> sum_up(count, 0.0f);
   for (size_t t = 0; t < mesh.triangle.size(); ++t) {
     const glm::vec3 cross = triangle_cross(mesh, t);
     const float area = 0.5f * glm::length(cross);
@@ -33,8 +42,14 @@ void find_samples(HeightSamples& samples, const SurfaceMesh& mesh, const Surface
       const int32_t p = mesh.triangle[t][k];
       samples.area[p] += area / 3.0f;
       samples.side[p] = side;
-      corners.push_back({p, mesh.uv[t][k], area * (0.02f + level * level)});
+      const float weight = area * (0.02f + level * level);
+      samples.up[p] += weight * mesh.normal[t][k].z;
+      sum_up[p] += weight;
+      corners.push_back({p, mesh.uv[t][k], weight});
     }
+  }
+  for (size_t p = 0; p < count; ++p) {
+    if (sum_up[p] > 0.0f) samples.up[p] /= sum_up[p];
   }
   std::stable_sort(corners.begin(), corners.end(), [](const Sample& a, const Sample& b) {
     if (a.point != b.point) return a.point < b.point;
@@ -80,10 +95,19 @@ void find_neighbours(HeightSamples& samples, const SurfaceMesh& mesh, float reac
   for (const auto& [a, b] : edges.ends) {
     const glm::vec3 between = mesh.position[a] - mesh.position[b];
     const float weight = 0.5f * std::exp(-glm::dot(between, between) / (reach * reach));
+    const float steeper = samples.up[a] - samples.up[b];
     samples.neighbour[next[a]] = b;
-    samples.neighbour_weight[next[a]++] = weight;
+    samples.neighbour_weight[next[a]++] = weight * shared::eased(steeper, kOnWall, kSameGround);
     samples.neighbour[next[b]] = a;
-    samples.neighbour_weight[next[b]++] = weight;
+    samples.neighbour_weight[next[b]++] = weight * shared::eased(-steeper, kOnWall, kSameGround);
+  }
+  samples.own_weight.resize(count);
+  for (size_t p = 0; p < count; ++p) {
+    const auto first = samples.neighbour_weight.begin() + samples.neighbour_begin[p];
+    const auto last = samples.neighbour_weight.begin() + samples.neighbour_begin[p + 1];
+    const float sum = std::accumulate(first, last, 1.0f);
+    samples.own_weight[p] = 1.0f / sum;
+    for (auto weight = first; weight != last; ++weight) *weight /= sum;
   }
 }
 
@@ -118,13 +142,11 @@ void smooth(const HeightSamples& samples, std::vector<float>& values, int rounds
     before.swap(values);
     for_point_blocks(values.size(), [&](size_t, size_t begin, size_t end) {
       for (size_t p = begin; p < end; ++p) {
-        float sum = before[p];
-        float weights = 1.0f;
+        float sum = samples.own_weight[p] * before[p];
         for (int32_t i = samples.neighbour_begin[p]; i < samples.neighbour_begin[p + 1]; ++i) {
           sum += samples.neighbour_weight[i] * before[samples.neighbour[i]];
-          weights += samples.neighbour_weight[i];
         }
-        values[p] = sum / weights;
+        values[p] = sum;
       }
     });
   }

@@ -23,7 +23,12 @@ struct HeightSamples {
   std::vector<float> side;
   /// Area of the receiver's surface that a point represents, in m2.
   std::vector<float> area;
-  /// Neighbours, weighted by distance; those of point p start at neighbour_begin[p].
+  /// Upward component of the normals of the faces at a point, the level ones above all.
+  std::vector<float> up;
+  /// Neighbours, weighted by distance; those of point p start at neighbour_begin[p]. Points on
+  /// level faces have none on walls, so that snow at the foot of a wall stays as high as beside it.
+  /// With the point's own weight, their sum is 1.
+  std::vector<float> own_weight;
   std::vector<int32_t> neighbour_begin;
   std::vector<int32_t> neighbour;
   std::vector<float> neighbour_weight;

@@ -18,6 +18,8 @@ constexpr float kSheetThickness = 0.012f;
 /// is narrow.
 constexpr float kWideRoom = 0.8f;
 constexpr float kNarrowRoom = 0.35f;
+/// Triangles between points whose normals' upward components differ by more are folds.
+constexpr float kFoldsUp = 0.45f;
 
 void find_thickness(PointLooks& looks, const SurfacePoints& points, const HeightSamples& samples,
                     const base::TriangleTree& tree, float depth) {
@@ -43,18 +45,25 @@ void find_convexity(PointLooks& looks, const SurfacePoints& points, const Height
   // Compute the area of a surface offset by this height.
   const float height = 0.1f * depth;
   std::vector<float> outer(points.count(), 0.0f);
+  std::vector<float> inner(points.count(), 0.0f);
   for (size_t t = 0; t < points.mesh.triangle.size(); ++t) {
     const auto& [a, b, c] = points.mesh.triangle[t];
+    // Snow does not bend around the foot of a wall.
+    const auto [least, most] = std::minmax({samples.up[a], samples.up[b], samples.up[c]});
+    if (most - least > kFoldsUp) continue;
+    const float own = 0.5f * glm::length(triangle_cross(points.mesh, t));
     const glm::vec3 raised = points.mesh.position[a] + height * points.normal[a];
     const float area = 0.5f * glm::length(glm::cross(
                                   points.mesh.position[b] + height * points.normal[b] - raised,
                                   points.mesh.position[c] + height * points.normal[c] - raised));
-    for (const int32_t p : points.mesh.triangle[t]) outer[p] += area / 3.0f;
+    for (const int32_t p : points.mesh.triangle[t]) {
+      outer[p] += area / 3.0f;
+      inner[p] += own / 3.0f;
+    }
   }
   std::vector<float> convexity(points.count(), 0.0f);
   for (size_t p = 0; p < convexity.size(); ++p) {
-    if (samples.area[p] > 0.0f)
-      convexity[p] = std::max((outer[p] / samples.area[p] - 1.0f) / height, 0.0f);
+    if (inner[p] > 0.0f) convexity[p] = std::max((outer[p] / inner[p] - 1.0f) / height, 0.0f);
   }
   constexpr int kRounds = 4;
   smooth(samples, convexity, kRounds);

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/parallel_for.h"
+#include "snow/surface/feet.h"
 #include "snow/surface/flip_edges.h"
 #include "snow/surface/map_sampler.h"
 
@@ -37,6 +38,8 @@ constexpr float kInlandBegins = 0.6f;
 /// Edges along the rims of narrow tops shrink in proportion to the width of the zone, down to this
 /// factor.
 constexpr float kLeastAlong = 0.6f;
+/// Target edge length at the feet of steps that snow may hide.
+constexpr float kFootEdge = 0.25f;
 /// Growth of the target edge length per metre of distance from a rim's zone, in metres.
 constexpr float kGrowth = 0.35f;
 /// Greatest difference between the height in the middle of an edge and the mean of its ends, for
@@ -47,6 +50,8 @@ constexpr float kThin = 0.3f;
 /// Snow higher than this, in metres or as a fraction of the depth, is shown.
 constexpr float kShown = 0.0022f;
 constexpr float kShownShare = 0.04f;
+/// Points farther from a rim than this are not bare because of the rim.
+constexpr float kOffRim = 0.35f;
 /// Number of rings of bare faces that are kept around the snow.
 constexpr int kRings = 2;
 /// Length of the far face that is kept below rims.
@@ -165,10 +170,19 @@ class Refiner {
       wanted = std::min(wanted, std::max(0.6f * length, kLeastEdge * unit_));
     }
     if (!rims_.all().empty()) {
+      const bool at_foot = covered && (at_foot_[ends[0]] != 0 || at_foot_[ends[1]] != 0);
+      if (at_foot) wanted = std::min(wanted, kFootEdge * unit_);
       const float distance = 0.5f * (rim_distance_[ends[0]] + rim_distance_[ends[1]]);
       const float off_zone = distance - rim_zone(depth_) * 0.8f;
-      // In the zone the front determines the shape, not the map.
-      if (off_zone < 0.0f) return kRimEdge * unit_;
+      // In the zone the front determines the shape, not the map, unless the snow ends there below
+      // another piece.
+      if (off_zone < 0.0f) {
+        const bool ends_there =
+            std::min(heights[ends[0]], heights[ends[1]]) < shown_ &&
+            std::max(heights[ends[0]], heights[ends[1]]) > kBorder * depth_ &&
+            std::min(rim_distance_[ends[0]], rim_distance_[ends[1]]) > kOffRim * depth_;
+        return (ends_there ? kEndingEdge : at_foot ? kFootEdge : kRimEdge) * unit_;
+      }
       wanted = std::min(wanted, kRimEdge * unit_ + kGrowth * off_zone);
     }
     return wanted;
@@ -178,6 +192,7 @@ class Refiner {
   void find_rim_distances() {
     const size_t known = rim_distance_.size();
     rim_distance_.resize(mesh_.position.size(), rim_zone(depth_) * 1.15f);
+    at_foot_.resize(mesh_.position.size(), 0);
     if (rims_.all().empty()) return;
     std::vector<int32_t> corner(mesh_.position.size() - known, -1);
     for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
@@ -189,9 +204,10 @@ class Refiner {
     base::for_each_item(corner.size(), 256, [&](size_t i) {
       if (corner[i] < 0) return;
       const auto t = static_cast<size_t>(corner[i]) / 3;
-      rim_distance_[known + i] =
-          rims_.distance(mesh_.position[known + i], mesh_.normal[t][corner[i] % 3],
-                         zones_.part(mesh_.base[t]), true);
+      const glm::vec3& at = mesh_.position[known + i];
+      const glm::vec3& normal = mesh_.normal[t][corner[i] % 3];
+      rim_distance_[known + i] = rims_.distance(at, normal, zones_.part(mesh_.base[t]), true);
+      at_foot_[known + i] = is_at_foot(rims_, at, normal, depth_) ? 1 : 0;
     });
   }
 
@@ -380,6 +396,8 @@ class Refiner {
   /// Zones of the points so far.
   std::vector<RimZones::Zone> zone_;
   std::vector<float> rim_distance_;
+  /// 1 for points at the foot of a step that snow may hide.
+  std::vector<uint8_t> at_foot_;
 };
 
 }  // namespace

@@ -14,6 +14,8 @@ namespace {
 constexpr float kRimZone = 1.25f;
 constexpr float kFarZone = 0.34f;
 constexpr float kRimStrip = 0.34f;
+/// Least upward component of the normal of a face at the foot of a far face.
+constexpr float kLies = 0.4f;
 
 }  // namespace
 
@@ -72,9 +74,16 @@ void RimZones::find(const SurfaceMesh& mesh, std::vector<Zone>& zones) const {
   base::for_each_item(planes.size(), 256, [&](size_t i) {
     constexpr float kOnRim = 1e-4f;
     Zone& best = zones[known + i];
+    Zone lying;
+    bool is_foot = false;
     for (size_t k = 0; k < planes[i].count; ++k) {
       const int32_t t = planes[i].face[k];
       const Zone zone = at(mesh.position[known + i], normal(t), part(mesh.base[t]));
+      if (normal(t).z > kLies && (zone.place.is_far_off || zone.share >= 0.0f)) {
+        is_foot = true;
+        const bool is_nearer = lying.place.is_far_off || zone.share < lying.share;
+        if (!zone.place.is_far_off && is_nearer) lying = zone;
+      }
       if (zone.place.is_far_off) continue;
       const float nearer = std::abs(best.share) - std::abs(zone.share);
       if (best.place.is_far_off || nearer > kOnRim ||
@@ -82,6 +91,8 @@ void RimZones::find(const SurfaceMesh& mesh, std::vector<Zone>& zones) const {
         best = zone;
       }
     }
+    // Snow also lies on the face at the foot of a far face: it has the shape that it has there.
+    if (is_foot && best.share < 0.0f) best = lying;
   });
 }
 

@@ -18,6 +18,8 @@ constexpr float kSameFace = 0.5f;
 /// Greatest distance of a point from the plane of the rim's face, as a fraction of its distance to
 /// the rim.
 constexpr float kOffPlane = 0.55f;
+/// Greatest part of the distance to a rim that may lie outwards of it, on the supporting face.
+constexpr float kOutwards = 0.3f;
 /// A point whose normal is this close to that of a rim's supporting or far face, as a cosine, lies
 /// on that face and not on the strip between them.
 constexpr float kOnFace = 0.996f;
@@ -79,6 +81,9 @@ bool is_beside(const Rim& rim, const glm::vec3& point, const glm::vec3& foot,
   const float to_far = glm::dot(normal, rim.far_normal);
   const bool on_support = to_support >= to_far - 0.02f;
   if ((on_support ? to_support : to_far) < kSameFace) return false;
+  // A point outwards of the rim lies on another face that is about as level.
+  if (on_support && glm::dot(point - foot, rim.out) > kOutwards * beside.distance + 1e-6f)
+    return false;
   const glm::vec3& plane = on_support ? rim.support : rim.far_normal;
   const float strip = rim.strip_out + rim.strip_down;
   if (std::abs(glm::dot(point - foot, plane)) > kOffPlane * beside.distance + strip + 1e-6f)
@@ -246,6 +251,31 @@ Rims::Opposite Rims::opposite(const RimPlace& place, float most) const {
     mean.step /= near;
   }
   return mean;
+}
+
+Rims::Step Rims::step_above(const glm::vec3& point, const glm::vec3& normal, float reach,
+                            float most) const {
+  constexpr float kLeastStep = 0.01f;
+  Step found;
+  float nearest = reach;
+  const glm::vec3 around(reach, reach, 0.0f);
+  grid_.visit(point - around, point + around + glm::vec3(0.0f, 0.0f, most), [&](int32_t number) {
+    const Rim& rim = rims_[number];
+    const glm::vec3 foot = nearest_on(rim, point);
+    const glm::vec3 from = point - foot;
+    const float height = -glm::dot(from, normal);
+    // A rim lies above its own strip.
+    const float least = std::max(kLeastStep * most, rim.strip_out + rim.strip_down);
+    if (height <= least || height > most) return;
+    const glm::vec3 level_out = level(rim.out);
+    const float out = glm::dot(from, level_out);
+    const float aside = glm::length(glm::vec3(from.x, from.y, 0.0f) - out * level_out);
+    const float away = std::abs(out) + aside;
+    if (aside > 0.25f * reach || away > nearest || (away == nearest && found.height > 0.0f)) return;
+    nearest = away;
+    found = {height, out, foot, level_out};
+  });
+  return found;
 }
 
 Rims::Opposite Rims::opposite_of(const Rim& own, const glm::vec3& foot, float most) const {

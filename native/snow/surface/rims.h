@@ -104,6 +104,18 @@ class Rims {
   /// metres: the mean over its rims. The gap is measured along `place.level_out`.
   Opposite opposite(const RimPlace& place, float most) const;
 
+  /// A rim of any part above a face.
+  struct Step {
+    /// Height of the rim above the face, in metres; 0 without a rim.
+    float height = 0.0f;
+    /// Level distance of the point from the rim, outwards.
+    float out = 0.0f;
+    glm::vec3 foot{0.0f}, level_out{0.0f};
+  };
+  /// The nearest rim beside which, or below which, a point lies: up to `reach` metres away, and up
+  /// to `most` metres above the point's face, whose unit normal is `normal`.
+  Step step_above(const glm::vec3& point, const glm::vec3& normal, float reach, float most) const;
+
  private:
   Opposite opposite_of(const Rim& rim, const glm::vec3& foot, float most) const;
   /// Calls visit(index) for the rims of a part that may lie within `reach_` of a point. It may

@@ -24,8 +24,27 @@ constexpr float kMostFactor = 1.25f;
 constexpr float kUpright = 0.95f;
 /// Height of a front, as a fraction of the height behind it.
 constexpr float kDrawn = 0.94f;
+/// Part of the depth of bare points that those at the border of the snow keep.
+constexpr float kAtBorder = 0.25f;
 /// Greatest offset due to a curved receiver, as a fraction of the height.
 constexpr float kMostCurvature = 0.5f;
+
+/// Way along the surface from a bare point to the border of the snow beside it; 0 if no snow is
+/// near. The border crosses the edges where the thickness passes its threshold. Without this, it
+/// would run around the points that have snow, in teeth as large as triangles.
+glm::vec3 way_to_snow(const SnowSurface& surface, const std::vector<float>& over, size_t p) {
+  const HeightSamples& samples = surface.samples;
+  glm::vec3 sum(0.0f);
+  float weights = 0.0f;
+  for (int32_t i = samples.neighbour_begin[p]; i < samples.neighbour_begin[p + 1]; ++i) {
+    const int32_t q = samples.neighbour[i];
+    if (over[q] <= 0.0f || samples.neighbour_weight[i] <= 0.0f) continue;
+    const float share = over[p] / (over[p] - over[q]);
+    sum += share * (surface.points.mesh.position[q] - surface.points.mesh.position[p]);
+    weights += 1.0f;
+  }
+  return weights > 0.0f ? sum / weights : sum;
+}
 
 std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& style,
                                const SurfaceFrame& frame, const std::vector<float>& up,
@@ -54,6 +73,10 @@ std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& styl
           offset += points.curvature[p] * std::min(1.0f, kMostCurvature * shown / bent);
         }
       }
+      if (heights.over[p] < 0.0f) {
+        const glm::vec3 way = way_to_snow(surface, heights.over, p);
+        if (way != glm::vec3(0.0f)) offset = normal * (kAtBorder * std::min(shown, 0.0f)) + way;
+      }
       offsets[p] = offset;
     }
   });
@@ -62,10 +85,15 @@ std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& styl
       const auto p = static_cast<size_t>(fronts.point[f]);
       const SnowFront& front = fronts.front[f];
       const SnowBehind behind = fronts.behind(f, heights.shown);
+      const SnowJoin join = snow_join(front, style, behind);
+      const float presence = fronts.presence(f, behind, join);
+      if (presence <= 0.0f) continue;
+      const float part = glm::mix(kDrawn, 1.0f, join.joined);
       const glm::vec3 drawn = front_offset(
-          front, style, {behind.inland * kDrawn, behind.across * kDrawn}, points.normal[p],
-          heights.shown[p], looks.point[p].bumps, std::min(kSink, looks.point[p].deepest));
-      offsets[p] = glm::mix(offsets[p], drawn, fronts.presence(f, style, behind));
+          front, style, {behind.inland * part, behind.across * part, behind.beyond * part}, join,
+          points.normal[p], heights.shown[p], looks.point[p].bumps,
+          std::min(kSink, looks.point[p].deepest));
+      offsets[p] = glm::mix(offsets[p], drawn, presence);
     }
   });
   return offsets;
@@ -82,17 +110,22 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
   const size_t count = points.count();
   SurfaceHeightsNow heights;
   heights.thickness = sampled_heights(samples, frame.height);
-  fronts.cover(heights.thickness);
+  fill_feet(fronts.feet, heights.thickness);
   smooth(samples, heights.thickness, kRoundsBefore);
   heights.shown.resize(count);
+  heights.over.resize(count);
   for_point_blocks(count, [&](size_t, size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
       const float thickness = heights.thickness[p];
       const SnowEdge edge = snow_edge(looks.point[p], thickness, frame.open_depth, up[p]);
       heights.shown[p] = thin_snow(edge, thickness);
+      heights.over[p] = thickness - edge.threshold;
     }
   });
   smooth(samples, heights.shown, kRoundsAfter);
+  const auto counted_area = [&](size_t p) {
+    return fronts.counted.empty() ? samples.area[p] : samples.area[p] * fronts.counted[p];
+  };
   const size_t blocks = (count + kPointBlock - 1) / kPointBlock;
   std::vector<glm::dvec2> volumes(blocks, glm::dvec2(0.0));
   for_point_blocks(count, [&](size_t block, size_t begin, size_t end) {
@@ -102,19 +135,28 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
             surface_relief(looks.point[p], style, heights.shown[p], frame.open_depth);
       }
       volumes[block] += glm::dvec2(heights.thickness[p], std::max(heights.shown[p], 0.0f)) *
-                        static_cast<double>(samples.area[p]);
+                        static_cast<double>(counted_area(p));
     }
   });
   glm::dvec2 volume(0.0);
   for (const glm::dvec2& one : volumes) volume += one;
   // Fronts add volume at the points near rims, because they are upright.
-  for (size_t f = 0; f < fronts.count(); ++f) {
-    if (fronts.front[f].distance < 0.0f) continue;
-    const auto p = static_cast<size_t>(fronts.point[f]);
-    const SnowBehind behind = fronts.behind(f, heights.shown);
-    const float more = kUpright * behind.inland - std::max(heights.shown[p], 0.0f);
-    volume.y += static_cast<double>(samples.area[p] * fronts.presence(f, style, behind) * more);
-  }
+  std::vector<double> added((fronts.count() + kPointBlock - 1) / kPointBlock, 0.0);
+  for_point_blocks(fronts.count(), [&](size_t block, size_t begin, size_t end) {
+    for (size_t f = begin; f < end; ++f) {
+      const SnowFront& front = fronts.front[f];
+      if (front.distance < 0.0f) continue;
+      const auto p = static_cast<size_t>(fronts.point[f]);
+      const SnowBehind behind = fronts.behind(f, heights.shown);
+      const SnowJoin join = snow_join(front, style, behind);
+      // Snow that goes on beyond the rim holds what the map holds.
+      const float height = behind.inland * glm::mix(kUpright, front.full, join.joined);
+      const float more = height - std::max(heights.shown[p], 0.0f);
+      added[block] +=
+          static_cast<double>(counted_area(p) * fronts.presence(f, behind, join) * more);
+    }
+  });
+  for (const double one : added) volume.y += one;
   const float factor = volume.y > 0.0 ? std::clamp(static_cast<float>(volume.x / volume.y),
                                                    kLeastFactor, kMostFactor)
                                       : 1.0f;

@@ -106,7 +106,9 @@ void find_normals(SurfacePoints& points, const HeightSamples& samples, float rea
         const glm::vec3 apart =
             points.mesh.position[p] - points.mesh.position[samples.neighbour[i]];
         sum += before[samples.neighbour[i]] *
-               (0.5f * std::exp(-glm::dot(apart, apart) / (reach * reach)));
+               (samples.neighbour_weight[i] > 0.0f
+                    ? 0.5f * std::exp(-glm::dot(apart, apart) / (reach * reach))
+                    : 0.0f);
       }
       normal[p] = unit(sum);
     });

@@ -25,10 +25,12 @@ def highest(triangles, points):
     return -10.0 - first_hits(below, triangles, (0.0, 0.0, -1.0))
 
 
-def shown_over(mesh, snow, depth, points, **settings):
-    """Height of the shown snow or the receiver, whichever is higher, at each of `points` (N, 2); and the surface."""
+def shown_over(mesh, snow, depth, points, style=None, **settings):
+    """Height of the shown snow or the receiver, whichever is higher, at each of `points` (N, 2); and the surface.
+    style: sliders by name."""
     positions, triangles, uv = mesh
     surface = native.SnowSurface(triangles, uv, positions, snow, snow, depth, **settings)
+    surface.set_style(**(style or {}))
     begin, corners, _ = surface.faces()
     fans = [
         (corners[b], corners[k], corners[k + 1])

@@ -178,11 +178,57 @@ TEST(RimPlace, RimsOfOtherPartsSayNothing) {
   EXPECT_NEAR(place.level_out.x, 1.0f, 1e-6f);
 }
 
+TEST(RimPlace, OfALowerFaceHasNoRimsOfTheStepAbove) {
+  // Two levels of one part that a riser joins, as in a stair.
+  const SurfaceSource stair = quads({{-1, 0, 0.03f},
+                                     {0, 0, 0.03f},
+                                     {0, 1, 0.03f},
+                                     {-1, 1, 0.03f},
+                                     {0, 0, 0},
+                                     {0, 1, 0},
+                                     {1, 0, 0},
+                                     {1, 1, 0}},
+                                    {{0, 1, 2, 3}, {1, 4, 5, 2}, {4, 6, 7, 5}});
+  const RimmedMesh mesh(stair);
+  const RimPlace lower =
+      mesh.rims.place({0.1f, 0.5f, 0.0f}, {0, 0, 1}, mesh.rims.parts()[0], 0.01f);
+  EXPECT_TRUE(lower.is_far_off);
+  const RimPlace upper =
+      mesh.rims.place({-0.1f, 0.5f, 0.03f}, {0, 0, 1}, mesh.rims.parts()[0], 0.01f);
+  EXPECT_NEAR(upper.distance, 0.1f, 1e-6f);
+}
+
 TEST(RimRoom, OfABoardReachesItsMiddle) {
   const RimmedMesh board(boxes({{{0, 0, 0}, {1, 0.1f, 0.5f}}}));
   const RimPlace place =
       board.rims.place({0.5f, 0.0f, 0.5f}, {0, 0, 1}, board.rims.parts()[0], 0.001f);
   EXPECT_NEAR(board.rims.room(place, board.rims.parts()[0], 0.2f), 0.05f, 0.0005f);
+}
+
+/// A step of 3 cm at x = 0: the upper box is on the left.
+RimmedMesh low_step() {
+  return RimmedMesh(boxes({{{-1, 0, 0}, {0, 1, 0.53f}}, {{-1, 0, 0}, {1, 1, 0.5f}}}));
+}
+
+TEST(RimStep, IsSeenFromItsFoot) {
+  const RimmedMesh step = low_step();
+  const Rims::Step found = step.rims.step_above({0.05f, 0.5f, 0.5f}, {0, 0, 1}, 0.1f, 0.2f);
+  EXPECT_NEAR(found.height, 0.03f, 1e-6f);
+  EXPECT_NEAR(found.out, 0.05f, 1e-6f);
+  EXPECT_NEAR(found.foot.x, 0.0f, 1e-6f);
+  EXPECT_NEAR(found.level_out.x, 1.0f, 1e-6f);
+}
+
+TEST(RimStep, IsNegativelyOutBelowTheUpperPiece) {
+  const Rims::Step found = low_step().rims.step_above({-0.05f, 0.5f, 0.5f}, {0, 0, 1}, 0.1f, 0.2f);
+  EXPECT_NEAR(found.out, -0.05f, 1e-6f);
+}
+
+TEST(RimStep, IsNoneOnTopOrFarAwayOrAtAHighWall) {
+  const RimmedMesh step = low_step();
+  EXPECT_EQ(step.rims.step_above({-0.05f, 0.5f, 0.53f}, {0, 0, 1}, 0.1f, 0.2f).height, 0.0f);
+  EXPECT_EQ(step.rims.step_above({0.2f, 0.5f, 0.5f}, {0, 0, 1}, 0.1f, 0.2f).height, 0.0f);
+  EXPECT_EQ(step.rims.step_above({0.05f, 0.5f, 0.5f}, {0, 0, 1}, 0.1f, 0.02f).height, 0.0f);
 }
 
 TEST(RimOpposite, SeesTheRimAcrossANarrowGap) {

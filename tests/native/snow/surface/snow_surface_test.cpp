@@ -204,6 +204,31 @@ TEST(SnowSurface, HemVariationMakesTheHemUneven) {
   EXPECT_GT(spread(1.0f), 0.05f * kDepth);
 }
 
+/// Height of the highest point near x = 0.02 on the lower side of a step of `height` at x = 0.
+float at_the_foot(float height) {
+  const SurfaceSource stair = quads({{-1, -1, height},
+                                     {0, -1, height},
+                                     {0, 1, height},
+                                     {-1, 1, height},
+                                     {0, -1, 0},
+                                     {0, 1, 0},
+                                     {1, -1, 0},
+                                     {1, 1, 0}},
+                                    {{0, 1, 2, 3}, {1, 4, 5, 2}, {4, 6, 7, 5}});
+  const std::vector<float> map = map_of(stair, {kDepth, 0.0f, kDepth});
+  float highest = 0.0f;
+  for (const glm::vec3& point : surface_on(stair, map, kPlain).points(frame_of(map))) {
+    if (std::abs(point.y) < 0.5f && std::abs(point.x) < 0.02f) highest = std::max(highest, point.z);
+  }
+  return highest;
+}
+
+TEST(SnowSurface, AFrontIsAsHighAsItStandsAboveTheSnowBeyond) {
+  // Of 3 cm, 35 % sink; a front that stands free keeps its height.
+  EXPECT_NEAR(at_the_foot(0.03f), kDepth + 0.65f * 0.03f, 0.006f);
+  EXPECT_NEAR(at_the_foot(1.0f), 1.0f + kDepth, 0.04f);
+}
+
 TEST(SnowSurface, LeansFurtherOnTheLeeSide) {
   const SurfaceSource board = slab(1.0f, 0.3f);
   const std::vector<float> map = on_tops(board, kDepth);
