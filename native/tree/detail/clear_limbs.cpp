@@ -289,7 +289,8 @@ class Clearer {
       take_beside(f, g, reach);
       take_beside(g, f, reach);
     }
-    ForkFaces around{fine_.quads, *neighbours_, {}, {{}}};
+    MovedFaces around{fine_.quads, *neighbours_, {}, {}, {}, {-1}};
+    around.chains.assign(fine_.quads.size(), 0);
     for (int ring = 0; ring < kBackRings; ++ring) {
       const std::vector<double> inner(near);
       for (size_t v = 0; v < inner.size(); ++v) {
@@ -310,10 +311,11 @@ class Clearer {
     for (size_t f = 0; f < fine_.quads.size(); ++f) {
       const Quad& quad = fine_.quads[f];
       if (std::any_of(quad.begin(), quad.end(), [&](int32_t v) { return near[v] > 0.0; })) {
-        around.faces[0].push_back(static_cast<int32_t>(f));
+        around.faces.push_back(static_cast<int32_t>(f));
       }
     }
-    tree::undo_moves(around, base, execution, points_);
+    MovedCrossings crossings(around);
+    tree::undo_moves(crossings, base, execution, points_);
   }
 
   /// Whether a corner of a face is within `distance` of a vertex: the other end of a long face may

@@ -43,6 +43,8 @@ constexpr double kBesideHole = 0.03;
 /// Progress at which the forks are blended, and unfolded.
 constexpr float kBlended = 0.5f;
 constexpr float kSpreadOut = 0.8f;
+/// Maximum number of forks that affect a vertex: the nearest ones, relative to their reach.
+constexpr size_t kMostForks = 4;
 /// Vertices per thread at a time.
 constexpr size_t kActiveBlock = 256;
 
@@ -86,17 +88,17 @@ class ForkBlender {
                          });
       move_active(moved, active);
     }
-    ForkFaces moved_faces{fine_.quads, neighbours_, {}, fork_faces()};
-    for (const Mover& mover : movers_) moved_faces.moving.push_back(mover.vertex);
-    std::vector<uint8_t> dirty = spread_out(moved_faces, execution.part(kBlended, kSpreadOut));
-    soften(moved_faces, dirty);
-    uncross(moved_faces, first_points_, execution.part(kSpreadOut, 1.0f), points_,
-            std::move(dirty));
+    const MovedFaces moved_faces = collect_moved();
+    MovedCrossings crossings(moved_faces);
+    spread_out(crossings, execution.part(kBlended, kSpreadOut));
+    std::vector<double> farthest = beside_holes();
+    for (const Mover& mover : movers_) farthest[mover.vertex] = mover.longest_step;
+    soften_creases(fine_, surface_.origins, chains_, farthest, points_);
+    undo_moves(crossings, first_points_, execution.part(kSpreadOut, 1.0f), points_);
   }
 
  private:
-  /// Per fork, whether faces may still intersect.
-  std::vector<uint8_t> spread_out(const ForkFaces& moved_faces, const base::Execution& execution) {
+  void spread_out(MovedCrossings& crossings, const base::Execution& execution) {
     std::vector<double> pull(points_.size(), 0.0);
     for (const Mover& mover : movers_) {
       if (mover.relaxation > 0.0) pull[mover.vertex] = kPull / kLongestStep * mover.longest_step;
@@ -104,23 +106,7 @@ class ForkBlender {
     const auto onto = [this](int32_t vertex, const glm::dvec3& p) {
       return onto_surface(movers_[mover_of_[vertex]], p, kStepsBack).first;
     };
-    return untangle(moved_faces, pull, onto, execution, points_);
-  }
-
-  /// Softens creases; faces may intersect again in the affected forks.
-  void soften(const ForkFaces& moved_faces, std::vector<uint8_t>& dirty) {
-    std::vector<double> farthest = beside_holes();
-    for (const Mover& mover : movers_) farthest[mover.vertex] = mover.longest_step;
-    const std::vector<glm::dvec3> before(points_);
-    soften_creases(fine_, surface_.origins, chains_, farthest, points_);
-    for (size_t j = 0; j < dirty.size(); ++j) {
-      const std::vector<int32_t>& faces = moved_faces.faces[j];
-      dirty[j] |= std::any_of(faces.begin(), faces.end(), [&](int32_t face) {
-        const Quad& quad = fine_.quads[face];
-        return std::any_of(quad.begin(), quad.end(),
-                           [&](int32_t v) { return points_[v] != before[v]; });
-      });
-    }
+    untangle(crossings, pull, onto, execution, points_);
   }
 
   /// Per vertex its maximum displacement in the rows beside holes: where a hole nearly fills its
@@ -180,7 +166,8 @@ class ForkBlender {
   /// Finds all vertices within the fork's reach, starting from the rim of every child's hole.
   void find_movers() {
     const std::vector<uint8_t> fixed = capped();
-    std::vector<std::pair<int32_t, int32_t>> pairs;
+    // Vertex, distance from a fork in its reaches, and the fork.
+    std::vector<std::tuple<int32_t, double, int32_t>> pairs;
     std::vector<int32_t> met(points_.size(), -1), queue;
     for (size_t j = 0; j < forks_.size(); ++j) {
       const Fork& fork = forks_[j];
@@ -200,22 +187,24 @@ class ForkBlender {
         for (const int32_t v : neighbours_.of(queue[i])) meet(v);
       }
       for (const int32_t v : queue) {
-        if (fixed[v] == 0) pairs.emplace_back(v, static_cast<int32_t>(j));
+        if (fixed[v] != 0) continue;
+        pairs.emplace_back(v, glm::distance(points_[v], fork.centre) / fork.reach,
+                           static_cast<int32_t>(j));
       }
     }
     std::sort(pairs.begin(), pairs.end());
     for (size_t i = 0; i < pairs.size();) {
       Mover mover;
-      mover.vertex = pairs[i].first;
+      mover.vertex = std::get<0>(pairs[i]);
       mover.first_fork = static_cast<int32_t>(at_.size());
-      const glm::dvec3& p = points_[mover.vertex];
       const int32_t own = chains_[surface_.origins[fine_.vertices[mover.vertex].face].branch];
       bool known = false;
-      for (; i < pairs.size() && pairs[i].first == mover.vertex; ++i) {
-        const Fork& fork = forks_[pairs[i].second];
-        at_.push_back(pairs[i].second);
+      for (size_t met = 0; i < pairs.size() && std::get<0>(pairs[i]) == mover.vertex; ++i, ++met) {
+        if (met >= kMostForks) continue;
+        const auto [vertex, away, number] = pairs[i];
+        const Fork& fork = forks_[number];
+        at_.push_back(number);
         known |= fork.parent_chain == own || fork.child_chain == own;
-        const double away = glm::distance(p, fork.centre) / fork.reach;
         const double share = std::clamp((1.0 - away) / (1.0 - kStill), 0.0, 1.0);
         mover.relaxation = std::max(mover.relaxation, kRelaxation * share);
         mover.longest_step = std::max(mover.longest_step, kLongestStep * fork.radius);
@@ -228,19 +217,21 @@ class ForkBlender {
     }
   }
 
-  /// Per fork: the faces with moving vertices.
-  std::vector<std::vector<int32_t>> fork_faces() const {
-    std::vector<std::vector<int32_t>> faces(forks_.size());
+  MovedFaces collect_moved() const {
+    MovedFaces moved{fine_.quads, neighbours_, {}, {}, {}, {}};
+    for (const Mover& mover : movers_) moved.moving.push_back(mover.vertex);
     for (size_t f = 0; f < fine_.quads.size(); ++f) {
-      const auto face = static_cast<int32_t>(f);
-      for (const int32_t v : fine_.quads[f]) {
-        if (mover_of_[v] < 0) continue;
-        for (const int32_t fork : forks_of(movers_[mover_of_[v]])) {
-          if (faces[fork].empty() || faces[fork].back() != face) faces[fork].push_back(face);
-        }
+      const Quad& quad = fine_.quads[f];
+      if (std::any_of(quad.begin(), quad.end(), [&](int32_t v) { return mover_of_[v] >= 0; })) {
+        moved.faces.push_back(static_cast<int32_t>(f));
       }
     }
-    return faces;
+    for (const int32_t face : fine_.face) {
+      moved.chains.push_back(chains_[surface_.origins[face].branch]);
+    }
+    moved.parents.assign(chains_.size(), -1);
+    for (const Fork& fork : forks_) moved.parents[fork.child_chain] = fork.parent_chain;
+    return moved;
   }
 
   std::span<const int32_t> forks_of(const Mover& mover) const {

@@ -17,7 +17,7 @@ namespace snowbough::tree {
 /// faces keep their proportions and none folds over.
 ///
 /// Afterwards pleats and intersections are unfolded (untangle), creases across limbs are softened
-/// (soften_creases), and remaining intersections are undone or smoothed (uncross).
+/// (soften_creases), and remaining intersections are undone (undo_moves).
 ///
 /// A limb's tube ends at its base inside its parent; the fillet fades out along the limbs.
 ///

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <utility>
 #include <vector>
 
 #include "base/parallel_for.h"
@@ -11,40 +11,39 @@
 
 namespace snowbough::tree {
 
-/// The movable vertices at forks and their faces.
-struct ForkFaces {
+/// Movable vertices and their faces.
+struct MovedFaces {
   const std::vector<Quad>& quads;
   const Neighbours& neighbours;
-  /// The vertices that have moved and may still move, ascending.
-  std::vector<int32_t> moving;
-  /// Per fork: the faces with a moving corner, ascending.
-  std::vector<std::vector<int32_t>> faces;
-
-  /// Marks the forks with a face one of whose corners has moved: has_moved(vertex).
-  template <typename HasMoved>
-  void find_dirty(const HasMoved& has_moved, std::vector<uint8_t>& dirty) const {
-    for (size_t j = 0; j < dirty.size(); ++j) {
-      dirty[j] = std::any_of(faces[j].begin(), faces[j].end(), [&](int32_t face) {
-        return std::any_of(quads[face].begin(), quads[face].end(), has_moved);
-      });
-    }
-  }
+  /// The vertices that have moved and may still move, and the faces with such a corner; ascending.
+  std::vector<int32_t> moving, faces;
+  /// Per quad: its chain of limbs. Per chain: its parent, or -1. Only intersections within a chain
+  /// and between parent and child count.
+  std::vector<int32_t> chains, parents;
 };
 
-/// Undoes only the moves that caused intersections.
-/// @param before, points, execution  as for uncross.
-void undo_moves(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
-                const base::Execution& execution, std::vector<glm::dvec3>& points);
+/// The related pairs of intersecting faces while vertices move.
+class MovedCrossings {
+ public:
+  using Pairs = std::vector<std::pair<int32_t, int32_t>>;
 
-/// Repairs intersecting faces at forks. Where moving made faces intersect, the vertices around them
-/// move back step by step until none do. Faces that intersected before are moved between their
-/// neighbours, round by round; if that fails they stay.
-///
+  explicit MovedCrossings(const MovedFaces& moved) : moved(moved) {}
+
+  /// The pairs now, ascending. Searches only pairs of which a face has moved since the last call.
+  const Pairs& find(const std::vector<glm::dvec3>& points, int threads);
+
+  const MovedFaces& moved;
+
+ private:
+  std::vector<glm::dvec3> before_;
+  Pairs pairs_;
+};
+
+/// Undoes moves that caused intersections: the vertices around intersecting faces move back step by
+/// step until none intersect.
 /// @param before  all points before the move.
-/// @param dirty  per fork, 0 if nothing intersects; empty: check all.
 /// @throws Cancelled when execution's progress says stop.
-void uncross(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
-             const base::Execution& execution, std::vector<glm::dvec3>& points,
-             std::vector<uint8_t> dirty = {});
+void undo_moves(MovedCrossings& crossings, const std::vector<glm::dvec3>& before,
+                const base::Execution& execution, std::vector<glm::dvec3>& points);
 
 }  // namespace snowbough::tree

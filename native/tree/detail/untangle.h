@@ -24,9 +24,8 @@ using SurfaceProjection = std::function<glm::dvec3(int32_t vertex, const glm::dv
 /// @param pull  per vertex: neighbours farther away than this, in metres, pull as if they were at
 ///   this distance; 0 fixes the vertex.
 /// @throws Cancelled when execution's progress says stop.
-/// @return per fork, 1 if faces still intersect or have moved since the last check.
-std::vector<uint8_t> untangle(const ForkFaces& forks, std::span<const double> pull,
-                              const SurfaceProjection& onto, const base::Execution& execution,
-                              std::vector<glm::dvec3>& points);
+void untangle(MovedCrossings& crossings, std::span<const double> pull,
+              const SurfaceProjection& onto, const base::Execution& execution,
+              std::vector<glm::dvec3>& points);
 
 }  // namespace snowbough::tree

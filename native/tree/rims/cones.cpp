@@ -111,8 +111,8 @@ ConeRun ConeRun::around(std::shared_ptr<const ConeChain> chain, size_t at, doubl
   return {std::move(chain), begin, at, end};
 }
 
-FieldValue ConeRun::distance_from(const glm::dvec3& p) const {
-  FieldValue nearest{1e300, glm::dvec3(0.0)};
+FieldValue ConeRun::distance_from(const glm::dvec3& p, double limit) const {
+  FieldValue nearest{limit, glm::dvec3(0.0)};
   chain->take_nearer(p, at, end, false, nearest);
   chain->take_nearer(p, begin, at, true, nearest);
   return nearest;

@@ -76,8 +76,8 @@ struct ConeRun {
   /// The cones within `length` along the chain on both sides of cone `at`.
   static ConeRun around(std::shared_ptr<const ConeChain> chain, size_t at, double length);
 
-  /// Distance from these cones.
-  FieldValue distance_from(const glm::dvec3& p) const;
+  /// Distance from these cones; `limit` without a gradient if they are not nearer than that.
+  FieldValue distance_from(const glm::dvec3& p, double limit = 1e300) const;
 };
 
 }  // namespace snowbough::tree

@@ -61,12 +61,6 @@ double clear_from(const Fork& fork, std::span<const TubeSection> sections) {
 
 }  // namespace
 
-FieldValue Fork::from_child(const glm::dvec3& p) const {
-  FieldValue nearest = child.distance_from(p);
-  base.take_nearer(p, nearest);
-  return nearest;
-}
-
 double fillet_width(const Fork& fork, const glm::dvec3& p) {
   const double away = glm::distance(p, fork.centre) / fork.reach;
   return kFillet * fork.radius * (1.0 - smooth_step(kFullFillet, 1.0, away));
@@ -136,10 +130,34 @@ FieldValue blended_distance(const glm::dvec3& p, std::span<const int32_t> at,
     }
     if (count < limbs.size()) limbs[count++] = {chain, value, width};
   };
+  // Forks of one parent beside each other share most of its cones: all these once.
+  for (size_t i = 0; i < at.size(); ++i) {
+    const Fork& fork = forks[at[i]];
+    size_t begin = fork.parent.begin, end = fork.parent.end;
+    bool known = false;
+    for (size_t k = 0; k < at.size(); ++k) {
+      if (forks[at[k]].parent_chain != fork.parent_chain) continue;
+      known |= k < i;
+      begin = std::min(begin, forks[at[k]].parent.begin);
+      end = std::max(end, forks[at[k]].parent.end);
+    }
+    if (known) continue;
+    FieldValue nearest{1e300, glm::dvec3(0.0)};
+    fork.parent.chain->take_nearer(p, fork.parent.at, end, false, nearest);
+    fork.parent.chain->take_nearer(p, begin, fork.parent.at, true, nearest);
+    add(fork.parent_chain, nearest, 0.0);
+  }
   for (const int32_t f : at) {
     const Fork& fork = forks[f];
-    add(fork.parent_chain, fork.from_parent(p), 0.0);
-    add(fork.child_chain, fork.from_child(p), fillet_width(fork, p));
+    double beyond = 1e300;
+    const double width = fillet_width(fork, p);
+    for (size_t i = 0; i < count; ++i) {
+      if (limbs[i].chain == fork.parent_chain) beyond = limbs[i].value.distance + width;
+    }
+    // A child farther than that is not in the sum.
+    FieldValue value = fork.child.distance_from(p, beyond);
+    fork.base.take_nearer(p, value);
+    if (value.distance < beyond) add(fork.child_chain, value, width);
   }
   // Parents have lower numbers than their children.
   std::sort(limbs.begin(), limbs.begin() + static_cast<std::ptrdiff_t>(count),

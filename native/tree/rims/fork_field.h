@@ -32,7 +32,6 @@ struct Fork {
   Cone base;
 
   FieldValue from_parent(const glm::dvec3& p) const { return parent.distance_from(p); }
-  FieldValue from_child(const glm::dvec3& p) const;
 };
 
 /// One fork per junction of the surface, in its order.

@@ -63,8 +63,10 @@ struct Pleat {
 
   void untangle() {
     const Neighbours neighbours(quads, points.size());
-    const ForkFaces fork{quads, neighbours, inside, {all_faces()}};
-    tree::untangle(fork, pull, onto, {}, points);
+    const MovedFaces moved{
+        quads, neighbours, inside, all_faces(), std::vector<int32_t>(quads.size(), 0), {-1}};
+    MovedCrossings crossings(moved);
+    tree::untangle(crossings, pull, onto, {}, points);
   }
 };
 

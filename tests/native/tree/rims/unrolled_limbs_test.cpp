@@ -85,7 +85,7 @@ TEST(UnrolledLimbs, ARimWithoutRoomStaysBehind) {
 
 /// The hole becomes an egg that points up the trunk and aside, as for a child that leans along its
 /// parent.
-TEST(UnrolledLimbs, ARimThatGrowsToAnEggStaysLittleBehind) {
+TEST(UnrolledLimbs, ARimThatGrowsToAnEggGoesMoreThanHalfOfTheWay) {
   GridWithHole grid(0.0);
   for (RimPoint& point : grid.rims[0]) {
     const double up = point.base.length - (5.5 - 0.08);
@@ -94,7 +94,7 @@ TEST(UnrolledLimbs, ARimThatGrowsToAnEggStaysLittleBehind) {
   }
   grid.move();
   for (const RimPoint& point : grid.rims[0]) {
-    EXPECT_GT(grid.unrolled.shares[point.vertex], 0.75);
+    EXPECT_GT(grid.unrolled.shares[point.vertex], 0.5);
   }
 }
 
