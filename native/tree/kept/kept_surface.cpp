@@ -16,6 +16,8 @@ namespace {
 
 /// Wood without a limb moves as one up to this number of polygons.
 constexpr int32_t kSmallPart = 24;
+/// Normals are wrong if more than this fraction of them is on the other side of their polygons.
+constexpr double kMostOpposed = 0.1;
 
 /// The parts of the file that hold branches, ascending: piece p is the p-th.
 std::vector<int32_t> parts_of_pieces(const std::vector<Branch>& branches) {
@@ -40,6 +42,54 @@ std::vector<char> wood_parts(const ClassifiedParts& classified) {
   }
   for (const SkippedPart& skipped : classified.skipped) wood[skipped.part] = skipped.wood ? 1 : 0;
   return wood;
+}
+
+glm::dvec3 area_vector(const KeptSurface& kept, size_t f) {
+  const auto place = [&](int32_t c) { return glm::dvec3(kept.vertices[kept.corner_vertex[c]]); };
+  glm::dvec3 sum(0.0);
+  const int32_t begin = kept.face_begin[f];
+  for (int32_t c = begin + 1; c + 1 < kept.face_begin[f + 1]; ++c) {
+    sum += glm::cross(place(c) - place(begin), place(c + 1) - place(begin));
+  }
+  return sum;
+}
+
+/// Turns parts whose polygons face their limb's inside: some files have a quarter of their tubes
+/// so.
+void turn_outside_out(KeptSurface& kept) {
+  std::map<int32_t, double> outward;
+  for (size_t f = 0; f < kept.face_part.size(); ++f) {
+    const int32_t v = kept.corner_vertex[kept.face_begin[f]];
+    if (kept.vertex_piece[v] < 0) continue;
+    const glm::dvec3 away = glm::dvec3(kept.vertices[v]) - glm::dvec3(kept.vertex_place[v]);
+    outward[kept.face_part[f]] += glm::dot(area_vector(kept, f), away);
+  }
+  for (size_t f = 0; f < kept.face_part.size(); ++f) {
+    const auto found = outward.find(kept.face_part[f]);
+    if (found == outward.end() || found->second >= 0.0) continue;
+    const auto turn = [&](auto& corners) {
+      if (corners.empty()) return;
+      std::reverse(corners.begin() + kept.face_begin[f], corners.begin() + kept.face_begin[f + 1]);
+    };
+    turn(kept.corner_vertex);
+    turn(kept.corner_uv);
+    turn(kept.corner_normal);
+  }
+}
+
+/// Drops the normals if many are on the other side of their polygons. @return whether it did.
+bool drop_wrong_normals(KeptSurface& kept) {
+  size_t opposed = 0;
+  for (size_t f = 0; !kept.corner_normal.empty() && f < kept.face_part.size(); ++f) {
+    const glm::dvec3 flat = area_vector(kept, f);
+    for (int32_t c = kept.face_begin[f]; c < kept.face_begin[f + 1]; ++c) {
+      opposed += glm::dot(flat, glm::dvec3(kept.corner_normal[c])) < 0.0 ? 1 : 0;
+    }
+  }
+  const bool wrong =
+      static_cast<double>(opposed) > kMostOpposed * static_cast<double>(kept.corner_vertex.size());
+  if (wrong) kept.corner_normal = {};
+  return wrong;
 }
 
 /// The branch nearest to the vertices of a part without a limb, and the place there.
@@ -118,6 +168,12 @@ void attach_kept(Skeleton& skeleton) {
     const int32_t branch = found != branch_of.end() ? found->second : 0;
     kept.vertex_branch[v] = branch;
     kept.vertex_place[v] = nearest_place(skeleton.branches[branch], kept.vertices[v]).point;
+  }
+  turn_outside_out(kept);
+  if (drop_wrong_normals(kept)) {
+    skeleton.report.warnings.emplace_back(
+        "the normals of the file are on the wrong side of its polygons: the wood is shaded smooth "
+        "instead");
   }
   if (loose.empty()) return;
   const SegmentTree segments(skeleton.branches, std::vector<int32_t>(skeleton.branches.size(), 0),

@@ -18,7 +18,8 @@ KeptSurface gather_kept(const ObjScene& scene, const Parts& parts,
 
 /// Gives every vertex of the kept surface its branch, by the limb that was traced along its part of
 /// the surface, and its place there: the nearest on that branch's centreline. Wood without a limb
-/// follows the nearest branch: vertex by vertex, or as one if it is small (a card, a knot).
+/// follows the nearest branch: vertex by vertex, or as one if it is small (a card, a knot). Turns
+/// tubes that are inside out, and drops normals that contradict the polygons, with a warning.
 /// @param skeleton  complete, with the branches' points before simplification.
 void attach_kept(Skeleton& skeleton);
 

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 #include <set>
+#include <sstream>
 
 #include "native/tree/tree_text.h"
 #include "tree/build_tree_mesh.h"
@@ -72,6 +73,51 @@ TEST_F(KeptTree, EveryVertexBelongsToTheLimbThatWasTracedThere) {
     }
   }
   EXPECT_LT(glm::distance(kept.vertex_place[4 * 4], glm::vec3(0, 0, 8)), 1e-5f);  // twice as high
+}
+
+/// Sum over a tube's quads of the part of their area vector that points away from the Z axis.
+double outward_area(const KeptSurface& kept, size_t faces) {
+  double sum = 0.0;
+  for (size_t f = 0; f < faces; ++f) {
+    const auto place = [&](int c) {
+      return kept.vertices[kept.corner_vertex[kept.face_begin[f] + c]];
+    };
+    const glm::vec3 area = glm::cross(place(2) - place(0), place(3) - place(1));
+    sum += double(glm::dot(area, glm::vec3(place(0).x, place(0).y, 0)));
+  }
+  return sum;
+}
+
+TEST_F(KeptTree, TubesThatAreInsideOutAreTurned) {
+  const std::string text = tubes();
+  std::string turned;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string key, a, b, c, d;
+    words >> key >> a >> b >> c >> d;
+    turned += key == "f" ? "f " + d + " " + c + " " + b + " " + a + "\n" : line + "\n";
+  }
+  const double one = outward_area(read_kept(text).kept, 32);
+  const double other = outward_area(read_kept(turned).kept, 32);
+  EXPECT_GT(one, 0.0);
+  EXPECT_NEAR(one, other, 1e-3 * one);
+}
+
+TEST_F(KeptTree, NormalsThatContradictThePolygonsAreDropped) {
+  std::string text = "vn 0 0 1\nvn 1 0 0\n";
+  std::istringstream lines(tubes());
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string key, corner;
+    words >> key;
+    text += key == "f" ? "f" : line;
+    while (key == "f" && words >> corner) text += " " + corner + "//2";
+    text += "\n";
+  }
+  const Skeleton skeleton = read_kept(text);
+  EXPECT_THAT(skeleton.kept.corner_normal, IsEmpty());
+  EXPECT_THAT(skeleton.report.warnings, testing::Contains(HasSubstr("shaded smooth")));
 }
 
 TEST_F(KeptTree, PlanesAcrossLimbsAreNoSurface) {
