@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -91,8 +92,41 @@ std::vector<OpenEdge> find_open_edges(const ObjScene& scene) {
       i = j;
     }
   }
-  set_groups(scene, open);
   return open;
+}
+
+/// Equal for equal positions, also for zeros of either sign.
+uint64_t hash_of(const glm::vec3& position) {
+  uint64_t hash = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    hash = (hash ^ std::bit_cast<uint32_t>(position[axis] + 0.0f)) * 0x9E3779B97F4A7C15u;
+    hash ^= hash >> 29;
+  }
+  return hash;
+}
+
+/// Drops edges at whose place there is no other: nearly all, those of leaves.
+void drop_lone_edges(const ObjScene& scene, std::vector<OpenEdge>& edges) {
+  std::vector<std::pair<uint64_t, int32_t>> places;
+  places.reserve(edges.size());
+  for (size_t e = 0; e < edges.size(); ++e) {
+    const auto end = [&](int32_t corner) {
+      return hash_of(scene.positions[scene.corner_vertex[corner]]);
+    };
+    places.emplace_back(end(edges[e].corner) + end(edges[e].next), static_cast<int32_t>(e));
+  }
+  std::sort(places.begin(), places.end());
+  std::vector<char> lone(edges.size(), 0);
+  for (size_t i = 0; i < places.size(); ++i) {
+    const bool before = i > 0 && places[i - 1].first == places[i].first;
+    const bool after = i + 1 < places.size() && places[i + 1].first == places[i].first;
+    lone[places[i].second] = before || after ? 0 : 1;
+  }
+  size_t kept = 0;
+  for (size_t e = 0; e < edges.size(); ++e) {
+    if (lone[e] == 0) edges[kept++] = edges[e];
+  }
+  edges.resize(kept);
 }
 
 /// Numbers of places, equal for equal keys.
@@ -138,8 +172,10 @@ void join_pairs(const ObjScene& scene, const std::vector<int32_t>& place,
 }  // namespace
 
 void close_seams(ObjScene& scene) {
-  const std::vector<OpenEdge> open = find_open_edges(scene);
+  std::vector<OpenEdge> open = find_open_edges(scene);
+  drop_lone_edges(scene, open);
   if (open.size() < 2) return;
+  set_groups(scene, open);
   const auto corner_of = [&](int32_t end) {
     return end % 2 == 0 ? open[end / 2].corner : open[end / 2].next;
   };
