@@ -94,7 +94,7 @@ MUTANTS = (
     cache("folder", "int(match.group(1)) > frame", "int(match.group(1)) >= frame", REPAIRS),
     cache("folder", "int(match.group(1)) > frame", "int(match.group(1)) > frame + 1"),
     cache("folder", "is_listed(finished_name(name)) or", "True or"),
-    cache("folder", "key=lambda name: (name in (MANIFEST, REMOVED_MANIFEST), name)", "key=None"),
+    cache("folder", "key=lambda name: (name in manifests, name in (FRAMES, SURFACE), name)", "key=None"),
     cache("folder", "            os.replace(folder / MANIFEST, folder / REMOVED_MANIFEST)", "            pass"),
     cache("folder", "return [path for path in own if is_regular(path)]", "return own"),
     cache("folder", "    if folder.is_symlink() or not folder.is_dir():", "    if not folder.is_dir():"),
@@ -117,11 +117,12 @@ MUTANTS = (
     cache("lock", "keys & set(lines)", "set(lines)"),
     cache("lock", "_remove(path, descriptor)\n            continue", "os.close(descriptor)\n            continue"),
     # Lines.
-    cache("journal", "_checksum(seal, raw[len(columns[0]) + 1 :]) != columns[0]", "False", REPAIRS),
-    cache("journal", 'hashlib.blake2b(before + body', 'hashlib.blake2b(body', REPAIRS),
+    cache("journal", "_checksum(seal, raw[len(columns[0]) + 1 :]) != columns[0]", "False"),
+    cache("journal", 'hashlib.blake2b(before + body', 'hashlib.blake2b(body'),
     cache("journal", 'if not is_header and entry["frame"] != lines.next_frame:', "if False:"),
     cache("journal", "            self._cut(descriptor)\n            os.fsync", "            os.fsync", REPAIRS),
     cache("manifest", "not lines.rest and ", "", REPAIRS),
+    cache("integrity", "if not is_same", "if False"),
     cache("integrity", "return lost, FRAMES", "return None", REPAIRS),
     # Resuming.
     bake("resuming", "request.first - 1 <= frame < at", "request.first - 1 <= frame <= at"),

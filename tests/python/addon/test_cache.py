@@ -222,6 +222,14 @@ def test_a_killed_bake_blocks_nobody_and_its_lock_goes(tmp_path):
     assert locks(tmp_path) == []
 
 
+@pytest.mark.skipif(os.name != "posix", reason="Windows removes no lock file that is open")
+def test_a_file_that_took_the_place_of_the_gate_stays(tmp_path):
+    with lock._gate(tmp_path):
+        (tmp_path / "lock").unlink()
+        (tmp_path / "lock").write_text("mine")
+    assert (tmp_path / "lock").read_text() == "mine"
+
+
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs /proc")
 def test_thousands_of_receivers_take_one_descriptor(tmp_path):
     before = len(os.listdir("/proc/self/fd"))

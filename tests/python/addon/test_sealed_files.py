@@ -75,6 +75,25 @@ def test_any_flipped_bit_is_refused_with_the_file_and_what_to_do(cache, name):
             read()
 
 
+def test_a_line_stands_only_behind_the_lines_that_it_was_written_behind(tmp_path):
+    for name in ("Rock", "Stone"):
+        (tmp_path / name).mkdir()
+        write_bake(tmp_path / name, {**written(), "label": name}, FRAMES)
+    own, other = ((tmp_path / name / files.FRAMES) for name in ("Rock", "Stone"))
+    header, line = own.read_bytes().splitlines(keepends=True)
+    own.write_bytes(header + other.read_bytes().splitlines(keepends=True)[1])
+    assert journal.read_lines(own.parent).entries == []
+    own.write_bytes(header + line + line)
+    assert journal.read_lines(own.parent).entries == FRAMES
+
+
+def test_frames_follow_one_another(tmp_path):
+    write_bake(
+        tmp_path, written(frames=range(1, 9)), [{**FRAMES[0], "frame": number} for number in (1, 2, 4)]
+    )
+    assert [entry["frame"] for entry in journal.read_lines(tmp_path).entries] == [1, 2]
+
+
 def test_a_path_below_a_file_has_no_owner_and_no_damage(tmp_path):
     (tmp_path / "file").write_text("")
     assert owner.is_owner(tmp_path / "file" / "Scene", tmp_path / "shot.blend")
