@@ -5,6 +5,7 @@
     blender -b file.blend --python-exit-code 1 -P addon/snowbough/cli.py -- bake --frames 1-48 --cache DIR
     blender -b file.blend --python-exit-code 1 -P addon/snowbough/cli.py -- surface --detail FILM
     blender -b file.blend --python-exit-code 1 -P addon/snowbough/cli.py -- export TREE.glb --snow FRAME
+    blender -b file.blend --python-exit-code 1 -P addon/snowbough/cli.py -- files
     blender -b [file.blend] -c snowbough import ...        (Blender 4.2 on, add-on installed)
 
 The exit code is 0 only on success. Without --python-exit-code 1 before -P, Blender ends with 0 even if this script
@@ -22,7 +23,7 @@ def parser():
     """The parser of all subcommands; its result has the name `command` and the function `run` of the chosen one."""
     from .bake import cli as bake_cli
     from .tree import cli as tree_cli
-    from .ui import export_cli, surface_cli
+    from .ui import export_cli, files_cli, surface_cli
 
     top = argparse.ArgumentParser(
         prog="snowbough",
@@ -35,6 +36,7 @@ def parser():
         ("bake", bake_cli, "bake the snow of the loaded file"),
         ("surface", surface_cli, "compute the snow surfaces of baked maps again"),
         ("export", export_cli, "write an imported tree for game engines and other programs"),
+        ("files", files_cli, "print all files that rendering the loaded file needs"),
     ):
         command = commands.add_parser(name, help=text)
         module.add_arguments(command)

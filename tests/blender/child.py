@@ -29,8 +29,13 @@ def command(program):
 
 def bake(blend, *arguments):
     """A bake on the command line, by the checkout's script; the ended process. Skips if this Blender is a module."""
+    return cli(blend, "bake", *arguments)
+
+
+def cli(blend, *arguments):
+    """The same with any subcommand."""
     if not bpy.app.binary_path:
         pytest.skip("this Blender is a Python module and has no command line")
     command = [bpy.app.binary_path, "-b", str(blend), "--factory-startup", "--python-exit-code", "1"]
-    command += ["-P", str(ROOT / "addon" / "snowbough" / "cli.py"), "--", "bake", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120)
+    command += ["-P", str(ROOT / "addon" / "snowbough" / "cli.py"), "--", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300)

@@ -67,6 +67,17 @@ def settings(folder, frames=(1, 4), **values):
 
 def bake(**arguments):
     bpy.ops.snowbough.bake(**arguments)
+    cache = bpy.path.abspath(bpy.context.scene.snowbough.cache_directory)
+    for ledger in Path(cache).glob("*/v*/ledger.json"):
+        assert_balanced(json.loads(ledger.read_text())["frames"])
+
+
+def assert_balanced(rows):
+    """All snow of a ledger that ever fell is somewhere, on every frame."""
+    for row in rows:
+        kept = math.fsum(row[name] for name in row.keys() - {"frame", "depth", "fallen", "stretched"})
+        fallen = row["fallen"] + row["stretched"]
+        assert abs(kept - fallen) <= 1e-6 * row["fallen"] + 1e-12, row
 
 
 def bake_part(addon, first=None, last=None, objects=(), resume=False, on_frame=None, **options):
@@ -92,9 +103,9 @@ def folder_of(root, name, version=1, scene="Scene"):
     return found[0]
 
 
-def manifest_of(root, name):
+def manifest_of(root, name, version=1):
     """A receiver's object.json, with the entries of frames.tsv as ``frames``."""
-    folder = folder_of(root, name)
+    folder = folder_of(root, name, version)
     lines = (folder / "frames.tsv").read_text(encoding="utf-8").splitlines()[1:]
     return {
         **json.loads((folder / "object.json").read_text(encoding="utf-8")),

@@ -172,7 +172,7 @@ def test_the_confirmation_says_folder_count_and_size(addon, shot, tmp_path):
     s.bake()
     (text,) = addon("ui.bake_operators")._removal_texts(bpy.context.scene)
     (root,) = (tmp_path / "snowbough_cache").iterdir()
-    assert text.startswith("Remove 6 files (") and text.endswith(f") from {root}")
+    assert text.startswith("Remove 7 files (") and text.endswith(f") from {root}")
     bpy.ops.snowbough.free_bake()
     (text,) = addon("ui.bake_operators")._removal_texts(bpy.context.scene)
     assert "nothing is removed" in text

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The baked snow beside an exported tree: heights, normals, atlases, and the snow surface in the file."""
 
+import json
+
 import bpy
+import child
 import numpy as np
 import pytest
 import snow_scene
@@ -123,12 +126,33 @@ def test_the_surface_of_a_frame_goes_out_as_a_mesh_of_snow(tmp_path, snowy):
 def test_a_tree_whose_bake_has_no_surface_says_what_to_do(tmp_path, snowy, addon):
     bark, _folder, _native = snowy
     options = addon("gltf.export_options").ExportOptions(**PLAIN, snow="SURFACE")
-    report = addon("gltf.export_tree").export(bpy.context, bark, tmp_path / "tree.glb", options)
-    assert report["heaps"] == {} and any("Update Surface" in text for text in report["warnings"])
+    with pytest.raises(ValueError, match="no snow to export, so nothing was written.*Update Surface"):
+        addon("gltf.export_tree").export(bpy.context, bark, tmp_path / "tree.glb", options)
+    assert not (tmp_path / "tree.glb").exists()
 
 
 def test_a_tree_without_a_bake_says_so(tmp_path, addon):
     _rig, bark = import_tree()
     options = addon("gltf.export_options").ExportOptions(**PLAIN, snow="FRAME")
-    report = addon("gltf.export_tree").export(bpy.context, bark, tmp_path / "tree.glb", options)
-    assert report["snow"] == {} and any("has no baked snow" in text for text in report["warnings"])
+    with pytest.raises(ValueError, match="no snow to export, so nothing was written.*has no baked snow"):
+        addon("gltf.export_tree").export(bpy.context, bark, tmp_path / "tree.glb", options)
+    assert not list(tmp_path.glob("tree*"))
+
+
+def test_bake_then_export_on_the_command_line_finds_the_snow_by_its_cache(tmp_path):
+    """The bake does not save the .blend."""
+    _rig, bark = import_tree(snow_resolution=256)
+    snow_scene.receive(bark, resolution=256)
+    bpy.context.scene.snowbough.receivers[0].uv_map = "snow"
+    snow_scene.settings(tmp_path / "unused", (1, 2))
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "tree.blend"))
+    export = ["export", str(tmp_path / "tree.glb"), "--snow", "SURFACE", "--frame", "2", "--levels", "1"]
+    export += ["--cards", "--texture-size", "0", "--json", str(tmp_path / "report.json")]
+    refused = child.cli(tmp_path / "tree.blend", *export)
+    assert refused.returncode == 1 and "There is no snow to export" in refused.stderr
+    assert not (tmp_path / "tree.glb").exists()
+    assert child.bake(tmp_path / "tree.blend", "--cache", str(tmp_path / "cache")).returncode == 0
+    found = child.cli(tmp_path / "tree.blend", *export, "--cache", str(tmp_path / "cache"))
+    assert found.returncode == 0, found.stderr
+    assert json.loads((tmp_path / "report.json").read_text())["heaps"]["small_maple_bark_snow"] > 100

@@ -25,12 +25,13 @@ from ..cache.files import (
 from ..cache.integrity import checksums_of, first_damage
 from ..cache.journal import Journal
 from ..cache.manifest import describe_changes, read_head, write_manifest
-from ..scene.uv_overlap import outside_share
+from ..scene.uv_overlap import outside_share, tiles_text
 from ..surface.compute import damaged as damaged_surface
 from ..surface.compute import update as update_surface
 from ..surface.recording import ReceiverRecorder
 from ..surface.style import WantedPoints
 from . import plan
+from .continuing import is_longer
 
 # How snow is deposited. A bake is only resumed with the same method; the first one (scattering) stored no name.
 DEPOSIT = "gathered"
@@ -63,6 +64,8 @@ class BakedReceiver:
     covered: Coverage = None
     wanted: WantedPoints = WantedPoints()
     """Its part in the surface points of the scene."""
+    kept: object = None
+    """bake.continuing.KeptFrames of the bake that this one continues."""
     recorder: ReceiverRecorder = None
     """Records its poses if the bake ends with a surface."""
 
@@ -83,18 +86,40 @@ class BakedReceiver:
             own["mask"] = self.spec.mask.text
         return {"shot": digest(shot), "snowfall": shot, "receiver": own, "deposit": DEPOSIT}
 
-    def compare_settings(self, shot, units):
-        """Raises InputsChanged, naming the differences, if the folder was baked with other settings. units: those of
-        the request."""
+    def compare_settings(self, shot, request):
+        """Raises InputsChanged, naming the differences, if the folder was baked with other settings than those of the
+        `request`."""
         manifest = read_head(self.folder)
         if manifest is None:
             return
-        changes = describe_changes(manifest["settings"], self.settings(shot), units)
-        if changes:
+        before, units = manifest["settings"], request.units
+        changes = describe_changes(before, self.settings(shot), units)
+        if not changes:
+            return
+        sizes = describe_changes(
+            *(self._automatic(own, request) for own in (before, self.settings(shot))), units
+        )
+        if sizes == changes:
             raise InputsChanged(
-                f"{self.shown} in {self.folder.parent.name} was baked with other settings "
-                f"({'; '.join(changes)}): bake again from the start, or set them back"
+                f"{self.shown} in {self.folder.parent.name} was baked with other automatic sizes ({'; '.join(sizes)}), "
+                "because Texel Size or the area of a receiver differs, which Subdivision Surface, Weld, Simplify or a "
+                "scale changes: set that back, or bake again from the start"
             )
+        remedy = "bake again from the start, or set them back"
+        if is_longer(manifest["settings"]["snowfall"], shot):
+            begin = "" if manifest["complete"] else "set them back and resume, then "
+            remedy = f"{begin}Continue Bake adds the new frames and keeps the others. Or {remedy}"
+        raise InputsChanged(
+            f"{self.shown} in {self.folder.parent.name} was baked with other settings ({'; '.join(changes)}): {remedy}"
+        )
+
+    def _automatic(self, settings, request):
+        """Those of its settings that are computed from the scene."""
+        own, shot = settings["receiver"], settings["snowfall"]
+        return {
+            "pixel_size": shot["pixel_size"] if not request.pixel_size else None,
+            "resolution": own["resolution"] if not self.spec.resolution else None,
+        }
 
     def start(self, shot):
         """Prepares the folder for the first frame of the shot."""
@@ -107,6 +132,19 @@ class BakedReceiver:
         with self._writing():
             self.journal = Journal.start(self.folder, self._described(shot))
 
+    def take_frames(self, last, covered):
+        """Copies the maps and lines of the kept frames up to `last`. covered: Coverage of these frames."""
+        with self._writing():
+            for entry, poses in self.kept.copy(last, self.folder):
+                self.journal.append(entry, poses)
+        self.covered, self.last_frame = covered, last
+
+    def discard(self):
+        """Removes everything that this bake has written."""
+        self.close()
+        self.lock.check()
+        receiver_folder.clear(self.folder)
+
     def write_maps(self, native, output, entry, poses):
         """Writes the result of a native OutputSnapshot's output(). entry: what the journal stores about the frame, a
         dict with its number as ``frame``; the greatest height on either side and checksums are added. poses: of the
@@ -117,6 +155,8 @@ class BakedReceiver:
                 kind, path = BY_NAME[name], self.folder / frame_file(name, frame)
                 native.write_exr(str(path), kind.encoded(values), half=kind.is_half)
             checksums = checksums_of(self.folder, [frame_file(name, frame) for name in output])
+            if self.kept is not None:
+                checksums = self.kept.keep(frame, self.folder, checksums)
         self.covered.add(height)
         entry = {**entry, "highest": float(max(height.max(), -height.min())), "checksums": checksums}
         with self._writing():
@@ -190,7 +230,7 @@ class BakedReceiver:
 
     def write_checkpoint(self, native, frame, shot, state, driver, beside=()):
         """Writes the checkpoint of ``frame``, the last frame whose maps were written. state: from simulation_state;
-        driver: the engine and driver that ran (snow_engine.driver_text); beside: keys of other receivers whose state to
+        driver: the engine and driver that ran (simulation.driver_text); beside: keys of other receivers whose state to
         include."""
         with self._writing():
             self.journal.flush()
@@ -305,6 +345,8 @@ def surface_and_uv_area(topology, positions):
 
 def _check_uv(obj):
     share = outside_share(obj.topology.corner_uv)
+    if share and (tiles := tiles_text(obj.topology.corner_uv)):
+        raise ValueError(f"its UV map '{obj.uv_map}' {tiles}")
     if share:
         raise ValueError(
             f"{share:.0%} of its UV map '{obj.uv_map}' is outside 0 to 1 or not finite: unwrap it, or pack its islands"

@@ -6,6 +6,7 @@ evaluation shows: transforms, alpha images, and the shape of objects without mod
 compares everything else, at every frame.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
@@ -13,7 +14,8 @@ import bpy
 from ..base import session
 from ..base.names import unit_of, with_unit
 from ..cache.errors import CacheError
-from ..cache.files import MANIFEST
+from ..cache.files import LEDGER, MANIFEST
+from ..cache.ledger import lost_text, read_ledger
 from ..cache.manifest import read_head, read_inputs
 from ..scene import inputs
 from ..scene.masks import mask_spec
@@ -23,19 +25,33 @@ from ..scene.receivers import receiver_specs
 from ..scene.uv_maps import choose_uv_map
 from ..settings.objects import SIDES
 from . import plan
+from .continuing import is_longer, parts_of
 from .from_scene import make_request
 
 
-def _manifest(folder):
-    path = Path(bpy.path.abspath(folder)) / MANIFEST
+def _known(path, read):
+    """read(its folder), once for each state of the file; None if it cannot be read."""
     try:
         changed = path.stat().st_mtime_ns
         known = session.manifests.get(path)
         if known is None or known[0] != changed:
-            known = session.manifests[path] = (changed, read_head(path.parent))
+            known = session.manifests[path] = (changed, read(path.parent))
     except (OSError, CacheError):
         return None
     return known[1]
+
+
+def _manifest(folder):
+    return _known(Path(bpy.path.abspath(folder)) / MANIFEST, read_head)
+
+
+def lost_snow(scene):
+    """Where the snow of the scene's bake is that no receiver shows, as a sentence; empty if there is none."""
+    folders = [entry.folder for entry in scene.snowbough.receivers if entry.object and entry.folder]
+    if not folders:
+        return ""
+    version = Path(bpy.path.abspath(folders[0])).parent
+    return _known(version / LEDGER, lambda folder: lost_text(read_ledger(folder))) or ""
 
 
 def _baked_entries(scene):
@@ -65,6 +81,9 @@ def settings_changes(scene):
         return []
     try:
         request = make_request(scene)
+        parts = parts_of(entries[0][1]["settings"]["snowfall"])
+        if request.frame_end > max((last for last, _ in parts), default=request.frame_start - 1):
+            request = replace(request, parts=parts)
         totals = None
         if request.rates is not None:
             totals = list(
@@ -74,6 +93,7 @@ def settings_changes(scene):
                     request.start_depth,
                     request.end_depth,
                     request.rates,
+                    request.parts,
                 ).totals
             )
     except (ValueError, CacheError):
@@ -90,6 +110,24 @@ def settings_changes(scene):
             texts.append("Rate: its animation changed")
         texts += _receiver_changes(entry, manifest["settings"]["receiver"])
     return list(dict.fromkeys(texts))
+
+
+def can_continue(scene):
+    """Whether frames were added to the shot since its finished bake, and nothing else that a panel can see changed."""
+    entries = list(_baked_entries(scene))
+    try:
+        request = make_request(scene)
+    except (ValueError, CacheError):
+        return False
+    return bool(entries) and all(
+        manifest["complete"]
+        and is_longer(
+            {"time_stretching": 1.0, **manifest["settings"]["snowfall"], "pixel_size": 0.0},
+            {"time_stretching": 1.0, **request.shot(), "pixel_size": 0.0},
+        )
+        and not list(_receiver_changes(entry, manifest["settings"]["receiver"]))
+        for entry, manifest in entries
+    )
 
 
 def _receiver_changes(entry, before):

@@ -6,8 +6,10 @@ One line a frame on standard output, made of ``name=value`` words, seconds and m
     SNOWBOUGH frame=12 first=1 last=48 depth=0.025000 volume=0.183201 slid=0.000000 seconds=0.412 left=14.8
               evaluate=0.012 gpu=0.371 files=0.094                                  (all in one line)
 
-``seconds`` is the time since the frame before; ``evaluate`` (Blender's poses), ``gpu`` (snow and maps, in either
-engine) and ``files`` (packing and writing) run in parallel.
+While snow surfaces are made after the last frame, ``SNOWBOUGH surfaces=0.35 left=4.1`` is printed every five seconds.
+
+``seconds`` is the time since the frame before; ``left`` includes the surfaces; ``evaluate`` (Blender's poses), ``gpu``
+(snow and maps, in either engine) and ``files`` (packing and writing) run in parallel.
 
 ``--engine`` sets what computes the snow: GL (OpenGL), CPU (all cores of the processor, without a graphics driver) or
 AUTO (GL on a graphics card, else CPU). The default is the add-on's preference, or AUTO without one.
@@ -76,6 +78,12 @@ def add_arguments(parser):
     )
     parser.add_argument("--json", metavar="R.json", help="file for the report")
     parser.add_argument("--resume", action="store_true", help="continue from the last checkpoint")
+    parser.add_argument(
+        "--continue",
+        dest="extend",
+        action="store_true",
+        help="add the frames by which the shot became longer to a finished bake, whose frames stay as they are",
+    )
     parser.add_argument("--objects", metavar="A,B", help="bake only these receivers (default: all)")
     parser.add_argument(
         "--allow-other-driver",
@@ -189,6 +197,8 @@ def _attempt(args, report, pressed):
     try:
         if args.frames:
             first, last = plan.parse_frames(args.frames, first, last)
+            if getattr(args, "extend", False):
+                raise ValueError("--continue bakes all new frames: leave out --frames")
         objects = plan.parse_names(args.objects)
         request = make_request(
             scene,
@@ -201,6 +211,7 @@ def _attempt(args, report, pressed):
             allow_other_driver=bool(getattr(args, "allow_other_driver", False)),
             engine=args.engine,
             strict=bool(getattr(args, "strict", False)),
+            extend=bool(getattr(args, "extend", False)),
         )
         return _bake(request, report, pressed)
     except (ValueError, RuntimeError, OSError) as error:
@@ -249,7 +260,13 @@ def _bake(request, report, pressed):
         )
 
     print(f"SNOWBOUGH cache={json.dumps(request.cache)}", flush=True)
+
+    def on_surfaces():
+        left = running.seconds_left() or 0.0
+        print(f"SNOWBOUGH surfaces={running.shaping:.2f} left={left:.1f}", flush=True)
+
     running = prepare_bake(bpy.context.scene, request, on_frame)
+    running.on_surfaces = engine.seldom(on_surfaces)
     scene, depsgraph = bpy.context.scene, bpy.context.evaluated_depsgraph_get()
     findings = preflight.of_bake(scene, depsgraph)
     report["warnings"] = [issue.text for issue in findings if issue.severity == "WARNING"]

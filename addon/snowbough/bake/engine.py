@@ -13,6 +13,7 @@ differ. The settings are stored by name, since an undo would make references inv
 only during a bake, so it appears in no menu.
 """
 
+import math
 import os
 import sys
 import time
@@ -42,6 +43,9 @@ SWITCH_SECONDS = 5.0
 # Seconds between redraws of the progress, which take time from the bake.
 REDRAW_SECONDS = 0.5
 
+# Time of the snow surfaces of a frame as a share of the time of its maps, until the first surfaces are made.
+SURFACES = 1.0
+
 # Loading a file waits at most this long for the last frame of a bake; even with huge maps a frame takes less.
 STOPPING_SECONDS = 120.0
 
@@ -64,51 +68,90 @@ RENDER_SETTINGS = {
 class RunningBake:
     """A bake while it runs, and its outcome. Contains only texts and numbers, besides the job."""
 
-    def __init__(self, job, specs, scale_length, on_frame=None):
+    def __init__(self, job, specs, scale_length, on_frame=None, begun=None):
         self.job = job
         self.specs = specs
         self.scale_length = scale_length
         self.on_frame = on_frame
+        self.on_surfaces = None
+        """Called without arguments, often, while surfaces are made."""
         self.error = None
         self.cancelled = False
         self.stop_requested = False
         self.blocks = False
         """Whether a call of run() waits for the bake."""
-        self.begun = time.monotonic()
+        self.begun = time.monotonic() if begun is None else begun
         self.shown = 0.0
         self.in_render = False
         self.done = False
         self.last_result = None
         self.shaping = None
         """Progress of the surfaces, 0 to 1, while they are made."""
+        self._shaping_begun = 0.0
+        self._has_surfaces = any(spec.enabled and spec.surface is not None for spec in specs)
+
+    def shape(self, share):
+        """Notes the progress of the surfaces, 0 to 1."""
+        if self.shaping is None:
+            self._shaping_begun = time.monotonic()
+        self.shaping = share
 
     @property
     def fraction(self):
-        """0 to 1."""
-        if self.last_result is None:
-            return 0.0
-        result = self.last_result
-        return (result.frame - result.first + 1) / (result.last - result.first + 1)
+        """Progress of maps and surfaces together, 0 to 1."""
+        result, maps = self.last_result, 0.0
+        if self.shaping is not None:
+            maps = 1.0
+        elif result is not None:
+            maps = (result.frame - result.first + 1) / (result.last - result.first + 1)
+        return (maps + SURFACES * (self.shaping or 0.0)) / (1.0 + SURFACES) if self._has_surfaces else maps
 
     def seconds_left(self):
-        """An estimate from the frames so far; None before the first."""
+        """An estimate for maps and surfaces; None before the first frame."""
         results = self.job.results
         if not results:
             return None
+        last = results[-1]
         pace = sum(result.seconds["total"] for result in results) / len(results)
-        return pace * (results[-1].last - results[-1].frame)
+        surfaces = 0.0
+        if self._has_surfaces:
+            surfaces = SURFACES * pace * (last.last - self.job.request.frame_start + 1)
+        if self.shaping is None:
+            return pace * (last.last - last.frame) + surfaces
+        spent = time.monotonic() - self._shaping_begun
+        if self.shaping > 0.0:
+            return spent * (1.0 / self.shaping - 1.0)
+        return max(0.0, surfaces - spent)
 
     def status(self):
-        """One line for the user: ``frame 12 of 1-48, 0:34 left``."""
-        if self.shaping is not None:
-            return f"making snow surfaces, {self.shaping:.0%}"
-        if self.stop_requested:
-            return "stopping after this frame"
-        if self.last_result is None:
-            return "preparing the bake"
-        left = int(self.seconds_left() + 0.5)
+        """One line for the user: ``frame 12 of 1-48, 0:34 left``. The time is at least a second until all is done."""
         result = self.last_result
-        return f"frame {result.frame} of {result.first}-{result.last}, {left // 60}:{left % 60:02d} left"
+        if self.shaping is not None:
+            text = "making snow surfaces"
+        elif self.stop_requested:
+            return "stopping after this frame"
+        elif result is None:
+            return "preparing the bake"
+        else:
+            text = f"frame {result.frame} of {result.first}-{result.last}"
+        left = self.seconds_left()
+        if left is None:  # a resumed bake had only surfaces left
+            return f"{text}, {self.shaping:.0%}"
+        seconds = max(1, math.ceil(left))
+        return f"{text}, {seconds // 60}:{seconds % 60:02d} left"
+
+
+def seldom(action, seconds=5.0):
+    """A function that calls action() at its first call, and then at most once in this time."""
+    last = -math.inf
+
+    def call():
+        nonlocal last
+        if time.monotonic() - last >= seconds:
+            last = time.monotonic()
+            action()
+
+    return call
 
 
 _prepared = None
@@ -165,8 +208,10 @@ class SNOWBOUGH_BAKE(bpy.types.RenderEngine):
                 running.on_frame(result)
 
         def shaping(share):
-            running.shaping = share
-            show_progress(share)
+            running.shape(share)
+            show_progress(running.fraction)
+            if running.on_surfaces is not None:
+                running.on_surfaces()
 
         def cancelled():
             return running.stop_requested or self.test_break()

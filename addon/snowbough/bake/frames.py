@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 from ..cache.folder import checkpoints
 from ..cache.journal import packed
+from ..cache.ledger import COMMON
 from . import memory
 from .request import FrameResult
-from .snow_engine import driver_text, other_engine
+from .simulation import driver_text, other_engine
 
 
 @dataclass
@@ -33,7 +34,7 @@ class FrameBaker:
     """Bakes the frames of a BakeJob in order.
 
     registry: bake.simulation.Registry of `simulation`. positions: {key: array} for the next step. driver:
-    snow_engine.driver_text of the planned engine. resumed: whether the simulation continues from a checkpoint. writer:
+    simulation.driver_text of the planned engine. resumed: whether the simulation continues from a checkpoint. writer:
     a MapWriter. log(text).
     """
 
@@ -100,7 +101,7 @@ class FrameBaker:
         reading += clock()
         saving = clock()
         if request.is_checkpoint(frame):
-            self._checkpoint(frame)
+            self.checkpoint(frame)
         self._between_frames = True
         saving = clock() - saving
         result = FrameResult(frame, request.first, request.last, work.depth, volume, slid)
@@ -113,7 +114,7 @@ class FrameBaker:
         self._writer.flush()
         done = self._receivers[0].last_frame
         if self._between_frames and done is not None and done not in checkpoints(self._receivers[0].folder):
-            self._checkpoint(done)
+            self.checkpoint(done)
             self._writer.flush()
 
     def _write_hashes(self, frame):
@@ -137,7 +138,11 @@ class FrameBaker:
     def _take_snapshots(self, work):
         """Passes the snow of each receiver to the writer; returns the volumes of held and of slid snow in m3."""
         volume = slid = 0.0
-        balance = self._simulation.statistics()["objects"]
+        statistics = self._simulation.statistics()
+        balance = statistics["objects"]
+        common = {}
+        if self._request.snow["landing"] and memory.has_repose(self._request.snow["repose"]):
+            common = {name: float(statistics[f"{name}_volume"]) for name in COMMON}
         poses = packed(work.inputs)
         for receiver in self._receivers:
             snapshot = self._simulation.snapshot(receiver.key, **self._request.maps)
@@ -150,6 +155,9 @@ class FrameBaker:
                 "volume": own_volume,
                 "slid": own_slid,
                 "landed": float(total["landed_volume"]),
+                "fallen": float(total["deposited_volume"]),
+                "stretched": float(total["stretched_volume"]),
+                **common,
                 "direction": list(work.poses[-1][1]),
                 "to_world": work.places[receiver.key].ravel().tolist(),
             }
@@ -168,7 +176,7 @@ class FrameBaker:
             )
         return volume, slid
 
-    def _checkpoint(self, frame):
+    def checkpoint(self, frame):
         """Reads the state back. The writer packs and writes it, after the maps before it."""
         state = self._native.simulation_state(self._simulation)
         driver = driver_text(self._simulation.engine)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes the request of a bake from the scene's settings, as plain data, in Blender's main thread."""
 
+import time
 from dataclasses import fields
 
 import bpy
@@ -50,11 +51,12 @@ def constant_rates(scene, frame_start, frame_end):
 
 
 def make_request(scene, resume=False, first=None, last=None, objects=(), directory=None,
-                 allow_other_driver=False, engine=None, strict=False):  # fmt: skip
+                 allow_other_driver=False, engine=None, strict=False, extend=False):  # fmt: skip
     """All data that a bake of the scene needs, without references into it. Raises ValueError.
 
     directory: the cache that the command line names; None for that of the settings. engine: AUTO, GL or CPU; None for
-    that of the preferences. strict: a receiver that cannot be baked is an error."""
+    that of the preferences. strict: a receiver that cannot be baked is an error. extend: add frames to a finished
+    bake."""
     if bpy.app.autoexec_fail:
         raise ValueError(
             f"Blender has disabled scripts in this file ({bpy.app.autoexec_fail_message or 'drivers'}), so its "
@@ -63,7 +65,7 @@ def make_request(scene, resume=False, first=None, last=None, objects=(), directo
     settings, render = scene.snowbough, scene.render
     frame_start, frame_end = settings.frame_start, settings.frame_end
     first = frame_start if first is None else first
-    cache, cache_id = bake_place(scene, resume or first > frame_start, directory)
+    cache, cache_id = bake_place(scene, resume or extend or first > frame_start, directory)
     return BakeRequest(
         scene_name=scene.name,
         baked_as=known_as(scene),
@@ -81,6 +83,7 @@ def make_request(scene, resume=False, first=None, last=None, objects=(), directo
         receivers=tuple(receiver_specs(scene, as_baked=True)),
         objects=tuple(objects),
         resume=resume,
+        extend=extend,
         strict=strict,
         allow_other_driver=allow_other_driver,
         engine=preferred_engine() if engine is None else engine,
@@ -91,10 +94,11 @@ def make_request(scene, resume=False, first=None, last=None, objects=(), directo
 def prepare_bake(scene, request, on_frame=None):
     """A RunningBake for engine.run or start. Raises the errors of make_request and native.load, and ValueError for a
     physics simulation that is not baked and would not move, and for Time Stretching that materials do not follow."""
+    begun = time.monotonic()
     physics_caches.require_cached(scene)
     displacement.require_frames(scene)
     note_baked_names(scene, request.receivers)
     scene.snowbough.cache_scene = request.baked_as
     masks.load_sequences(request.receivers, request.frame_start, request.frame_end)
     job = BakeJob(request, native.load())
-    return RunningBake(job, request.receivers, metres_per_unit(scene), on_frame)
+    return RunningBake(job, request.receivers, metres_per_unit(scene), on_frame, begun)

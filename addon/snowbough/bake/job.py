@@ -11,7 +11,8 @@ The steps of a job are:
 1. Read the first pose of the shot, and of receivers that it does not show a later one. They determine the resolutions
    and the occlusion grid, even if a part is baked.
 2. Choose and lock the version.
-3. Start, or resume: evaluate the frames up to the checkpoint again, compare them with its inputs, and restore it.
+3. Start, or resume: evaluate the frames up to the checkpoint again, compare them with its inputs, and restore it. A
+   bake that adds frames to a finished one does the same with its checkpoint, in a new version (continuing).
 4. For each frame: simulate its steps, write the maps and the manifest, and write a checkpoint at each interval or when
    the bake is stopped.
 """
@@ -21,26 +22,27 @@ import contextlib
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from ..cache import owner, versions
-from ..cache.errors import CacheError, CacheFinished
+from ..cache.errors import CacheError, CacheFinished, InputsChanged
 from ..cache.files import MANIFEST, digest, make_folder
 from ..cache.folder import restore_manifest
+from ..cache.ledger import read_ledger, write_ledger
 from ..cache.lock import drop_dead_locks, lock_receivers
 from ..cache.migration import is_of_before, migrate
 from ..cache.versions import is_finished
 from ..scene.tracker import SceneTracker
 from ..surface.side_by_side import run_side_by_side
 from ..surface.style import WantedPoints, shared_out
-from . import memory, plan, resuming, simulation
+from . import continuing, memory, plan, resuming, simulation
 from .choice import choose_receivers, complete_pose
 from .frames import FrameBaker, FrameWork
 from .log import open_log
 from .map_writer import MapWriter, WriteFailed
 from .request import BakeCancelled
-from .snow_engine import driver_text, engine_info
+from .simulation import driver_text, engine_info
 
 STOPPING_SECONDS = 4.0
 
@@ -54,7 +56,7 @@ class _Run:
     cancelled: Callable
     shaping: Callable
     first_pose: object
-    snowfall: plan.Snowfall
+    snowfall: plan.Snowfall = None
     settings: dict = None
     log: Callable = None
 
@@ -76,12 +78,16 @@ class BakeJob:
         """With landing, the shot's other receivers: their snow is simulated, too, but not written."""
         self.refused = {}
         """Label -> reason why no snow is baked on it; known after the first pose."""
+        self._all_keys = []
+        """Of the shot's receivers."""
         self.pixel_size = 0.0
         self.results = []
         self.folders = {}
         """Receiver's label -> folder; known after the version is chosen."""
         self.repaired = []
         """Messages about damaged files that this bake makes again."""
+        self._finished = None
+        """The continuing.Finished bake that this one adds frames to."""
         self._simulation = None
         self._registry = None
         self._tracker = SceneTracker()
@@ -104,13 +110,16 @@ class BakeJob:
         Raises BakeCancelled, CacheError and its subclasses, ValueError (scene or settings) or RuntimeError (NoGpu if
         engine GL is required but unavailable, or if a driver fails).
         """
-        request = self.request
         with contextlib.ExitStack() as stack:
             stack.enter_context(self._engine)
-            first_pose = complete_pose(evaluate, request)
-            run = _Run(evaluate, report, cancelled, shaping, first_pose, self._plan(evaluate))
+            first_pose = complete_pose(evaluate, self.request)
+            run = _Run(evaluate, report, cancelled, shaping, first_pose)
             self._identify(first_pose)
+            request = self._find_parts()
+            run.snowfall = self._plan(evaluate)
             settings = run.settings = self._settings(run.snowfall)
+            if request.extend:
+                self._finished.compare_settings(self.receivers, settings, request.units)
             added, self._positions, _, *self._effects = self._tracker.register_changes(
                 first_pose, request.frame_start, 0.0
             )
@@ -127,6 +136,8 @@ class BakeJob:
             self._open_version(settings, stack)
             if not self.receivers:
                 self._compare_finished(run)
+                if not read_ledger(self.version):  # after a kill, or damaged
+                    write_ledger(self.version, self._all_keys)
                 return
             rest = self._checkpoint_to_resume()
             if request.blend:
@@ -142,13 +153,14 @@ class BakeJob:
             for text in self.repaired:
                 log(text)
             self._registry.prepare()
-            if rest is None:
+            if request.extend:
+                stack.enter_context(self._discarding())
+            if rest is None or request.extend:
                 for receiver in self.receivers:
                     receiver.start(settings)
-                begin = request.frame_start
-            else:
+            if rest is not None:
                 self._resume_from(run, rest)
-                begin = rest + 1
+            begin = request.frame_start if rest is None else rest + 1
             writer = stack.enter_context(MapWriter())
             baker = FrameBaker(
                 request,
@@ -163,6 +175,8 @@ class BakeJob:
                 writer=writer,
                 log=log,
             )
+            if rest is not None and request.extend:
+                baker.checkpoint(rest)
             try:
                 self._bake(run, begin, baker, writer)
             except BakeCancelled:
@@ -177,6 +191,7 @@ class BakeJob:
             if request.last == request.frame_end:
                 for receiver in self.receivers:
                     receiver.complete(settings, self.native)
+                write_ledger(self.version, self._all_keys)
 
     def _make_surfaces(self, shaping, cancelled):
         """Computes the surfaces after the last map, because the faces of snow depend on the whole shot.
@@ -196,13 +211,44 @@ class BakeJob:
         if rates is None:
             rates = [evaluate(frame, 0.0).rate for frame in range(request.frame_start, request.frame_end + 1)]
         return plan.plan_snowfall(
-            request.frame_start, request.frame_end, request.start_depth, request.end_depth, rates
+            request.frame_start,
+            request.frame_end,
+            request.start_depth,
+            request.end_depth,
+            rates,
+            request.parts,
         )
+
+    def _find_parts(self):
+        """Finds the bake to continue, and the parts of a shot that was continued. Returns the request."""
+        request, keys = self.request, [receiver.key for receiver in self.receivers]
+        parts = ()
+        if request.extend:
+            self._finished = continuing.find_finished(self.root, self.receivers, request.frame_end)
+            if self._finished is None:  # a repeated command goes on with its own bake
+                request = replace(request, extend=False, resume=True)
+            else:
+                parts = self._finished.parts
+        if not request.extend and (request.resume or request.first > request.frame_start):
+            parts = continuing.parts_to_resume(self.root, keys)
+        self.request = replace(request, parts=parts)
+        return self.request
+
+    @contextlib.contextmanager
+    def _discarding(self):
+        """Removes what was written if the finished frames would change."""
+        try:
+            yield
+        except InputsChanged:
+            for receiver in self.receivers:
+                receiver.discard()
+            raise
 
     def _identify(self, pose):
         """Finds the receivers in the shot's complete_pose and determines resolutions and grid."""
         choice = choose_receivers(pose, self.request)
         self.receivers, self.refused = choice.receivers, choice.refused
+        self._all_keys = [own.key for own in (*choice.receivers, *choice.others)]
         if self.request.snow["landing"]:
             self.others = choice.others
         self.pixel_size = simulation.pixel_size(pose, choice.texels, self.request.pixel_size)
@@ -249,9 +295,11 @@ class BakeJob:
             receiver.folder = self.version / receiver.key
             receiver.cache = self.request.cache_id
             self.folders[receiver.shown] = receiver.folder
+        if self.request.parts and not self.request.extend:
+            self._finished = continuing.finished_before(self.version, self.receivers, self.request.parts)
         for receiver in self.receivers:
             if receiver.key in finished:
-                receiver.compare_settings(settings, self.request.units)
+                receiver.compare_settings(settings, self.request)
         damaged = resuming.find_damage([own for own in self.receivers if own.key in finished])
         self.receivers = [own for own in self.receivers if own.key not in finished or own.key in damaged]
         old = [own for own in [*self.baked, *self.others] if self._may_resume() and is_of_before(own.folder)]
@@ -261,7 +309,7 @@ class BakeJob:
             return
         lock = stack.enter_context(lock_receivers(self.version, sorted(locked)))
         for receiver in old:
-            receiver.compare_settings(settings, self.request.units)
+            receiver.compare_settings(settings, self.request)
             migrate(receiver.folder)
         for receiver in self.receivers:
             receiver.lock = lock
@@ -269,6 +317,8 @@ class BakeJob:
                 self.repaired.append(
                     f"{receiver.folder / MANIFEST} was damaged and is restored from a checkpoint"
                 )
+            if self._finished is not None:
+                receiver.kept = self._finished.kept_frames(receiver, self.request.allow_other_driver)
             # Another machine may have finished it between choosing and locking.
             if receiver.key not in damaged and is_finished(receiver.folder):
                 raise CacheFinished(
@@ -277,6 +327,8 @@ class BakeJob:
 
     def _checkpoint_to_resume(self):
         """The frame of the checkpoint that this bake continues, None for a fresh start."""
+        if self.request.extend:
+            return self._finished.checkpoint_frame(self.receivers, self._beside())
         damage = resuming.find_damage(self.receivers) if self._may_resume() else {}
         rest = resuming.checkpoint_frame(self.request, self.receivers, self._beside(), self.version, damage)
         begin = self.request.frame_start if rest is None else rest + 1
@@ -286,13 +338,17 @@ class BakeJob:
 
     def _resume_from(self, run, frame):
         """Compares scene and settings with the checkpoint of ``frame`` and restores it."""
-        request = self.request
-        for receiver in self.receivers:
-            receiver.compare_settings(run.settings, self.request.units)
+        request, beside = self.request, self._beside()
         driver = None if request.allow_other_driver else self._driver
-        for other in self._beside():
-            other.compare_settings(run.settings, request.units)
-        state, before = resuming.read_checkpoints(self.native, self.receivers, self._beside(), frame, driver)
+        if request.extend:
+            own, beside = self._finished.places(self.receivers), self._finished.places(beside)
+            state, before = resuming.read_checkpoints(self.native, [], [*own, *beside], frame, driver)
+            for receiver, place in zip(self.receivers, own):
+                receiver.take_frames(frame, place.covered)
+        else:
+            for receiver in (*self.receivers, *beside):
+                receiver.compare_settings(run.settings, request)
+            state, before = resuming.read_checkpoints(self.native, self.receivers, beside, frame, driver)
         run.log(f"comparing frames {request.frame_start} to {frame} with the checkpoint")
         added, moved, *effects = self._replay_frames(run, frame)
         self._new_poses()
@@ -301,8 +357,9 @@ class BakeJob:
         self._positions.update(moved)
         recorded = {**resuming.finished_inputs(self.baked, self.receivers), **before}
         resuming.compare_scenes(recorded, self._tracker.inputs, "was baked from", "bake again from the start")
-        for receiver in self.receivers:
-            receiver.forget_after(frame, run.settings)
+        if not request.extend:
+            for receiver in self.receivers:
+                receiver.forget_after(frame, run.settings)
         self.native.set_simulation_state(self._simulation, state)
         run.log(f"restored the checkpoint of frame {frame}")
 
@@ -444,6 +501,13 @@ class BakeJob:
             direction = plan.fall_direction(pose.fall_angle, pose.bearing)
             poses.append((self._tracker.register_changes(pose, *at), direction, steps))
         self._record(frame, pose)
+        if self._finished is not None and frame <= self._finished.last:
+            resuming.compare_scenes(
+                self._finished.inputs(self.receivers),
+                self._tracker.inputs,
+                f"in {self._finished.version.name} was baked from",
+                "bake again from the start",
+            )
         return FrameWork(
             frame,
             poses,

@@ -6,7 +6,7 @@ import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 
-from ..cache.errors import LockLost, with_remedy
+from ..cache.errors import InputsChanged, LockLost, with_remedy
 
 # Limits of the queue, in tasks and in bytes of maps; a longer one would only fill memory if the disk is slow.
 MAX_WAITING = 8
@@ -84,7 +84,7 @@ class MapWriter:
                     self._busy += time.perf_counter() - begun
                 elif made is not None:
                     made.cancel()
-            except LockLost as error:
+            except (LockLost, InputsChanged) as error:
                 self._error = error
             except (OSError, RuntimeError) as error:  # reported by call() and flush() in the baking thread
                 self._error = WriteFailed(with_remedy(error))

@@ -48,11 +48,16 @@ def estimate(maps, repose, with_normals):
     )
 
 
+def has_repose(repose):
+    """Whether lying snow moves at all, on which landing depends. repose: radians, as in SnowSimulation."""
+    return repose < math.pi / 2 - 1e-4
+
+
 def simulation(maps, repose):
     """Bytes that the simulation of these MapSizes needs."""
     if not maps:
         return 0
-    texel = MAP + (REPOSE if repose < math.pi / 2 - 1e-4 else 0)
+    texel = MAP + (REPOSE if has_repose(repose) else 0)
     own = sum(
         size.resolution**2 * texel + size.resolution * RIM * RIM_WIDTHS + size.triangles * TRIANGLE
         for size in maps

@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The outcome of a bake, and its result in the scene: the folder of each receiver's files."""
 
+import time
 from pathlib import Path
 
 import bpy
 
 from ..base import session
 from ..base.names import counted
+from ..cache import versions
 from ..cache.errors import CacheError
+from ..cache.files import folders_in
 from ..cache.folder import baked_frames
 from ..cache.manifest import read_head
 from ..result import displacement
 from ..result.snow_surface import blend_path
-from ..scene.libraries import library_name
-from .cache_place import note_baked_name
+from ..scene.libraries import library_name, stored_name
+from .cache_place import bake_place, known_as, note_baked_name
 
 
 def describe(running):
@@ -24,8 +27,10 @@ def describe(running):
         return "WARNING", "The bake was stopped. Finished frames are kept: Resume continues after them"
     results, refused = running.job.results, running.job.refused
     if results:
-        seconds = sum(result.seconds["total"] for result in results)
+        seconds = time.monotonic() - running.begun
         text = f"Baked {counted(len(results), 'frame')} in {seconds:.1f} s"
+        if running.job.request.extend:
+            text += f". {_added(running.job.request)}"
     else:
         text = "Everything is already baked from the current scene"
     if running.job.repaired:
@@ -35,6 +40,17 @@ def describe(running):
     return "WARNING", one_line(
         f"{text}, without {counted(len(refused), 'receiver')}: {'; '.join(refused.values())}"
     )
+
+
+def _added(request):
+    """What Continue Bake did, as a sentence."""
+    last, depth = request.parts[-1]
+    text = (
+        f"Frames {request.frame_start}-{last} are as they were, frames {last + 1}-{request.frame_end} are new"
+    )
+    if request.end_depth == depth:
+        text += f", and no snow falls in them: End Depth is {depth:g} m as before"
+    return text
 
 
 def one_line(error):
@@ -75,10 +91,38 @@ def after_bake(scene, running):
     return notes
 
 
+def show_bakes(scene, directory=None):
+    """Sets the folder of each receiver to its newest bake in the cache, as for a .blend that was not saved after its
+    bake. directory: the cache that the command line names; None for the scene's own, for receivers without a folder.
+    Raises ValueError, CacheError."""
+    entries = [
+        entry
+        for entry in scene.snowbough.receivers
+        if entry.object is not None and (directory is not None or not entry.folder)
+    ]
+    if not entries:
+        return
+    cache, identity = bake_place(scene, True, directory)
+    root, found = versions.scene_folder(cache, known_as(scene), identity), {}
+    for number in reversed(versions.versions(root)):
+        version = versions.version_folder(root, number)
+        for folder in map(version.joinpath, folders_in(version)):
+            manifest = read_head(folder)
+            if manifest is not None and baked_frames(folder):
+                is_member = manifest["label"] != manifest["object"]
+                name = manifest["label"].removesuffix(f" / {manifest['object']}")
+                found.setdefault((name, "" if is_member else stored_name(manifest["library"])), folder)
+    for entry in entries:
+        library = library_name(entry.object) if entry.object.type == "MESH" else ""
+        folder = found.get((entry.baked_as or entry.object.name, library))
+        if folder is not None:
+            entry.folder = blend_path(folder)
+
+
 def conclude(scene, running):
     """after_bake(), and describe() with its messages."""
-    severity, text = describe(running)
     notes = after_bake(scene, running)
+    severity, text = describe(running)
     if not notes:
         return severity, text
     return "WARNING" if severity == "INFO" else severity, one_line(f"{text}. {'; '.join(notes)}")

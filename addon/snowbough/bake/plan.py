@@ -16,6 +16,9 @@ shot of 12 frames gets 5 on each of the first 8 frames and 6 on each of the last
 frames takes one step per frame, as without this rule. Steps on one pose have equal depths. The time of the pose, in
 which snow slides and comes to rest, goes to every RUN-th step and the last, since it costs more than the fall. The
 simulation counts the steps and picks the direction by the count, so resumed and split bakes get the same directions.
+
+**Continued shots.** If frames were added to a finished bake, its frames keep their depths and steps: each part of the
+shot is planned alone. Later parts get as many directions per metre of snow as the first one with snow.
 """
 
 import functools
@@ -70,15 +73,39 @@ class Snowfall:
     """Metres that each frame adds, first to last."""
     totals: tuple
     """Total metres after each frame, pre-roll included."""
+    parts: tuple = ()
+    """Last frames of the parts before the last one."""
 
 
-def plan_snowfall(frame_start, frame_end, start_depth, end_depth, rates):
+def plan_snowfall(frame_start, frame_end, start_depth, end_depth, rates, parts=()):
     """Distributes ``end_depth - start_depth`` over the frames in proportion to ``rates``.
 
-    rates: one number >= 0 for every frame from frame_start to frame_end.
-    Raises ValueError for an empty range, an end depth below the start depth, and wrong or missing rates.
+    rates: one number >= 0 for every frame from frame_start to frame_end. parts: of a continued shot, (last frame, depth
+    after it) of each part that was baked before. Raises ValueError for an empty range, an end depth below the start
+    depth, and wrong or missing rates.
     """
     count = frame_end - frame_start + 1
+    if parts and len(rates) == count:
+        (last, depth), split = parts[-1], parts[-1][0] - frame_start + 1
+        if not frame_start <= last < frame_end:
+            raise ValueError(
+                f"Frames {frame_start}-{last} are baked: to continue, set the last frame ({frame_end}) after them"
+            )
+        if end_depth < depth:
+            raise ValueError(
+                f"{depth:g} m of snow lie at frame {last}, and snow does not melt: to continue, set the end depth "
+                f"({end_depth:g} m) to at least that"
+            )
+        before = plan_snowfall(frame_start, last, start_depth, depth, rates[:split], parts[:-1])
+        after = plan_snowfall(last + 1, frame_end, depth, end_depth, rates[split:])
+        return Snowfall(
+            frame_start,
+            frame_end,
+            start_depth,
+            before.depths + after.depths,
+            before.totals + after.totals,
+            (*before.parts, last),
+        )
     if count < 1:
         raise ValueError(f"The last frame ({frame_end}) is before the first ({frame_start})")
     if frame_start < 0:
@@ -117,19 +144,31 @@ def frame_directions(snowfall, frame, directions):
 
 @functools.lru_cache(maxsize=8)
 def _shared_directions(snowfall, directions):
-    """frame_directions of all frames. The remainder after rounding down goes to the last frames, one each: shadows are
-    even if frames with equal counts lie in a row, and not if they alternate."""
-    falling = snowfall.totals[-1] - snowfall.preroll
+    """frame_directions of all frames."""
+    counts, reached, pace = [], snowfall.preroll, None
+    for last in (*snowfall.parts, snowfall.frame_end):
+        end = last - snowfall.frame_start + 1
+        falling, reached = snowfall.totals[end - 1] - reached, snowfall.totals[end - 1]
+        wanted = directions if pace is None else math.ceil(pace * falling - 1e-6)
+        counts += _counts(snowfall.depths[len(counts) : end], falling, wanted)
+        if pace is None and falling > 0:
+            pace = directions / falling
+    return tuple(counts)
+
+
+def _counts(depths, falling, directions):
+    """Directions of the frames of a part of a shot. The remainder after rounding down goes to the last frames, one
+    each: shadows are even if frames with equal counts lie in a row, and not if they alternate."""
     if falling <= 0:
-        return (1,) * len(snowfall.depths)
-    shares = [directions * depth / falling for depth in snowfall.depths]
+        return [1] * len(depths)
+    shares = [directions * depth / falling for depth in depths]
     counts = [max(1, math.floor(share + 1e-6)) for share in shares]
     left = directions - sum(counts)
     for index in reversed(range(len(counts))):
         if left > 0 and counts[index] < math.ceil(shares[index] - 1e-6):
             counts[index] += 1
             left -= 1
-    return tuple(counts)
+    return counts
 
 
 def preroll_steps(snowfall, fps, slide_half_life, directions=1):

@@ -35,7 +35,7 @@ from . import baked_receiver, changes_since_bake, memory, plan
 from .cache_place import cache_directory, existing_cache
 from .from_scene import constant_rates
 from .outcome import one_line
-from .snow_engine import driver_text, probe_engine
+from .simulation import driver_text, probe_engine
 
 # Names of objects in one message.
 MOST_NAMED = 5
@@ -176,6 +176,9 @@ def _cache(scene):
             "INFO",
             f"There are bakes already; the newest is v{numbers[-1]:03d}. Finished bakes are never overwritten",
         )
+    lost = changes_since_bake.lost_snow(scene)
+    if lost:
+        yield Issue("INFO", f"{lost}. Snow on objects is shown if they are receivers")
 
 
 def _is_writable(folder):
@@ -192,6 +195,14 @@ def _receiver(scene, entry, depsgraph):
     name = obj.name
     issues = []
     if obj.type != "MESH":
+        for names, text, severity in (
+            (receivers.members_without_map(obj), "have no UV map and get no snow: unwrap them", "WARNING"),
+            (receivers.hidden_members(obj), "are hidden in renders and get no snow", "INFO"),
+        ):
+            if names:
+                listed = ", ".join(f"'{own}'" for own in names[:MOST_NAMED])
+                more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+                issues.append(Issue(severity, f"Members of '{name}' {text}: {listed}{more}", name))
         return issues, entry.resolution or None
     evaluated = obj.evaluated_get(depsgraph)
     mesh = evaluated.data
@@ -208,10 +219,14 @@ def _receiver(scene, entry, depsgraph):
     uv = uv_maps.corner_uv(mesh, uv_map)
     outside = uv_overlap.outside_share(uv)
     if outside:
-        issues.append(
-            Issue("ERROR", f"{outside:.0%} of '{name}'s UV map '{uv_map}' is outside 0 to 1", name, "UNWRAP")
+        tiles = uv_overlap.tiles_text(uv)
+        text = (
+            f"'{name}'s UV map '{uv_map}' {tiles}"
+            if tiles
+            else (f"{outside:.0%} of '{name}'s UV map '{uv_map}' is outside 0 to 1")
         )
-    overlap = uv_overlap.overlap_share(uv)
+        issues.append(Issue("ERROR", text, name, "UNWRAP"))
+    overlap = uv_overlap.overlap_share(uv, enough=0.9)  # cards on one place cover nearly all of it
     if overlap > uv_overlap.TOLERANCE:
         issues.append(
             Issue(

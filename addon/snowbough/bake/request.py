@@ -66,6 +66,11 @@ class BakeRequest:
     objects: tuple = ()
     """Names of the receivers to bake; empty for all enabled ones."""
     resume: bool = False
+    extend: bool = False
+    """Adds frames to a finished bake, whose frames keep their bytes (bake.continuing)."""
+    parts: tuple = ()
+    """(last frame, depth after it) of each part of the shot that was baked before frames were added. The job reads them
+    from the cache."""
     strict: bool = False
     """A receiver that cannot be baked is an error."""
     allow_other_driver: bool = False
@@ -88,6 +93,8 @@ class BakeRequest:
         own = {one.name: getattr(self, one.name) for one in fields(self) if "for_all_maps" in one.metadata}
         if self.time_stretching != 1.0:  # bakes of earlier versions lack it
             own["time_stretching"] = self.time_stretching
+        if self.parts:
+            own["parts"] = [list(part) for part in self.parts]
         return {**own, **{kind.setting: self.maps[kind.name] for kind in ON_REQUEST}, **self.snow}
 
 

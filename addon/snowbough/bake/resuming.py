@@ -7,7 +7,7 @@ from ..cache.errors import CacheError, InputsChanged, NoCheckpoint
 from ..cache.manifest import read_inputs
 from ..cache.versions import is_finished
 from ..scene.inputs import SceneInputs
-from .snow_engine import other_engine
+from .simulation import other_engine
 
 
 def find_damage(receivers):

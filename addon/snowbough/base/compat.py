@@ -17,8 +17,8 @@ VERSION = bpy.app.version
 # --------------------------------------------------------------------------------------------------
 # Properties
 
-# From 5.0 on, a property needs this option if its path may begin with // (the folder of the .blend).
-BLEND_RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if VERSION >= (5, 0, 0) else set()
+# From 4.5 on, a property needs this option if its path may begin with // (the folder of the .blend).
+BLEND_RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if VERSION >= (4, 5, 0) else set()
 
 # --------------------------------------------------------------------------------------------------
 # Mesh data

@@ -31,7 +31,7 @@ issues = _persistent("issues", {})
 # Scene name -> identity of its cache, set when the file was saved.
 cache_identities = _persistent("cache_identities", {})
 
-# Path of a manifest -> (its modification time, the manifest), for panels that redraw often.
+# Path of a manifest or a ledger -> (its modification time, its content), for panels that redraw often.
 manifests = _persistent("manifests", {})
 
 # Cache folder -> (time of the last look, whether it has an unfinished bake).

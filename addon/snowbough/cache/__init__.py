@@ -11,6 +11,7 @@
                                                       state_0010        checkpoint: the simulation's own file
                                                       state_0010.json   other data of the checkpoint: coverage
     <cache>/<scene>-<id>/v001/lock-0123abcd                             while a bake writes there (lock)
+    <cache>/<scene>-<id>/v001/ledger.json                               the balance of all snow (ledger)
     <cache>/<scene>-<id>/owner.json                                     the .blend that bakes here (owner)
     <cache>/<scene>-<id>/logs/                                          times and the engine, one file per bake
 

@@ -65,6 +65,8 @@ class Lines:
     entries: list = field(default_factory=list)
     poses: list = field(default_factory=list)
     """Empty unless they were asked for."""
+    packed_poses: list = field(default_factory=list)
+    """Those of each frame as bytes, as in its line; empty unless poses were asked for."""
     ends: list = field(default_factory=list)
     """The Place after each frame's line."""
     rest: int = 0
@@ -107,6 +109,8 @@ def read_lines(folder, with_poses=False, until=None):
                     continue
                 lines.entries.append(entry)
                 lines.poses += poses
+                if with_poses:
+                    lines.packed_poses.append(columns[2].rstrip(b"\n"))
                 lines.ends.append(Place(end, seal.decode()))
             lines.rest = size - end
     except FileNotFoundError:

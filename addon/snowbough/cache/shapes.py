@@ -125,9 +125,8 @@ _FRAME = {
     "volume": Maybe(number),
     "slid": Maybe(number),
     "landed": Maybe(number),
-    "masked": Maybe(number),
-    "pressed": Maybe(number),
-    "cleared": Maybe(number),
+    **dict.fromkeys(("masked", "pressed", "cleared"), Maybe(number)),
+    **dict.fromkeys(("fallen", "stretched", "floor", "left", "air"), Maybe(number)),
     "highest": Maybe(number),
     "direction": Maybe((_cosine,) * 3),
     "to_world": Maybe((number,) * 16),
@@ -154,7 +153,7 @@ def _volume(matrix):
     )
 
 
-_PLAIN = either(flag, number, text, nothing, [number])
+_PLAIN = either(flag, number, text, nothing, [number], [(frame, number)])
 
 _SETTINGS = {
     "shot": text,

@@ -8,7 +8,7 @@ from pathlib import Path
 from ..base.names import folder_name, safe_name, tagged_name
 from . import folder as receiver_folder
 from .errors import CacheError
-from .files import LOG_PATTERN, LOGS, OWNER, VERSION_PATTERN, folders_in, is_regular
+from .files import LEDGER, LOG_PATTERN, LOGS, OWNER, VERSION_PATTERN, folders_in, is_regular
 from .integrity import replaced
 from .lock import lock_receivers
 from .manifest import read_any_head, read_head
@@ -104,6 +104,8 @@ class Bakes:
     folders: list = field(default_factory=list)
     """Of receivers."""
     logs: list = field(default_factory=list)
+    ledgers: list = field(default_factory=list)
+    """Of versions all of whose receivers are listed."""
     count: int = 0
     """Number of files, and their bytes."""
     size: int = 0
@@ -138,6 +140,10 @@ def find_bakes(root, identities=("",), shown=None, keys=None):
             if manifest is not None and manifest.get("cache") in identities:
                 found.folders.append(folder / name)
                 found._add(receiver_folder.listed_files(folder / name))
+        ours = {path.name for path in found.folders if path.parent == folder}
+        if ours and ours == set(folders_in(folder)) and is_regular(folder / LEDGER):
+            found.ledgers.append(folder / LEDGER)
+            found._add(found.ledgers[-1:])
     if found.folders and keys is None and shown is None:
         found.logs = [
             path
@@ -159,7 +165,7 @@ def free(found):
                 kept = replaced(folder)
                 removed += receiver_folder.clear(folder, kept)
                 found.kept += [folder / name for name in kept]
-    for path in found.logs:
+    for path in (*found.logs, *found.ledgers):
         path.unlink(missing_ok=True)
         removed += 1
     if found.logs:

@@ -38,15 +38,16 @@ def _baked_folder(scene, obj, warnings):
 def surfaces(scene, objects, to_file, cell, warnings):
     """[SnowMesh] of the baked surfaces of `objects` ({part's name: object}) in the baked frame nearest to the current
     one. to_file(object) -> (4, 4) from object space to the file's space in metres, Z up; cell: see thinning.clustered.
+    Raises ValueError if no object has a surface.
     """
-    snow_meshes = []
+    snow_meshes, reasons = [], []
     for name, obj in objects.items():
-        folder = _baked_folder(scene, obj, warnings)
+        folder = _baked_folder(scene, obj, reasons)
         if folder is None:
             continue
         summary = read_summary(folder)
         if summary is None:
-            warnings.append(f"the bake of '{obj.name}' has no surface: use Update Surface, or bake again")
+            reasons.append(f"the bake of '{obj.name}' has no surface: use Update Surface, or bake again")
             continue
         file = read_mesh(folder / SURFACE_FACES)
         # The first sample has no snow.
@@ -61,7 +62,15 @@ def surfaces(scene, objects, to_file, cell, warnings):
         points, triangles = clustered(points, triangles, cell)
         if len(triangles):
             snow_meshes.append(SnowMesh(f"{name}_snow", points, triangles))
+    _require_snow(objects, reasons)
+    warnings += reasons
     return snow_meshes
+
+
+def _require_snow(objects, reasons):
+    """Raises ValueError if snow is asked for and none of the objects has any. reasons: one per object without snow."""
+    if len(reasons) == len(objects):
+        raise ValueError(f"There is no snow to export, so nothing was written: {'; '.join(reasons)}")
 
 
 def _map_folder(scene, obj, warnings):
@@ -142,12 +151,17 @@ def _write_maps(scene, obj, folder, stem, options, warnings):
 
 def write(scene, objects, path, options, warnings):
     """Writes the maps of `objects` ({part's name: object}) beside the file `path`. Returns ({part's name: parameters
-    for shaders}, [paths]). Heights are in metres, like the file."""
-    said, paths = {}, []
+    for shaders}, [paths]). Heights are in metres, like the file. Raises ValueError if no object has maps."""
+    folders, reasons = {}, []
     for name, obj in objects.items():
-        folder = _map_folder(scene, obj, warnings)
-        if folder is None:
-            continue
+        folder = _map_folder(scene, obj, reasons)
+        if folder is not None:
+            folders[name] = folder
+    _require_snow(objects, reasons)
+    warnings += reasons
+    said, paths = {}, []
+    for name, folder in folders.items():
+        obj = objects[name]
         stem = Path(path).with_name(f"{Path(path).stem}_{name}")
         said[name], written = _write_maps(scene, obj, folder, stem, options, warnings)
         paths += written

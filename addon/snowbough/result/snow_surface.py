@@ -178,10 +178,12 @@ def find(receiver):
     listed = [bpy.data.objects[name] for name in _listed(receiver) if name in bpy.data.objects]
     # A copy of the scene lists the surfaces of the objects that it copied.
     own = [surface for surface in listed if obj is None or surface.parent in (None, obj)]
-    # Surfaces that were renamed by the artist, or restored by undo.
+    # Surfaces that were renamed by the artist, or restored by undo. If all are there, another one is a duplicate, which
+    # the artist has made and keeps.
+    is_whole = own and len(own) == len(_listed(receiver))
     others = [
         child
-        for child in (obj.children if obj is not None else ())
+        for child in (obj.children if obj is not None and not is_whole else ())
         if child not in own and child.library is None and not _other_scenes(receiver, child)
     ]
     return [

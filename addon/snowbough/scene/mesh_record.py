@@ -216,8 +216,8 @@ class MeshRecord:
         if name is None:
             missing = f"has no UV map '{wanted}'" if wanted and names else "has no UV map"
             raise SceneError(
-                f"'{label}' {missing} at frame {frame}: use 'Add Snow to Selected', which adds one, or unwrap it "
-                "without overlaps"
+                f"'{label}' {missing} at frame {frame}: unwrap it without overlaps, or use 'Add Snow to Selected' on "
+                "the mesh itself, which adds one"
             )
         if self._mesh is None:
             return name, self._uv[name]

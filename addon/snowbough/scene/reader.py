@@ -186,11 +186,12 @@ class SceneReader:
         for (name, library), (scatterer, count) in self._scattered.items():
             spec = self._receivers.get((name, library))
             if spec is not None and spec.enabled and (name, library) not in seen:
-                self._refused[name] = (
+                self._refused.setdefault(  # the object's own faces may have been refused with a reason
+                    name,
                     f"'{name}' exists only as {count} instances that {_scatterer(name, scatterer)}, which would all "
                     "share one map: end its geometry nodes with Realize Instances, apply them (Object > Apply > Visual "
                     "Geometry to Mesh) and add snow again (instances on faces or vertices: Object > Apply > Make "
-                    "Instances Real)"
+                    "Instances Real)",
                 )
 
     def _gather(self, depsgraph):

@@ -109,6 +109,31 @@ def add(context, obj):
     return entry
 
 
+def members_without_map(obj):
+    """Names of the meshes of the collection that an object instances, also by nested instancers, that have no UV map
+    and can only be unwrapped themselves. They carry no snow."""
+    return sorted(
+        {own.name for own, _ in _all_members(obj) if len(own.data.polygons) and not own.data.uv_layers}
+    )
+
+
+def hidden_members(obj):
+    """Names of the meshes of the collection that an object instances that are hidden in renders, without a key."""
+    return sorted({own.name for own, is_hidden in _all_members(obj) if is_hidden})
+
+
+def _all_members(obj, is_hidden=False, outer=()):
+    """(mesh object, whether it or its instancer is hidden in renders for good) of a collection instancer."""
+    collection = obj.instance_collection if obj.type == "EMPTY" else None
+    if collection is None or collection in outer:
+        return
+    for member in collection.all_objects:
+        hidden = is_hidden or (member.hide_render and member.animation_data is None)
+        if member.type == "MESH" and member.snowbough.occlude:
+            yield member, hidden
+        yield from _all_members(member, hidden, (*outer, collection))
+
+
 def receiver_resolution(entry):
     """The resolution of an entry. If it is 0, the one that the map ``snow`` of an imported tree was packed for (the
     width of its gutters depends on it), or else 0, automatic."""

@@ -2,7 +2,8 @@
 """The UV map that stores snow: choosing it, and making one without overlaps.
 
 Each place of the surface needs its own place on the map. If an object has no such map, a map ``snow`` is made by Smart
-UV Project, or by Lightmap Pack if that gives overlaps. The object's active map stays active.
+UV Project, or by Lightmap Pack if that gives overlaps; for meshes of many cards, by card_layout. The active map stays
+active.
 """
 
 import bpy
@@ -11,6 +12,7 @@ import numpy as np
 from ..base import compat
 from ..base.names import SNOW_UV
 from . import uv_overlap
+from .card_layout import card_layout
 
 MAX_UV_MAPS = 8
 
@@ -39,7 +41,8 @@ def is_clean(mesh, name):
     a, b = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
     if not len(uv) or np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum() <= 0:
         return False
-    return uv_overlap.outside_share(uv) == 0 and uv_overlap.overlap_share(uv) <= uv_overlap.TOLERANCE
+    limit = uv_overlap.TOLERANCE
+    return uv_overlap.outside_share(uv) == 0 and uv_overlap.overlap_share(uv, enough=limit) <= limit
 
 
 def is_complete(mesh, name):
@@ -82,11 +85,25 @@ def make_uv_map(context, obj):
     else:
         active = mesh.uv_layers.active.name
     name = layer.name
-    _unwrap(context, obj, name)
+    if not _lay_out_cards(context, mesh, name):
+        _unwrap(context, obj, name)
     mesh = obj.data
     if active is not None:
         mesh.uv_layers.active = mesh.uv_layers[active]
     return name
+
+
+def _lay_out_cards(context, mesh, name):
+    """Unwraps a mesh of thousands of small pieces. Returns whether it is one."""
+    if context.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    begin = np.empty(len(mesh.polygons), dtype=np.int32)
+    mesh.polygons.foreach_get("loop_start", begin)
+    uv = card_layout(compat.read_positions(mesh), compat.read_corner_vertices(mesh), begin)
+    if uv is None:
+        return False
+    compat.set_uv(mesh.uv_layers[name], uv)
+    return is_clean(mesh, name)
 
 
 def _unwrap(context, obj, name):

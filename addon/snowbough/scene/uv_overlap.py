@@ -3,8 +3,7 @@
 
 The layout is drawn into a grid, triangle by triangle and row by row, as spans of cells. Spans include their left end
 and exclude their right end, and every edge is computed from its lower to its upper end, so neighbouring triangles share
-no cell. The grid itself is not stored: the sorted ends of the spans give the number of spans on each cell, which is
-faster than allocating a grid.
+no cell. The grid stores where spans begin and end; their running sum is the number of spans on each cell.
 """
 
 import numpy as np
@@ -13,18 +12,25 @@ from ..base.names import UV_TOLERANCE
 
 GRID = 1024
 
+# Rows of triangles that are drawn at once.
+MOST_SPANS = 1 << 18
+
+# Tiles in one message.
+MOST_TILES = 6
+
 # Smaller shares come from cells on the borders of charts that touch.
 TOLERANCE = 0.005
 
 
-def overlap_share(corner_uv, grid=GRID):
+def overlap_share(corner_uv, grid=GRID, enough=1.0):
     """Share (0 to 1) of the covered cells that more than one triangle covers.
 
     corner_uv: (T, 3, 2) in 0..1; triangles outside or not finite are left out. Triangles much smaller than a cell
-    rarely cover its centre, so the share is meaningful only for layouts that fill at least a few cells.
+    rarely cover its centre, so the share is meaningful only for layouts that fill at least a few cells. enough: if the
+    share is larger than this, some share that is larger is returned: thousands of cards on one place take no time.
     """
     points = np.asarray(corner_uv, dtype=np.float64) * grid
-    drawn, claimed_twice = _count_cells(points[np.isfinite(points).all(axis=(1, 2))], grid)
+    drawn, claimed_twice = _count_cells(points[np.isfinite(points).all(axis=(1, 2))], grid, enough)
     return claimed_twice / drawn if drawn else 0.0
 
 
@@ -37,19 +43,52 @@ def outside_share(corner_uv):
     return 1.0 - float(inside.mean())
 
 
-def _count_cells(points, grid):
-    """(number of cells whose centres triangles (T, 3, 2) cover, number of those that more than one covers)."""
-    row, left, right = _spans(points, grid)
-    begin = np.clip(np.ceil(left - 0.5), 0, grid).astype(np.int64)
-    end = np.clip(np.ceil(right - 0.5), 0, grid).astype(np.int64)
-    valid = end > begin
-    # Rows in sequence; the end of a span is never in the next row.
-    first_cell = row[valid] * (grid + 1)
-    ends = np.concatenate([first_cell + begin[valid], first_cell + end[valid]])
-    order = np.argsort(ends)
-    depth = np.cumsum(np.where(order < len(first_cell), 1, -1))[:-1]
-    lengths = np.diff(ends[order])
-    return int(lengths[depth > 0].sum()), int(lengths[depth > 1].sum())
+def tiles_text(corner_uv):
+    """What to say about a UV map (T, 3, 2) whose faces lie in UDIM tiles: ``uses UDIM tiles (1001: 60% of the faces,
+    1002: 40% of the faces), ...``. Empty if they do not."""
+    uv = np.asarray(corner_uv, dtype=np.float64)
+    if not np.isfinite(uv).all():
+        return ""
+    column, row = np.floor(uv.mean(axis=1)).astype(np.int64).T
+    inside = (
+        np.abs(uv - (np.stack([column, row], axis=1) + 0.5)[:, None]).max(axis=(1, 2)) <= 0.5 + UV_TOLERANCE
+    )
+    if not (inside & (column >= 0) & (column < 10) & (row >= 0)).all():
+        return ""
+    tiles, counts = np.unique(1001 + column + 10 * row, return_counts=True)
+    shares = [f"{tile}: {count / len(uv):.0%} of the faces" for tile, count in zip(tiles, counts)]
+    more = f" and {len(shares) - MOST_TILES} more" if len(shares) > MOST_TILES else ""
+    return (
+        f"uses UDIM tiles ({', '.join(shares[:MOST_TILES])}{more}), and a map of snow is one tile: add a UV map for "
+        "the snow whose faces all lie in 0 to 1, and choose it in the receiver's settings"
+    )
+
+
+def _count_cells(points, grid, enough=1.0):
+    """(number of cells whose centres triangles (T, 3, 2) cover, number of those that more than one covers). It may stop
+    when this share of all cells is covered more than once."""
+    change = np.zeros(grid * (grid + 1) + 1, dtype=np.int64)
+    drawn = claimed_twice = 0
+    for some in _batches(points, grid):
+        row, left, right = _spans(some, grid)
+        begin = np.clip(np.ceil(left - 0.5), 0, grid).astype(np.int64)
+        end = np.clip(np.ceil(right - 0.5), 0, grid).astype(np.int64)
+        valid = end > begin
+        first_cell = row[valid] * (grid + 1)  # the end of a span is never in the next row
+        change += np.bincount(first_cell + begin[valid], minlength=len(change))
+        change -= np.bincount(first_cell + end[valid], minlength=len(change))
+        depth = np.cumsum(change)
+        drawn, claimed_twice = int((depth > 0).sum()), int((depth > 1).sum())
+        if claimed_twice > enough * grid * grid:
+            break
+    return drawn, claimed_twice
+
+
+def _batches(points, grid):
+    """Triangles (T, 3, 2) in batches of about MOST_SPANS rows."""
+    rows = np.ptp(points[:, :, 1].clip(0, grid), axis=1) + 1.0
+    ends = np.searchsorted(np.cumsum(rows), np.arange(1, rows.sum() / MOST_SPANS) * MOST_SPANS)
+    return np.split(points, np.unique(ends))
 
 
 def _spans(points, grid):

@@ -51,13 +51,24 @@ class SNOWBOUGH_OT_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
         default=False,
     )
 
+    extend: bpy.props.BoolProperty(
+        name="Continue",
+        description="Add the frames by which the shot was made longer to a finished bake. Its frames stay as they are; "
+        "over the new ones, the snow grows from the depth that it has to End Depth",
+        default=False,
+    )
+
+    @classmethod
+    def description(cls, _context, properties):
+        return cls.bl_rna.properties["extend"].description if properties.extend else cls.bl_description
+
     @classmethod
     def obstacle(cls, context):
         listed = any(entry.object for entry in context.scene.snowbough.receivers)
         return None if listed else "Add snow to objects first"
 
     def _prepare(self, context):
-        request = from_scene.make_request(context.scene, resume=self.resume)
+        request = from_scene.make_request(context.scene, resume=self.resume, extend=self.extend)
         return from_scene.prepare_bake(context.scene, request)
 
     def invoke(self, context, _event):
@@ -73,6 +84,9 @@ class SNOWBOUGH_OT_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
             running = self._prepare(context)
             if bpy.app.background:  # there is no progress bar: print one line per frame
                 running.on_frame = lambda _result: print(f"Snowbough: baked {running.status()}", flush=True)
+                running.on_surfaces = engine.seldom(
+                    lambda: print(f"Snowbough: {running.status()}", flush=True)
+                )
             engine.run(context, running)
         except (ValueError, RuntimeError) as error:
             return self._refuse(error)

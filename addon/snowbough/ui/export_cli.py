@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """``cli.py export``: exports an imported tree of the loaded file for game engines, and writes a JSON report.
 
-Exit codes: 0 success; 1 there is no such tree, or a file could not be written; 6 no native module.
+Exit codes: 0 success; 1 there is no such tree, no snow although ``--snow`` asks for it, or a file could not be written;
+6 no native module.
 """
 
 import sys
@@ -9,6 +10,7 @@ from pathlib import Path
 
 import bpy
 
+from ..bake.outcome import show_bakes
 from ..base import native
 from ..base.names import EXIT_FAILED, EXIT_NO_NATIVE, EXIT_OK, FAILURES
 from ..base.options import add_options, options_of
@@ -31,6 +33,11 @@ def add_arguments(parser):
     parser.add_argument(
         "--frame", type=int, metavar="N", help="frame whose snow is exported (default: the current frame)"
     )
+    parser.add_argument(
+        "--cache",
+        metavar="DIR",
+        help="cache folder of the bake, as for `bake` (default: the file's own bakes)",
+    )
     parser.add_argument("--json", metavar="R.json", help="output file of the report")
     add_options(parser, ExportProperties)
 
@@ -51,14 +58,16 @@ def run(args):
     """Exports the tree and returns the exit code. args: see add_arguments."""
     scene = bpy.context.scene
     try:
-        report_file = checked_target(args.json, "")
+        report_file, options = checked_target(args.json, ""), options_of(ExportOptions, args)
+        if options.snow != "NONE":
+            show_bakes(scene, args.cache)
         if args.frame is not None:
             scene.frame_set(args.frame)
         report = export(
             bpy.context,
             _chosen(scene, args.tree),
             Path(args.file).absolute(),
-            options_of(ExportOptions, args),
+            options,
         )
         if report_file:
             write_report(report_file, report)

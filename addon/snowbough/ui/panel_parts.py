@@ -74,6 +74,7 @@ def draw_bake(layout, context):
         return
     state, unfinished = bake_state.state_of(scene), bake_state.resumable(scene)
     changes = changes_since_bake.settings_changes(scene) if state == "BAKED" else []
+    is_longer = bool(changes) and not unfinished and changes_since_bake.can_continue(scene)
     buttons = column.column(align=True)
     main = buttons.row(align=True)
     main.scale_y = 1.3
@@ -82,6 +83,9 @@ def draw_bake(layout, context):
         buttons.operator("snowbough.bake", text="Bake from the Start", icon="FREEZE").resume = False
     else:
         again = state == "BAKED"
+        if is_longer:
+            main.operator("snowbough.bake", text="Continue Bake", icon="PLAY").extend = True
+            main = buttons
         main.operator(
             "snowbough.bake", text="Bake Again" if again else "Bake Snow", icon="FREEZE"
         ).resume = False
@@ -91,7 +95,10 @@ def draw_bake(layout, context):
         buttons.operator("snowbough.free_bake", icon="TRASH")
     if changes:
         box = column.box().column(align=True)
-        draw_text(box, context, "These settings have changed. Bake again to apply them:", "ERROR")
+        text = "These settings have changed. Bake again to apply them:"
+        if is_longer:
+            text = "The shot is longer. Continue Bake adds the new frames and keeps the others:"
+        draw_text(box, context, text, "INFO" if is_longer else "ERROR")
         for change in changes[:MAX_CHANGES]:
             draw_text(box, context, change, "DOT")
         if len(changes) > MAX_CHANGES:
@@ -132,6 +139,9 @@ def draw_result(layout, context):
     layout.operator("snowbough.remove", icon="X")
     if not column.enabled:
         layout.label(text="Bake first", icon="INFO")
+    lost = changes_since_bake.lost_snow(context.scene)
+    if lost:
+        draw_text(layout.column(align=True), context, lost, "INFO")
     if not compat.eevee_displaces():
         text = "In this Blender version, EEVEE shows Cycles Displacement as bumps only"
         draw_text(layout.column(align=True), context, text, "INFO")

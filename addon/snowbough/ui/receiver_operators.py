@@ -31,13 +31,22 @@ class SNOWBOUGH_OT_add_receivers(NotWhileBaking, bpy.types.Operator):
         return None if context.selected_objects else "Select meshes, or empties that instance a collection"
 
     def execute(self, context):
-        added, refused = 0, []
-        for obj in list(context.selected_objects):
+        added, refused, objects = 0, [], list(context.selected_objects)
+        progress = context.window_manager
+        progress.progress_begin(0, len(objects))
+        for index, obj in enumerate(objects):
+            progress.progress_update(index)
             try:
                 entry = receivers.add(context, obj)
                 added += 1
                 if self.setup_result and displacement.mode_of(entry) is None:
                     displacement.apply(context.scene, entry, displacement.DEFAULT_MODE)
+                for name in receivers.members_without_map(obj):
+                    self.report(
+                        {"WARNING"},
+                        f"'{name}', which '{obj.name}' instances, has no UV map and gets no snow: unwrap it without "
+                        "overlaps, or use Add Snow to Selected on the object itself, then remove it from the list",
+                    )
                 counts = receivers.scattered_by(context, obj) if obj.type == "MESH" else {}
                 if counts:
                     self.report(
@@ -47,6 +56,7 @@ class SNOWBOUGH_OT_add_receivers(NotWhileBaking, bpy.types.Operator):
                     )
             except ValueError as error:
                 refused.append(str(error))
+        progress.progress_end()
         for text in refused:
             self.report({"WARNING"} if added else {"ERROR"}, text)
         return {"FINISHED"} if added else {"CANCELLED"}

@@ -196,3 +196,26 @@ def test_a_list_of_names_names_something():
     for text in (",,,", "", " "):
         with pytest.raises(ValueError, match="names no receiver"):
             plan.parse_names(text)
+
+
+def test_frames_that_are_added_to_a_shot_leave_the_depths_and_steps_of_the_others():
+    """8 frames with 64 directions on 0.2 m, then 4 frames with 0.05 m more: a quarter of the directions."""
+    shot = plan.plan_snowfall(1, 8, 0.0, 0.2, [1, 2, 3, 4, 1, 2, 3, 4])
+    longer = plan.plan_snowfall(1, 12, 0.0, 0.25, [1, 2, 3, 4, 1, 2, 3, 4, 1, 1, 1, 1], ((8, 0.2),))
+    assert longer.totals[:8] == shot.totals and longer.depths[:8] == shot.depths
+    assert longer.totals[8:] == pytest.approx([0.2125, 0.225, 0.2375, 0.25])
+    counts = [plan.frame_directions(longer, frame, 64) for frame in range(1, 13)]
+    assert counts[:8] == [plan.frame_directions(shot, frame, 64) for frame in range(1, 9)]
+    assert counts[8:] == [4, 4, 4, 4]
+    longest = plan.plan_snowfall(1, 13, 0.0, 0.25, [1, 2, 3, 4] * 2 + [1] * 5, ((8, 0.2), (12, 0.25)))
+    assert longest.totals[:12] == longer.totals and longest.depths[12] == 0.0
+    assert [plan.frame_directions(longest, frame, 64) for frame in range(1, 14)] == [*counts, 1]
+
+
+@pytest.mark.parametrize(
+    "last, end_depth, reason",
+    [(12, 0.1, "0.2 m of snow lie at frame 8"), (6, 0.2, "Frames 1-8 are baked")],
+)
+def test_a_shot_that_cannot_be_continued_is_refused_with_a_reason(last, end_depth, reason):
+    with pytest.raises(ValueError, match=reason):
+        plan.plan_snowfall(1, last, 0.0, end_depth, [1] * last, ((8, 0.2),))
