@@ -30,6 +30,8 @@ LIT = 0.97
 DUST_SCALE = 520.0
 PATCHES, GRAINS = 0.35, 1.2
 GRAIN_EDGE = 0.12
+# Thin snow lets light through: its shadow is that of snow so much thinner. Otherwise its edge has a dark outline.
+SHADE = 0.4
 ROUGH = 0.65
 # Glittering crystals: their size in metres, and as a share of the distance to the camera (about a pixel or two),
 # whichever is more; the sizes are powers of two of the first. Their tilt, roughness and reflectance.
@@ -71,13 +73,14 @@ def _noise(tree, position, scale):
     return compat_nodes.noise_value(node)
 
 
-def _coverage(tree, inputs, lumps, thickness):
-    """The share of the surface that grains hide; on thin snow there are gaps between grains."""
+def _coverage(tree, inputs, lumps, thickness, is_shadow):
+    """The share of the surface that grains hide; on thin snow there are gaps between them. is_shadow: 1 for shadows."""
     grains = tree.math(
         "MULTIPLY_ADD", _noise(tree, inputs["Position"], DUST_SCALE), GRAINS, 0.5 - 0.5 * GRAINS
     )
     threshold = tree.math("MULTIPLY_ADD", lumps, PATCHES, grains)
     filled = tree.divide(tree.math("MINIMUM", thickness, inputs["Cover"]), inputs["Dusting"])
+    filled = tree.multiply(filled, tree.math("MULTIPLY_ADD", is_shadow, SHADE - 1.0, 1.0))
     return tree.smoothstep(filled, tree.subtract(threshold, GRAIN_EDGE), tree.add(threshold, GRAIN_EDGE))
 
 
@@ -134,11 +137,13 @@ def _fill(tree):
     for socket, value in zip(glittering.inputs, (snow.outputs["BSDF"], _sparkle(builder, inputs, normal))):
         builder.set(socket, value)
 
-    coverage = _coverage(builder, inputs, lumps, thickness)
-    # A shadow needs only the coverage.
-    is_shadow = builder.output(builder.node("ShaderNodeLightPath"), "Is Shadow Ray")
-    plain = builder.node("ShaderNodeBsdfDiffuse").outputs[0]
-    shaded = builder.mixed(is_shadow, glittering.outputs[0], plain)
+    # Shadows and light that snow sends to other things need no details: this saves more than the details cost.
+    path = builder.node("ShaderNodeLightPath")
+    is_shadow, is_diffuse = (builder.output(path, f"Is {ray} Ray") for ray in ("Shadow", "Diffuse"))
+    coverage = _coverage(builder, inputs, lumps, thickness, is_shadow)
+    plain = builder.feed(builder.node("ShaderNodeBsdfDiffuse"), Color=inputs["Color"]).outputs[0]
+    is_plain = builder.math("MAXIMUM", is_shadow, is_diffuse)
+    shaded = builder.mixed(is_plain, glittering.outputs[0], plain)
     mixed = builder.mixed(coverage, inputs["Shader"], shaded)
     relief = add_relief(builder, inputs["Position"], thickness, inputs["Relief"])
     sign = builder.math("SIGN", inputs["Height"])

@@ -13,7 +13,7 @@ from . import look, snow_nodes
 # Colour in the Solid view, where other objects are greyer.
 SOLID_COLOR = (1.0, 1.0, 1.0, 1.0)
 # Minimum depth for the material, in metres: its edges dissolve by the height of the mesh, not by the map.
-LEAST_DEPTH = 0.01
+LEAST_DEPTH = 0.02
 # Depth of bare parts of the mesh below the receiver, in metres.
 BARE_DEPTH = 0.001
 # Initial values of the material's sliders, as JSON. A new bake keeps the sliders that the artist has changed.
