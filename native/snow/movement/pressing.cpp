@@ -156,7 +156,7 @@ void Pressing::find_points(size_t object) {
   });
 }
 
-/// Texels with snow that may reach into a box.
+/// Texels whose snow may reach into a box; bare ones within it, too, onto which none may be pushed.
 std::vector<int32_t> Pressing::texels_near(const Pressed& own, const PressedMap& map,
                                            const Bounds& box) const {
   const double margin = own.deepest + kUnder;
@@ -168,7 +168,7 @@ std::vector<int32_t> Pressing::texels_near(const Pressed& own, const PressedMap&
       const auto texel = static_cast<int32_t>(i);
       const glm::dvec3 point(own.points[i]);
       const auto thickness = static_cast<double>(std::abs(map.height_at(texel)));
-      if (thickness == 0.0 || !overlap({point, point}, box, thickness + kUnder)) continue;
+      if (!overlap({point, point}, box, thickness + kUnder)) continue;
       if (map.is_ground(texel)) near.push_back(texel);
     }
   }
