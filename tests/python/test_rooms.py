@@ -43,7 +43,7 @@ LINES = {
     "native/render": 5100,
     "native/tree": 22750,
     "native/snow/movement": 7150,
-    "native/snow/output": 2100,
+    "native/snow/output": 2200,
     "native/snow/scene": 1800,
     "native/snow/seams": 2550,
     "native/snow/state": 500,
