@@ -24,27 +24,8 @@ constexpr float kMostFactor = 1.25f;
 constexpr float kUpright = 0.95f;
 /// Height of a front, as a fraction of the height behind it.
 constexpr float kDrawn = 0.94f;
-/// Part of the depth of bare points that those at the border of the snow keep.
-constexpr float kAtBorder = 0.25f;
 /// Greatest offset due to a curved receiver, as a fraction of the height.
 constexpr float kMostCurvature = 0.5f;
-
-/// Way along the surface from a bare point to the border of the snow beside it; 0 if no snow is
-/// near. The border crosses the edges where the thickness passes its threshold. Without this, it
-/// would run around the points that have snow, in teeth as large as triangles.
-glm::vec3 way_to_snow(const SnowSurface& surface, const std::vector<float>& over, size_t p) {
-  const HeightSamples& samples = surface.samples;
-  glm::vec3 sum(0.0f);
-  float weights = 0.0f;
-  for (int32_t i = samples.neighbour_begin[p]; i < samples.neighbour_begin[p + 1]; ++i) {
-    const int32_t q = samples.neighbour[i];
-    if (over[q] <= 0.0f || samples.neighbour_weight[i] <= 0.0f) continue;
-    const float share = over[p] / (over[p] - over[q]);
-    sum += share * (surface.points.mesh.position[q] - surface.points.mesh.position[p]);
-    weights += 1.0f;
-  }
-  return weights > 0.0f ? sum / weights : sum;
-}
 
 std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& style,
                                const SurfaceFrame& frame, const std::vector<float>& up,
@@ -72,10 +53,6 @@ std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& styl
         if (bent > 0.0f) {
           offset += points.curvature[p] * std::min(1.0f, kMostCurvature * shown / bent);
         }
-      }
-      if (heights.over[p] < 0.0f) {
-        const glm::vec3 way = way_to_snow(surface, heights.over, p);
-        if (way != glm::vec3(0.0f)) offset = normal * (kAtBorder * std::min(shown, 0.0f)) + way;
       }
       offsets[p] = offset;
     }
@@ -113,13 +90,11 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
   fill_feet(fronts.feet, heights.thickness);
   smooth(samples, heights.thickness, kRoundsBefore);
   heights.shown.resize(count);
-  heights.over.resize(count);
   for_point_blocks(count, [&](size_t, size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
       const float thickness = heights.thickness[p];
       const SnowEdge edge = snow_edge(looks.point[p], thickness, frame.open_depth, up[p]);
       heights.shown[p] = thin_snow(edge, thickness);
-      heights.over[p] = thickness - edge.threshold;
     }
   });
   smooth(samples, heights.shown, kRoundsAfter);

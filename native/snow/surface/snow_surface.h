@@ -79,8 +79,6 @@ struct SurfaceHeightsNow {
   std::vector<float> thickness;
   /// Height of the shown snow; not over 0 at bare points.
   std::vector<float> shown;
-  /// Thickness less that below which no snow shows.
-  std::vector<float> over;
 };
 /// @param up upward components of the points' normals.
 SurfaceHeightsNow heights_now(const SnowSurface& surface, const shared::SnowStyle& style,
