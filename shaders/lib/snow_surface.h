@@ -61,10 +61,8 @@ struct SnowFront {
   float eave;
   /// 1 if a face goes down from the rim, 0 if the surface ends there.
   float has_far;
-  /// Mean thickness of the map in the zone, as a fraction of that behind the rim: maps round snow off at rims.
+  /// Mean thickness of the map in the zone, as a fraction of that behind the rim.
   float full;
-  /// 1 on tops so narrow that zones meet in their middle, 0 on wide ones.
-  float narrow;
   /// 0 without an opposite rim, 1 if a rim lies opposite across a gap; half the gap's width; half the height of the
   /// other rim above this one.
   float bridged;
@@ -261,11 +259,6 @@ SNOWBOUGH_SHARED_FUNCTION SnowJoin snow_join(KERNEL_CONST_REF(SnowFront) front, 
   return KERNEL_MAKE2(SnowJoin, bridged, max(bridged, covered));
 }
 
-/// Factor on the thickness behind the rim that gives the height of the front. Snow that goes on is not rounded off.
-SNOWBOUGH_SHARED_FUNCTION float front_part(KERNEL_CONST_REF(SnowFront) front, float joined) {
-  return mix(1.0f, front.full, joined * front.narrow);
-}
-
 /// Lengths of a front with snow of thickness `height`, which stands in snow of thickness `base`: the front is as high
 /// as the difference.
 struct SnowProfile {
@@ -286,7 +279,7 @@ SNOWBOUGH_SHARED_FUNCTION SnowProfile front_profile(KERNEL_CONST_REF(SnowFront) 
   const float shoulder_noise = clamp(front.noise_shoulder * style.hem_variation, -1.3f, 1.3f);
   const float bridged = join.bridged;
   const float joined = join.joined;
-  const float full = inland * front_part(front, joined) * (1.0f - kBridgeSag * bridged);
+  const float full = inland * (1.0f - kBridgeSag * bridged);
   const float base = clamp(behind.beyond, 0.0f, full) * (1.0f - bridged);
   // Over a step that snow covers, the upper side is lower and the lower side is higher (see kRise in feet.cpp).
   const float height = full - kSettles * (full - base) * joined * (1.0f - bridged);
@@ -309,9 +302,8 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
   const vec3 up = vec3(0.0f, 0.0f, 1.0f);
   const SnowProfile profile = front_profile(front, style, behind, join);
   const float bridged = join.bridged;
-  const float joined = join.joined;
   // A bridge sinks towards its middle, where the two sides cross at one height.
-  const float to_middle = front.half_step + 0.5f * (behind.across - behind.inland) * front_part(front, joined);
+  const float to_middle = front.half_step + 0.5f * (behind.across - behind.inland);
   // A front that stands in snow rises along the normal, as that snow does.
   const float open = profile.height - profile.base;
   const vec3 leaning = mix(front.lift, front.support, profile.base / max(profile.height, 1e-6f));
@@ -333,7 +325,7 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
     const float part = (along - kFrontPart) / (1.0f - kFrontPart);
     const float easing = eased(along, kFrontPart, 1.0f);
     const float inwards = mix(shoulder, front.zone, part);
-    const float own = mix(profile.height, height, eased(along, 0.8f, 1.0f) * (1.0f - joined * front.narrow));
+    const float own = mix(profile.height, height, eased(along, 0.8f, 1.0f));
     const vec3 offset = mix(lift, normal * own, easing);
     const vec3 lifted = front.lift * (rough * (1.0f - easing));
     return to_rim - front.outward * inwards + offset + lifted + sunk;

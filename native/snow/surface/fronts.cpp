@@ -39,10 +39,6 @@ constexpr float kLeastPart = 0.05f;
 /// the depth.
 constexpr double kOffFace = 0.01;
 constexpr float kOnRim = 0.02f;
-/// Zones that are narrower than the first fraction of the depth leave no room between them; those
-/// over the second do.
-constexpr float kNarrowZone = 0.6f;
-constexpr float kWideZone = 1.1f;
 /// Least upward component of the normal where snow lies below a rim.
 constexpr float kCarriesBelow = 0.3f;
 
@@ -174,9 +170,7 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zon
   const NearestPoints inland(position, std::move(behind_rims), sheltered, depth);
   const NearestPoints lying(position, std::move(lie), sheltered, depth);
   for (size_t p = 0; p < points.count(); ++p) {
-    // The middle of a narrow top belongs to the zones that meet there.
-    const float most = zone[p].support < kNarrowZone * depth ? 1.1f : 1.0f;
-    if (zone[p].place.is_far_off || zone[p].share >= most || zone[p].share < -1.6f) continue;
+    if (zone[p].place.is_far_off || zone[p].share >= 1.0f || zone[p].share < -1.6f) continue;
     fronts.point.push_back(static_cast<int32_t>(p));
   }
   fronts.front.resize(fronts.point.size());
@@ -195,7 +189,6 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zon
     front.has_far = here.place.has_far ? 1.0f : 0.0f;
     front.support = here.place.support;
     front.full = 1.0f;
-    front.narrow = 1.0f - eased(here.support, kNarrowZone * depth, kWideZone * depth);
     front.outward = here.place.out;
     front.level_out = here.place.level_out;
     front.down = here.place.down;
