@@ -525,7 +525,9 @@ def test_a_stopped_bake_has_surfaces_of_what_is_done(addon, undisturbed, tmp_pat
     assert surface_files(s.files_of(tmp_path / "cache")) == surface_files(undisturbed)
     heights = inner(points_at(bpy.data.objects["Ground Snow"], last), 0.9)[:, 2]
     assert heights.max() == pytest.approx(DEPTH * last / 6, rel=0.2)
-    assert np.array_equal(points_at(bpy.data.objects["Ground Snow"], 6)[:, 2].max(), heights.max())
+    # Mesh Cache rounds beyond its last sample.
+    held = points_at(bpy.data.objects["Ground Snow"], 6)[:, 2].max()
+    assert held == pytest.approx(heights.max(), abs=1e-6)
 
 
 def test_a_bake_that_was_stopped_while_its_surfaces_were_made_resumes(addon, undisturbed, tmp_path):
