@@ -36,7 +36,7 @@ constexpr double kLeastArea = 0.1;
 constexpr double kStill = 0.7;
 /// When unfolding: maximum pulling distance in radii of the child, and projection steps.
 constexpr double kPull = 0.25;
-constexpr int kStepsBack = 3;
+constexpr int kStepsBack = 1;
 /// Maximum displacement when softening creases in the rows beside holes, in corner radii of the
 /// limb: the middle of one of sixteen sides lies 0.02 inside.
 constexpr double kBesideHole = 0.03;

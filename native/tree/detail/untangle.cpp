@@ -10,7 +10,7 @@ namespace {
 /// Rounds with projection, and without it after them; sweeps in each.
 constexpr int kOnSurface = 5;
 constexpr int kFree = 3;
-constexpr int kSweeps = 5;
+constexpr int kSweeps = 3;
 /// Cosine of the angle between the faces beside an edge beyond which they form a pleat: 107
 /// degrees, more than at the corners of four-sided limbs.
 constexpr double kPleat = -0.3;
