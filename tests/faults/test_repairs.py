@@ -282,6 +282,12 @@ def test_a_bake_of_before_without_checksums_is_not_damaged(finished):
     assert shot.bake(finished, resume=True).results[0].frame == 7
 
 
+def test_a_map_that_a_bake_of_before_lost_is_baked_again(finished):
+    shot.as_before(finished, 2)
+    found(finished, "Cart-*/height_0008.exr").unlink()
+    assert shot.bake(finished, resume=True).results[0].frame == 7
+
+
 @pytest.mark.parametrize("name", ["frames.tsv", "object.json"])
 def test_a_flip_in_the_frames_is_repaired_from_the_checkpoint_before_it(stopped, whole, name):
     path = found(stopped, f"Ground-*/{name}")
