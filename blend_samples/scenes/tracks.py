@@ -36,9 +36,7 @@ def active(name, material):
 
 
 def yard(material):
-    bpy.ops.mesh.primitive_grid_add(
-        x_subdivisions=48, y_subdivisions=48, size=YARD, location=(0.0, 0.0, TOP)
-    )
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=48, y_subdivisions=48, size=YARD, location=(0.0, 0.0, TOP))
     made = active("yard", material)
     made.data.uv_layers.active.name = "snow"
     group = made.vertex_groups.new(name="heated")
