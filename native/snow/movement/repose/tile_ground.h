@@ -39,8 +39,8 @@ struct TileGround {
   /// Vertical distance in metres to the first surface above, infinite under the sky, 0 within a
   /// body; negative: not known.
   TilePlane room;
-  /// The same to the object's own surface; kept while a rigid body turns about the vertical or moves
-  /// along, so that it needs no rays.
+  /// The same to the object's own surface; kept while a rigid body turns about the vertical or
+  /// moves along, so that it needs no rays.
   TilePlane own_room;
 
   void forget_rooms() { room.fill(-1.0f); }
