@@ -73,9 +73,9 @@ class Splat {
     const int32_t there = to_middle(place / side_) * side_ + to_middle(place % side_);
     const int32_t from = texel(place);
     const int32_t to = texel(there);
-    const bool is_near =
-        from >= 0 && to >= 0 && squared_distance(from, to) < 0.25f * radius_ * radius_;
-    return is_near ? there : place;
+    const bool is_near = from >= 0 && to >= 0 && holds(from, to) &&
+                         squared_distance(from, to) < 0.25f * radius_ * radius_;
+    return broad_place_near(is_near ? there : place);
   }
 
   /// Spreads units over the texels within the radius on the map and on the surface, in whole units;
@@ -85,7 +85,6 @@ class Splat {
     const int32_t reach = reach_at(place);
     const float size = std::sqrt(std::max(bare_.area[static_cast<size_t>(centre)], 1e-12f));
     const float range = std::min(radius_, static_cast<float>(reach) * size);
-    const float facing = bare_.up[static_cast<size_t>(centre)] < 0.0f ? -1.0f : 1.0f;
     const int32_t column = place % side_;
     const int32_t row = place / side_;
     parts_.clear();
@@ -96,7 +95,7 @@ class Splat {
         if (own < 0) continue;
         const float away = squared_distance(centre, own) / (range * range);
         const auto i = static_cast<size_t>(own);
-        if (!(away < 1.0f) || shared::is_wall(facing * bare_.up[i])) continue;
+        if (!(away < 1.0f) || !holds(centre, own)) continue;
         parts_.emplace_back(y * side_ + x, static_cast<double>((1.0f - away) * bare_.area[i]));
         whole += parts_.back().second;
       }
@@ -114,6 +113,31 @@ class Splat {
   int32_t texel(int32_t place) const { return bare_.texel_of[static_cast<size_t>(place)]; }
 
  private:
+  /// Whether snow that faces as at `facing` may lie on a texel.
+  bool holds(int32_t facing, int32_t at) const {
+    const float side = bare_.up[static_cast<size_t>(facing)] < 0.0f ? -1.0f : 1.0f;
+    return !shared::is_wall(side * bare_.up[static_cast<size_t>(at)]);
+  }
+  /// A place beside one whose texel is a wall, or only a sliver of surface on which snow would
+  /// tower; else the place itself.
+  int32_t broad_place_near(int32_t place) const {
+    constexpr float kSliver = 0.25f;
+    const int32_t own = texel(place);
+    int32_t broadest = place;
+    float most = holds(own, own) ? bare_.area[static_cast<size_t>(own)] / kSliver : 0.0f;
+    const int32_t column = place % side_;
+    const int32_t row = place / side_;
+    for (int32_t y = std::max(row - 1, 0); y <= std::min(row + 1, side_ - 1); ++y) {
+      for (int32_t x = std::max(column - 1, 0); x <= std::min(column + 1, side_ - 1); ++x) {
+        const int32_t to = texel(y * side_ + x);
+        if (to < 0 || !(bare_.area[static_cast<size_t>(to)] > most) || !holds(own, to)) continue;
+        if (!(squared_distance(own, to) < radius_ * radius_)) continue;
+        most = bare_.area[static_cast<size_t>(to)];
+        broadest = y * side_ + x;
+      }
+    }
+    return broadest;
+  }
   /// The radius in texels around a place.
   int32_t reach_at(int32_t place) const {
     const int32_t own = texel(place);
