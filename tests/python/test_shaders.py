@@ -182,7 +182,9 @@ void main() {
                        sagging(point, style, edge, 0.1, 0.1, 0.5);
   SnowFront front;
   front.distance = height;
-  shown[0] = vec4(front_offset(front, style, SnowBehind(0.1, 0.0), vec3(0.0, 0.0, 1.0), height, 0.0, 0.0), height);
+  const SnowBehind behind = SnowBehind(0.1, 0.0, 0.0);
+  const SnowJoin join = SnowJoin(0.0, 0.0);
+  shown[0] = vec4(front_offset(front, style, behind, join, vec3(0.0, 0.0, 1.0), height, 0.0, 0.0), height);
 }
 """
 

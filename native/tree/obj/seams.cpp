@@ -199,7 +199,20 @@ void close_seams(ObjScene& scene) {
   // Polygons without area, such as those of a tip that is a ring, have several edges at one place.
   std::erase_if(edges, [&](int32_t e) { return has_coincident_corners(scene, open[e].corner); });
   join_pairs(scene, place, edges, open, sets);
-  for (int32_t& v : scene.corner_vertex) v = sets.find(v);
+  // Corners of one polygon are no two sides of a seam: the polygon has shrunk, as at the base of a
+  // twig that is a cone of no width.
+  std::vector<char> is_seam(scene.positions.size(), 1);
+  for (int32_t f = 0; f < scene.face_count(); ++f) {
+    for (int32_t a = scene.face_begin[f]; a < scene.face_begin[f + 1]; ++a) {
+      for (int32_t b = a + 1; b < scene.face_begin[f + 1]; ++b) {
+        const int32_t one = scene.corner_vertex[a], other = scene.corner_vertex[b];
+        if (one != other && sets.find(one) == sets.find(other)) is_seam[sets.find(one)] = 0;
+      }
+    }
+  }
+  for (int32_t& v : scene.corner_vertex) {
+    if (is_seam[sets.find(v)] != 0) v = sets.find(v);
+  }
 }
 
 void weld_positions(ObjScene& scene) {

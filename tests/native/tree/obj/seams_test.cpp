@@ -154,6 +154,19 @@ TEST(Seams, ThreeEdgesAtOnePlaceStayOpen) {
   EXPECT_EQ(joined(scene).count(), 3);
 }
 
+TEST(Seams, AConeWithoutWidthKeepsItsCorners) {
+  ObjScene scene;
+  begin_group(scene, "twig");
+  scene.positions = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1, 0, 0}};
+  for (const int32_t side : {0, 1, 2}) {
+    for (const int32_t v : {side, 3, (side + 1) % 3}) scene.corner_vertex.push_back(v);
+    scene.face_begin.push_back(static_cast<int32_t>(scene.corner_vertex.size()));
+  }
+  const std::vector<int32_t> before = scene.corner_vertex;
+  close_seams(scene);
+  EXPECT_EQ(scene.corner_vertex, before);
+}
+
 TEST(Seams, TubesInARowBecomeOne) {
   // A trunk in two short tubes: the last ring of the first lies on the first ring of the second.
   ObjScene scene;
