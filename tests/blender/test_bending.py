@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bend under Snow: the pose of the keys, what they add to, and what they leave alone."""
 
-import json
 import math
 from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
-from snow_scene import folder_of, receive, settings, square
+from snow_scene import manifest_of, receive, settings, square
 from synthetic_tree import build_synthetic, evaluated_vertices
 
 MAPLE = Path(__file__).resolve().parent.parent / "data" / "small_maple.obj"
@@ -157,8 +156,7 @@ def test_automatic_weight_of_a_bare_tree_is_the_snow_on_it(addon, monkeypatch, t
     bend(rig, snow_density=200.0)
     rig.animation_data.nla_tracks["Snow Load"].mute = True
     assert bpy.ops.snowbough.bake() == {"FINISHED"}
-    manifest = json.loads((folder_of(tmp_path, bark.name) / "object.json").read_text())
-    held = manifest["frames"][-1]["volume"]
+    held = manifest_of(tmp_path, bark.name)["frames"][-1]["volume"]
     assert held > 0.0
     assert seen[0][1][0].sum() == pytest.approx(200.0 * held, rel=0.02)
 

@@ -172,7 +172,8 @@ def test_the_log_begins_with_engine_driver_and_reason(native, engine, tmp_path):
     s.bake()
     with native.Engine("CPU") as held:
         driver = held.info["driver"]
-    ((first, second, *_),) = logs(tmp_path)
+    ((cache, first, second, *_),) = logs(tmp_path)
+    assert cache.startswith("cache ")
     assert first == f"engine CPU, {driver}: requested"
     assert second == "v001; Ground"
 
@@ -246,7 +247,7 @@ def test_the_engines_bake_the_same_snow(native, engine, needs_gl, tmp_path, flut
         engine(name)
         bpy.context.scene.snowbough.cache_directory = str(tmp_path / name)
         s.bake()
-        assert logs(tmp_path / name)[0][0].startswith(f"engine {name}, ")
+        assert logs(tmp_path / name)[0][1].startswith(f"engine {name}, ")
     depth_of_a_step = 0.1 / 12
     for receiver in ("Ground", "Cart", "Flag"):
         for frame in (1, 2, 12):
@@ -318,7 +319,7 @@ def shot(addon, engine, tmp_path):
 def test_without_egl_a_bake_is_the_processors(addon, shot, without_egl, tmp_path):
     done = run_blender(addon, tmp_path / "shot.blend", "--engine", "AUTO", env=without_egl)
     assert done.returncode == 0, done.stderr
-    ((first, *_),) = logs(tmp_path / "cache")
+    ((_, first, *_),) = logs(tmp_path / "cache")
     assert first.startswith("engine CPU, processor, ") and "libEGL.so.1" in first
     assert s.files_of(tmp_path / "cache") == shot
 
@@ -403,7 +404,7 @@ def test_the_command_line_takes_an_engine(native, needs_gl, tmp_path, name):
     assert done.returncode == 0, done.stderr
     with native.Engine(name) as held:
         info = held.info
-    assert logs(tmp_path / "cache")[0][0] == f"engine {info['name']}, {info['driver']}: {info['reason']}"
+    assert logs(tmp_path / "cache")[0][1] == f"engine {info['name']}, {info['driver']}: {info['reason']}"
 
 
 def test_the_command_line_refuses_an_engine_that_is_none(tmp_path):

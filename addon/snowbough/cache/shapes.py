@@ -114,7 +114,7 @@ def checksums(*names):
 
 
 # Fingerprints of poses as scene.inputs has them: [[pose, {label: prints or None}], ...].
-POSES = [(text, dict_of(either(list_of(text, 3, 4), nothing)))]
+POSES = [(text, dict_of(either(list_of(text, 3, 6), nothing)))]
 
 _cosine = number_to(1.001)
 _positive = number_to(MAX_NUMBER, 1e-12)
