@@ -66,7 +66,7 @@ LINES = {
     "addon/snowbough/usd": 600,
     "shaders": 5000,
     "benchmarks": 5100,
-    "tests": 53400,
+    "tests": 53500,
 }
 SOURCES = {".h", ".cpp", ".glsl", ".py"}
 

@@ -7,6 +7,7 @@
 #include "map_topology.h"
 #include "python/bindings.h"
 #include "python/numpy_arrays.h"
+#include "snow/scene/object_set.h"
 #include "snow/surface/snow_surface.h"
 
 namespace py = pybind11;
@@ -18,6 +19,7 @@ std::vector<float> square_map(const InputArray<float>& height, const char* name)
   if (height.ndim() != 2 || height.shape(0) != height.shape(1)) {
     throw std::invalid_argument(std::string(name) + " must have shape (resolution, resolution)");
   }
+  require_finite(height, name);
   return {height.data(), height.data() + height.size()};
 }
 
@@ -36,8 +38,15 @@ snow::SurfaceSource surface_source(snow::MapTopology topology, const InputArray<
       throw std::invalid_argument("shading must have shape (T, 3)");
     }
     source.shading.assign(shading->data(), shading->data() + shading->size());
+    snow::renumber_shading(source.shading);
   }
   return source;
+}
+
+void require_number(double value, const char* name) {
+  if (!std::isfinite(value)) {
+    throw std::invalid_argument(std::string(name) + " must hold finite numbers");
+  }
 }
 
 void require_positive(double value, const char* name) {
@@ -68,6 +77,7 @@ std::unique_ptr<BoundSurface> make_surface(const InputArray<int32_t>& triangles,
   const snow::SurfaceSource source = surface_source(
       map_topology(triangles, uv, static_cast<int32_t>(last.shape(0))), positions, shading);
   const std::vector<float> most = square_map(highest, "highest");
+  for (const float part : wind) require_number(part, "wind");
   const snow::SurfacePlan plan{{depth, scale, most_points}, seed, {wind[0], wind[1]}};
   return without_gil([&] {
     return std::make_unique<BoundSurface>(
@@ -101,6 +111,7 @@ void set_style(BoundSurface& self, const py::kwargs& sliders) {
   for (const auto& [name, field] : kSliders) {
     style.*field = sliders.contains(name) ? py::cast<float>(sliders[name]) : 1.0f;
     known += sliders.contains(name) ? 1 : 0;
+    require_number(style.*field, name);
   }
   if (known != sliders.size()) throw py::type_error("set_style: there is no such slider");
   self.style = style;
@@ -126,6 +137,9 @@ py::array_t<float> points(const BoundSurface& self, const InputArray<float>& hei
     const std::string size = std::to_string(self.surface.samples.resolution);
     throw std::invalid_argument("height must have shape (" + size + ", " + size + ")");
   }
+  require_number(open_depth, "open_depth");
+  for (const float part : up) require_number(part, "up");
+  if (to_result) require_finite(*to_result, "to_result");
   std::vector<glm::vec3> places;
   snow::SurfaceFrame frame{
       heights.data(), open_depth, nullptr, {up[0], up[1], up[2]}, glm::mat4(1.0f)};

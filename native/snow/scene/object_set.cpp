@@ -30,9 +30,19 @@ void share(std::shared_ptr<const AlphaMask>& mask,
   known.push_back(mask);
 }
 
-/// Renumbers shading numbers larger than the number of corners, from 0 on and in the same order:
-/// they index arrays.
-void close_gaps(std::vector<int32_t>& shading) {
+/// Finds the triangles that take snow on both sides; needs the rest pose.
+void find_sides(SceneObject& object) {
+  const ObjectDescription& description = object.description;
+  if (!description.receive || description.sides == Sides::kFront) return;
+  const std::vector<int32_t>& triangles = description.topology.triangles;
+  object.two_sided = description.sides == Sides::kBoth
+                         ? std::vector<uint8_t>(triangles.size() / 3, 1)
+                         : find_open_sheets(triangles, description.rest);
+}
+
+}  // namespace
+
+void renumber_shading(std::vector<int32_t>& shading) {
   if (shading.empty() ||
       static_cast<size_t>(std::max(0, *std::max_element(shading.begin(), shading.end()))) <
           shading.size()) {
@@ -47,18 +57,6 @@ void close_gaps(std::vector<int32_t>& shading) {
     number = static_cast<int32_t>(std::lower_bound(first, numbers.end(), number) - first);
   }
 }
-
-/// Finds the triangles that take snow on both sides; needs the rest pose.
-void find_sides(SceneObject& object) {
-  const ObjectDescription& description = object.description;
-  if (!description.receive || description.sides == Sides::kFront) return;
-  const std::vector<int32_t>& triangles = description.topology.triangles;
-  object.two_sided = description.sides == Sides::kBoth
-                         ? std::vector<uint8_t>(triangles.size() / 3, 1)
-                         : find_open_sheets(triangles, description.rest);
-}
-
-}  // namespace
 
 std::shared_ptr<SceneObject> ObjectSet::build(ObjectDescription description) {
   MapTopology& topology = description.topology;
@@ -86,7 +84,7 @@ std::shared_ptr<SceneObject> ObjectSet::build(ObjectDescription description) {
            std::to_string(description.shading.size()) + " numbers, there are " +
            std::to_string(topology.triangles.size()) + " corners of triangles");
   }
-  close_gaps(description.shading);
+  renumber_shading(description.shading);
   auto made = std::make_shared<SceneObject>();
   SceneObject& object = *made;
   try {

@@ -14,6 +14,10 @@
 
 namespace snowbough::snow {
 
+/// Renumbers shading numbers larger than the number of corners, from 0 on and in the same order:
+/// they index arrays.
+void renumber_shading(std::vector<int32_t>& shading);
+
 /// Vertex positions of each object in metres, by name.
 using PositionMap = std::map<std::string, std::span<const glm::vec3>>;
 

@@ -101,6 +101,43 @@ def test_shading_numbers_may_be_as_large_as_they_like():
     )
 
 
+def test_shading_numbers_of_a_surface_may_be_as_large_as_they_like():
+    in_child(
+        "p, t, uv = grid(cells=2)\n"
+        "heights = np.full((64, 64), 0.1, np.float32)\n"
+        "points = []\n"
+        "for shading in (t, np.where(t == 8, np.int32(2**31 - 1), t)):\n"
+        "    surface = native.SnowSurface(t, uv, p, heights, heights, 0.1, shading)\n"
+        "    points.append(surface.points(heights, 0.1))\n"
+        "    assert native.wanted_surface_points(t, p, 0.1, shading)[0] > 0\n"
+        "assert np.array_equal(*points)\n"
+    )
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "surface.set_style(relief=nan)",
+        "surface.points(heights, nan)",
+        "surface.points(heights, 0.1, up=(0.0, nan, 1.0))",
+        "surface.points(heights * nan, 0.1)",
+        "surface.points(heights, 0.1, positions=p * nan)",
+        "surface.points(heights, 0.1, to_result=np.eye(4, dtype=np.float32) * nan)",
+        "native.SnowSurface(t, uv, p, heights, heights, 0.1, wind=(nan, 0.0))",
+    ],
+)
+def test_a_number_that_is_none_is_refused_by_a_surface(call):
+    in_child(
+        "p, t, uv = grid(cells=2)\n"
+        "nan = np.float32(np.nan)\n"
+        "heights = np.full((64, 64), 0.1, np.float32)\n"
+        "surface = native.SnowSurface(t, uv, p, heights, heights, 0.1)\n"
+        f"try:\n    {call}\n"
+        "except ValueError as error:\n    assert 'finite' in str(error), error\n"
+        "else:\n    raise AssertionError\n"
+    )
+
+
 @pytest.mark.parametrize("index", [-1, 4, 2**31 - 1, -(2**31)])
 def test_a_quad_of_vertices_that_are_not_there_is_refused(index):
     in_child(
