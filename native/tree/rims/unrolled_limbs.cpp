@@ -185,9 +185,10 @@ class RimGroup {
     }
   }
 
-  /// Laplace's equation: beside a rim every free vertex lies at the weighted mean of its neighbours
-  /// and of its own place, and farther away its displacement is that of theirs. By conjugate
-  /// gradients, around the limb and along it at once.
+  /// Solves Laplace's equation: a free vertex beside a rim lies at the weighted mean of its
+  /// neighbours and of its own start; farther away it is displaced by the mean displacement of its
+  /// neighbours. Both coordinates, around the limb and along it, are solved at once by conjugate
+  /// gradients.
   void solve() {
     struct Link {
       int32_t node;

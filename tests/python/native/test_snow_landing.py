@@ -246,8 +246,7 @@ def test_nothing_towers_on_the_butts_of_tiles_on_which_snow_lands():
         for (x, z), (to_x, to_z) in pairwise(line):
             faces.append(np.array([(x, -0.6, z), (to_x, -0.6, to_z), (to_x, 0.6, to_z), (x, 0.6, z)]))
     roof = unfolded(faces, 0.01)
-    meshes = {"roof": roof}
-    with simulation(meshes, cohesion=0.005, flutter=math.radians(10.0)) as sim:
+    with simulation({"roof": roof}, cohesion=0.005, flutter=math.radians(10.0)) as sim:
         for step in range(4):
             sim.step({"roof": roof[0]} if step == 0 else {}, 0.0125, DOWN, FRAME)
             assert np.abs(sim.height("roof")).max() < 0.1
