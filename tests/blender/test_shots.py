@@ -287,7 +287,7 @@ def test_the_faces_of_a_mirrored_receivers_surface_look_outwards(tmp_path, mirro
     surface = bpy.data.objects[f"{receiver.name} Snow"]
     bpy.context.scene.frame_set(4)
     assert upward_share(surface) == 1.0
-    bpy.ops.snowbough.apply_at_frame()
+    bpy.ops.snowbough.apply_snow()
     assert upward_share(bpy.data.objects[f"{surface.name} 0004"]) == 1.0
 
 

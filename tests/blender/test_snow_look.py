@@ -213,7 +213,7 @@ def test_applied_snow_has_the_same_heights(addon, tmp_path, scale):
     ground.scale, ground.location, ground.rotation_euler = scale, (3.0, 1.0, 0.5), (0.0, 0.0, 0.7)
     (surface,) = bake_surfaces(tmp_path, ground)
     bpy.context.scene.frame_set(4)
-    bpy.ops.snowbough.apply_at_frame()
+    bpy.ops.snowbough.apply_snow()
     plain = bpy.data.objects["Ground Snow 0004"]
     points = np.array([vertex.co for vertex in plain.data.vertices])
     heights = np.linalg.norm((points - bare_points(plain)) * scale, axis=1)

@@ -356,11 +356,56 @@ def test_sliders_that_nobody_touched_follow_the_scenes_kind_in_the_next_bake(gro
 
 def test_apply_snow_makes_plain_geometry_of_the_current_frame(ground):
     wanted = points_at(ground, 3)
-    bpy.ops.snowbough.apply_at_frame()
+    bpy.ops.snowbough.apply_snow()
     plain = bpy.data.objects["Ground Snow 0003"]
     assert not plain.modifiers and plain.parent is None and not plain.snowbough.is_shell
     assert np.abs(points_of(plain) - wanted).max() < 1e-6
     assert np.abs(points_at(plain, 1) - wanted).max() < 1e-6
+
+
+@pytest.mark.parametrize("frames", ["KEYS", "CACHE"])
+def test_apply_snow_of_a_shot_moves_like_the_surface_and_outlives_the_bake(tmp_path, frames):
+    obj = s.square("Ground")
+    s.bend(obj, 4, (1, 0.0), (4, -0.3))
+    obj.location.x = 0.0
+    obj.keyframe_insert("location", frame=1)
+    obj.location.x = 1.0
+    obj.keyframe_insert("location", frame=4)
+    (surface,) = bake_surfaces(tmp_path / "cache", obj)
+    shown = {
+        (frame, part): points_at(surface, frame, part)
+        for frame, part in ((1, 0.0), (2, 0.5), (4, 0.0), (9, 0.0))
+    }
+    bpy.ops.snowbough.apply_snow(frames=frames, directory=str(tmp_path / "applied"))
+    assert surface.hide_render and surface.hide_get()
+    bpy.ops.snowbough.free_bake()
+    plain = bpy.data.objects["Ground Snow Applied"]
+    assert [modifier.type for modifier in plain.modifiers] == ([] if frames == "KEYS" else ["MESH_CACHE"])
+    assert not plain.snowbough.is_shell and not plain.snowbough.occlude
+    for (frame, part), wanted in shown.items():
+        assert np.abs(points_at(plain, frame, part) - wanted).max() < 1e-5
+    assert np.ptp(shown[4, 0.0][:, 2]) > 0.2
+
+
+def test_apply_snow_of_a_shot_keeps_earlier_files(tmp_path):
+    (surface,) = bake_surfaces(tmp_path / "cache", s.square("Ground"))
+    folder = tmp_path / "applied"
+    folder.mkdir()
+    (folder / "Ground Snow.pc2").write_bytes(b"mine")
+    bpy.ops.snowbough.apply_snow(frames="CACHE", directory=str(folder))
+    assert (folder / "Ground Snow.pc2").read_bytes() == b"mine"
+    assert sorted(path.name for path in folder.iterdir()) == ["Ground Snow.001.pc2", "Ground Snow.pc2"]
+
+
+def test_apply_snow_refuses_more_shape_keys_than_a_file_should_hold(tmp_path, addon, monkeypatch):
+    bake_surfaces(tmp_path / "cache", s.square("Ground"))
+    monkeypatch.setattr(addon("result.applied_snow"), "MOST_KEY_BYTES", 1000)
+    objects = set(bpy.data.objects)
+    with pytest.raises(RuntimeError, match="points on 4 frames.*use Mesh Cache"):
+        bpy.ops.snowbough.apply_snow(frames="KEYS")
+    with pytest.raises(RuntimeError, match="Save the .blend first"):
+        bpy.ops.snowbough.apply_snow(frames="CACHE")
+    assert set(bpy.data.objects) == objects
 
 
 def test_apply_snow_says_what_to_do_where_no_surface_was_computed(tmp_path):
@@ -370,7 +415,7 @@ def test_apply_snow_says_what_to_do_where_no_surface_was_computed(tmp_path):
     s.bake()
     objects = set(bpy.data.objects)
     with pytest.raises(RuntimeError, match="no snow surface.*Snow Surface, then bake"):
-        bpy.ops.snowbough.apply_at_frame()
+        bpy.ops.snowbough.apply_snow()
     assert set(bpy.data.objects) == objects
 
 

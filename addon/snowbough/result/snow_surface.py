@@ -243,45 +243,6 @@ def _leave_to(others, scene, surface):
             other.collection.objects.link(surface)
 
 
-def _move_bare_points(mesh, before, matrix):
-    """After the mesh has been transformed: lets its material see the same heights. before: earlier points (V, 3)."""
-    bare = mesh.attributes.get(SURFACE_BARE_ATTRIBUTE)
-    if bare is None:
-        return
-    values = np.empty((len(before), 3), np.float32)
-    bare.data.foreach_get("vector", values.ravel())
-    # The material multiplies the difference by the scale of the receiver.
-    raised = (before - values) @ matrix.T / np.linalg.norm(matrix, axis=0)
-    bare.data.foreach_set("vector", (compat.read_positions(mesh) - raised).astype(np.float32).ravel())
-
-
-def freeze(scene, receiver, depsgraph):
-    """Makes mesh objects without modifiers of the receiver's snow in the evaluated frame, in every displacement mode.
-    Returns the new objects, which are in the collections of the surface; an empty list if no surface was computed."""
-    surfaces = find(receiver)
-    temporary = not surfaces
-    surfaces = surfaces or make(scene, receiver)
-    depsgraph.update()
-    frozen = []
-    for surface in surfaces:
-        evaluated = surface.evaluated_get(depsgraph)
-        name = f"{surface.name} {scene.frame_current:04d}"
-        mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
-        mesh.name = name
-        before = compat.read_positions(mesh)
-        mesh.transform(evaluated.matrix_world)
-        _move_bare_points(mesh, before, np.array(evaluated.matrix_world)[:3, :3])
-        if evaluated.matrix_world.determinant() < 0:
-            mesh.flip_normals()
-        plain = bpy.data.objects.new(name, mesh)
-        for collection in surface.users_collection:
-            collection.objects.link(plain)
-        frozen.append(plain)
-    if temporary:
-        remove(receiver)
-    return frozen
-
-
 def coarsened(scene):
     """Names of the receivers whose surfaces had too few points for their hems."""
     return [

@@ -27,6 +27,22 @@ def _modifiers(scene):
             yield obj, modifier
 
 
+def points_of(surface):
+    """(samples, V, 3) of a surface's point cache, the first without snow. Raises CacheError with what to do."""
+    modifier = surface.modifiers[SURFACE_MODIFIER]
+    path = bpy.path.abspath(modifier.filepath, library=surface.library)
+    try:
+        points = read_point_cache(Path(path))
+    except CacheError as error:
+        raise CacheError(f"'{surface.name}' shows no snow: {error}") from error
+    if points.shape[1] != len(surface.data.vertices):
+        raise CacheError(
+            f"'{surface.name}' shows no snow: {path} has {points.shape[1]} points, and the surface "
+            f"{len(surface.data.vertices)}: bake again, or use Update Surface"
+        )
+    return points
+
+
 def problems(scene):
     """Texts about the surfaces of a scene, shown in renders, whose files are missing or do not fit."""
     found = []
@@ -34,16 +50,9 @@ def problems(scene):
         if obj.hide_render or not modifier.show_render:
             continue
         try:
-            path = bpy.path.abspath(modifier.filepath, library=obj.library)
-            points = read_point_cache(Path(path)).shape[1]
+            points_of(obj)
         except CacheError as error:
-            found.append(f"'{obj.name}' shows no snow: {error}")
-            continue
-        if points != len(obj.data.vertices):
-            found.append(
-                f"'{obj.name}' shows no snow: {path} has {points} points, and the surface {len(obj.data.vertices)}: "
-                "bake again, or use Update Surface"
-            )
+            found.append(str(error))
     return found
 
 

@@ -135,7 +135,7 @@ def draw_result(layout, context):
         "snowbough.setup_displacement", "mode", text="Displacement", icon="MOD_DISPLACE"
     )
     column.operator_menu_enum("snowbough.set_kind", "kind", icon="FREEZE")
-    column.operator("snowbough.apply_at_frame", icon="MESH_DATA")
+    column.operator_menu_enum("snowbough.apply_snow", "frames", icon="MESH_DATA")
     layout.operator("snowbough.remove", icon="X")
     if not column.enabled:
         layout.label(text="Bake first", icon="INFO")

@@ -1,12 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Operators that show the baked result in the scene: material, displacement, plain geometry; and remove it."""
 
+import os
+
 import bpy
-from bpy.props import BoolProperty, EnumProperty
+from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from ..base.names import SNOW_KINDS, counted
 from ..cache.errors import CacheError
-from ..result import baked_images, displacement, look, snow_material, snow_surface, unlisted_snow
+from ..result import (
+    applied_snow,
+    baked_images,
+    displacement,
+    look,
+    snow_material,
+    snow_surface,
+    unlisted_snow,
+)
 from .editing_lock import NotWhileBaking
 
 
@@ -95,21 +105,50 @@ class SNOWBOUGH_OT_setup_displacement(_ReceiverOperator, bpy.types.Operator):
         return displacement.apply(context.scene, receiver, mode)
 
 
-class SNOWBOUGH_OT_apply_at_frame(_ReceiverOperator, bpy.types.Operator):
-    """Create plain mesh objects from the snow of the current frame"""
+class SNOWBOUGH_OT_apply_snow(_ReceiverOperator, bpy.types.Operator):
+    """Create mesh objects from the snow, which bakes no longer change"""
 
-    bl_idname = "snowbough.apply_at_frame"
-    bl_label = "Apply Snow at Frame"
+    bl_idname = "snowbough.apply_snow"
+    bl_label = "Apply Snow"
     done_text = "Snow as plain geometry"
+
+    frames: EnumProperty(
+        name="Frames",
+        description="Which frames the new objects show, and how",
+        items=(
+            ("CURRENT", "Current Frame", "Plain meshes of the current frame"),
+            ("KEYS", "Shot as Shape Keys", "Meshes with a shape key for each frame, all in the .blend file"),
+            ("CACHE", "Shot as Mesh Cache", "Meshes with point caches of their own, for large shots"),
+        ),
+        default="CURRENT",
+    )
+    directory: StringProperty(
+        name="Folder",
+        description="Folder of the point caches. // is the folder of the .blend",
+        subtype="DIR_PATH",
+        default="//applied_snow",
+    )
 
     def work(self, context, receiver):
         if baked_images.load_sequence(receiver.folder, "height") is None:
             raise ValueError(f"{receiver.object.name} has no baked snow: bake first")
-        if not snow_surface.freeze(context.scene, receiver, context.evaluated_depsgraph_get()):
+        if self.frames == "CURRENT":
+            applied = applied_snow.at_frame(context.scene, receiver, context.evaluated_depsgraph_get())
+        else:
+            applied = applied_snow.of_shot(receiver, None if self.frames == "KEYS" else self._folder())
+        if not applied:
             raise ValueError(
                 f"{receiver.object.name} has no snow surface to take the geometry from: "
                 "choose Displacement > Snow Surface, then bake"
             )
+
+    def _folder(self):
+        path = bpy.path.abspath(self.directory)
+        if not os.path.isabs(path) or (self.directory.startswith("//") and not bpy.data.filepath):
+            raise ValueError(
+                "Save the .blend first, so that the point caches lie beside it, or choose an absolute Folder"
+            )
+        return path
 
 
 class SNOWBOUGH_OT_remove(_ReceiverOperator, bpy.types.Operator):
@@ -160,7 +199,7 @@ CLASSES = (
     SNOWBOUGH_OT_set_kind,
     SNOWBOUGH_OT_setup_material,
     SNOWBOUGH_OT_setup_displacement,
-    SNOWBOUGH_OT_apply_at_frame,
+    SNOWBOUGH_OT_apply_snow,
     SNOWBOUGH_OT_remove,
 )
 register, unregister = bpy.utils.register_classes_factory(CLASSES)
