@@ -29,6 +29,11 @@ REMOVED = ("masked", "pressed", "cleared")
 
 # Smaller shares are not worth a word.
 LEAST = 0.02
+LOST = (
+    ("floor", "fell on objects that are no receivers"),
+    ("left", "fell out of the scene"),
+    ("air", "is still falling on the last frame: a longer shot, or Fall Time off, lets it land"),
+)
 
 _ROW = {"frame": frame, "depth": number, **dict.fromkeys((*OWN, *COMMON), number)}
 
@@ -73,10 +78,11 @@ def read_ledger(version):
 def lost_text(rows):
     """Where the snow of a ledger is that no receiver shows, as a sentence; empty if there is none."""
     last = rows[-1] if rows else {"fallen": 0.0}
-    shares = [
-        (last[name] / last["fallen"], text)
-        for name, text in (("floor", "on objects that are no receivers"), ("left", "out of the scene"))
-        if last["fallen"] > 0.0
+    if last["fallen"] <= 0.0:
+        return ""
+    parts = [
+        f"{last[name] / last['fallen']:.0%} {text}"
+        for name, text in LOST
+        if last[name] >= LEAST * last["fallen"]
     ]
-    parts = [f"{share:.0%} fell {text}" for share, text in shares if share >= LEAST]
     return f"Of all snow, {' and '.join(parts)}" if parts else ""

@@ -26,13 +26,25 @@ def test_what_objects_take_away_is_counted_where_there_is_any():
 
 
 @pytest.mark.parametrize(
-    "floor, left, text",
+    "floor, left, air, text",
     [
-        (0.12, 0.0, "Of all snow, 12% fell on objects that are no receivers"),
-        (0.3, 0.05, "Of all snow, 30% fell on objects that are no receivers and 5% fell out of the scene"),
-        (0.01, 0.01, ""),
+        (0.12, 0.0, 0.0, "Of all snow, 12% fell on objects that are no receivers"),
+        (
+            0.3,
+            0.05,
+            0.0,
+            "Of all snow, 30% fell on objects that are no receivers and 5% fell out of the scene",
+        ),
+        (0.01, 0.01, 0.01, ""),
+        (
+            0.0,
+            0.0,
+            0.03,
+            "Of all snow, 3% is still falling on the last frame: a longer shot, or Fall Time off, lets it land",
+        ),
     ],
 )
-def test_only_shares_that_matter_are_named(floor, left, text):
-    assert ledger.lost_text([{"fallen": 2.0, "floor": 2.0 * floor, "left": 2.0 * left}]) == text
+def test_only_shares_that_matter_are_named(floor, left, air, text):
+    row = {"fallen": 2.0, "floor": 2.0 * floor, "left": 2.0 * left, "air": 2.0 * air}
+    assert ledger.lost_text([row]) == text
     assert ledger.lost_text([]) == ""
