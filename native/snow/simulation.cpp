@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -38,6 +39,14 @@ glm::dvec3 unit_fall(const glm::dvec3& direction) {
                                 std::to_string(direction.z));
   }
   return unit;
+}
+
+/// Seconds that a fall takes at most in a step with `depth` metres of new snow. A shot in which the
+/// snow grows shows hours in seconds, so that falls are as quick as all else.
+double longest_fall(bool takes_time, double depth, double dt) {
+  constexpr double kGrowthMeanwhile = 0.01;
+  if (!takes_time) return 0.0;
+  return depth > 0.0 ? kGrowthMeanwhile * dt / depth : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -112,7 +121,7 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
                                .throw_speed = settings_.throw_speed,
                                .spread = settings_.spread,
                                .heap_grain = settings_.heap_grain,
-                               .takes_time = settings_.fall_time},
+                               .longest_fall = longest_fall(settings_.fall_time, depth, dt)},
                    .max_depth = static_cast<float>(settings_.max_depth)},
       .dt = dt,
       .tile_size = settings_.tile_size};

@@ -94,7 +94,8 @@ class SnowProperties:
     )
     fall_time: BoolProperty(
         name="Fall Time",
-        description="Falling takes time: snow lands as many frames later as it needs to fall. Off: it lands at once",
+        description="Falling takes time: snow lands as many frames later as it needs to fall, but before open snow has "
+        "grown by 1 cm. Off: it lands at once",
         default=True,
     )
     seed: IntProperty(

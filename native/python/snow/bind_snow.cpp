@@ -308,7 +308,8 @@ loads, and the first call that needs the engine raises.
 
 landing: snow that leaves a map falls onto what lies below, and meets the snow of other receivers;
 False, or with repose at pi / 2: it is gone, and a receiver's snow depends on its own only.
-fall_time: whether a fall takes time.
+fall_time: whether a fall takes time, sqrt(2 H / g), but no longer than open snow needs to grow by
+1 cm.
 
 A context manager: leaving it closes the simulation.)";
   py::class_<SnowSimulation, Holder>(module, "SnowSimulation", simulation_doc.c_str())

@@ -380,7 +380,7 @@ void Landing::fall(uint32_t step_number, double dt, const LandingSettings& setti
       } else if (snow.point.place < 0) {
         on_floors_ += snow.units;
       } else {
-        const double way = settings.takes_time ? std::sqrt(2.0 * snow.drop / kGravity) : 0.0;
+        const double way = std::min(std::sqrt(2.0 * snow.drop / kGravity), settings.longest_fall);
         air_[{clock_ + microseconds(way), snow.point.object, snow.point.place,
               snow.point.is_back}] += snow.units;
       }

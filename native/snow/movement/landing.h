@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <string>
 #include <tuple>
@@ -29,8 +30,8 @@ struct LandingSettings {
   double spread = 0.12;
   /// Edge in metres of the cubes whose snow falls together, and radius over which it lands.
   double heap_grain = 0.06;
-  /// Whether a fall takes time.
-  bool takes_time = true;
+  /// The most seconds that a fall takes, 0 to land at once.
+  double longest_fall = std::numeric_limits<double>::infinity();
 };
 
 /// Snow that leaves a map over an outlet, off a wall or because it slides falls onto what lies

@@ -83,15 +83,41 @@ def test_what_falls_off_a_shelf_lies_below_its_edge(engine):
 
 
 def test_snow_takes_its_time_to_fall():
+    """After the snowfall a board tips over."""
     meshes = shelf_over_ground(2.0)
     sim = simulation(meshes)
-    sim.step({name: mesh[0] for name, mesh in meshes.items()}, 0.2, DOWN, FRAME)
+    fall(sim, meshes, 0.05, 4)
+    wait(sim, 2)
+    before = sim.statistics()["objects"]["ground"]["total"]["landed_volume"]
+    tipped = rotated(meshes["shelf"][0] - np.float32([0, 0, 2]), "y", 80.0) + np.float32([0, 0, 2.3])
+    sim.step({"shelf": tipped.astype(np.float32)}, 0.0, DOWN, FRAME)
     # From 2 m it takes 0.64 s, 15.3 steps.
-    wait(sim, 15)
-    assert sim.statistics()["objects"]["ground"]["total"]["landed_volume"] == 0.0
-    assert sim.statistics()["air_volume"] > 0.0
+    wait(sim, 14)
+    assert sim.statistics()["objects"]["ground"]["total"]["landed_volume"] == pytest.approx(before, abs=1e-6)
+    assert sim.statistics()["air_volume"] > 0.002
+    wait(sim, 4)
+    assert sim.statistics()["objects"]["ground"]["total"]["landed_volume"] > before + 0.002
+
+
+def test_while_it_snows_a_fall_takes_no_longer_than_a_centimetre_of_snow():
+    meshes = shelf_over_ground(2.0)
+    sim = simulation(meshes)
+    positions = {name: mesh[0] for name, mesh in meshes.items()}
+    sim.step(positions, 0.02, DOWN, FRAME)
     wait(sim, 1)
-    assert sim.statistics()["objects"]["ground"]["total"]["landed_volume"] > 0.0
+    assert sim.statistics()["air_volume"] == 0.0
+    # In steps of 1 mm it takes ten; the slats let go in the first ones.
+    slow = simulation(meshes, max_depth=0.0005)
+    for _ in range(10):
+        slow.step(positions, 0.001, DOWN, FRAME)
+    assert slow.statistics()["objects"]["ground"]["total"]["landed_volume"] == 0.0
+    for _ in range(10):
+        slow.step(positions, 0.001, DOWN, FRAME)
+    assert slow.statistics()["objects"]["ground"]["total"]["landed_volume"] > 0.0
+
+
+def test_without_fall_time_snow_lands_in_the_next_step():
+    meshes = shelf_over_ground(2.0)
     at_once = simulation(meshes, fall_time=False)
     at_once.step({name: mesh[0] for name, mesh in meshes.items()}, 0.2, DOWN, FRAME)
     at_once.step({}, 0.0, DOWN, FRAME)
