@@ -8,6 +8,7 @@
 
 #include "base/parallel_for.h"
 #include "shaders/lib/snow_noise.h"
+#include "snow/surface/point_tree.h"
 #include "snow/surface/vectors.h"
 
 namespace snowbough::snow {
@@ -259,33 +260,35 @@ void find_presence(Fronts& fronts, const SurfacePoints& points, const HeightSamp
     return points.mesh.position[fronts.point[f]] + front.outward * (front.distance + front.below) -
            front.down * front.below;
   };
-  std::vector<CellGrid::Box> boxes;
+  std::vector<glm::vec3> feet;
   std::vector<size_t> supports;
   for (size_t f = 0; f < fronts.front.size(); ++f) {
     if (fronts.front[f].distance < 0.0f) continue;
-    const glm::vec3 foot = foot_of(f);
-    boxes.push_back({foot, foot});
+    feet.push_back(foot_of(f));
     supports.push_back(f);
   }
-  const CellGrid grid(boxes, kFullnessReach * depth);
+  const PointTree tree(std::move(feet));
+  // What the zones hold, and what upright fronts would hold: sums over the points before each.
+  std::vector<double> held{0.0}, upright{0.0};
+  for (const int32_t i : tree.order()) {
+    const size_t f = supports[i];
+    const auto p = static_cast<size_t>(fronts.point[f]);
+    held.push_back(held.back() + samples.area[p] * thickness[p]);
+    upright.push_back(upright.back() + samples.area[p] * fronts.behind(f, thickness).inland);
+  }
   base::for_each_item(fronts.front.size(), 64, [&](size_t f) {
     SnowFront& front = fronts.front[f];
     const float full = std::clamp(1.5f * fronts.room[f], 0.05f * depth, depth);
     // A front needs snow behind the rim in the last frame.
     front.presence *= eased(fronts.behind(f, shown).inland, 0.06f * full, 0.3f * full);
     if (front.presence <= 0.0f) return;
-    const glm::vec3 foot = foot_of(f);
-    const float reach = kFullnessReach * depth;
-    float held = 0.0f, upright = 0.0f;
-    grid.visit(foot - reach, foot + reach, [&](int32_t i) {
-      const size_t other = supports[i];
-      const auto q = static_cast<size_t>(fronts.point[other]);
-      if (glm::distance(boxes[i].low, foot) > reach) return;
-      held += samples.area[q] * thickness[q];
-      upright += samples.area[q] * fronts.behind(other, thickness).inland;
+    double holds = 0.0, most = 0.0;
+    tree.visit_within(foot_of(f), kFullnessReach * depth, [&](int32_t begin, int32_t end) {
+      holds += held[end] - held[begin];
+      most += upright[end] - upright[begin];
     });
-    if (upright <= 0.0f) return;
-    const float fullness = std::clamp(held / upright, 0.0f, 0.999f);
+    if (most <= 0.0) return;
+    const float fullness = std::clamp(static_cast<float>(holds / most), 0.0f, 0.999f);
     front.full = std::max(fullness, kLeastFull);
     const float wide = eased(fronts.room[f], kNarrowFront * depth, kWideFront * depth);
     const float more = glm::mix(kMoreSnow, kMoreOnWide, wide);

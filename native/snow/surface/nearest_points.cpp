@@ -6,57 +6,47 @@
 namespace snowbough::snow {
 namespace {
 
-/// The first distance searched, and its growth, until there are enough points.
+/// The distance searched: the first one times a power of the growth.
 constexpr float kFirstReach = 0.15f;
 constexpr float kNextReach = 1.7f;
 /// Distance added to that of each point, so that no point counts alone.
 constexpr float kLeastDistance = 0.025f;
 
-std::vector<CellGrid::Box> boxes_of(const std::vector<glm::vec3>& position,
-                                    const std::vector<int32_t>& chosen) {
-  std::vector<CellGrid::Box> boxes;
-  boxes.reserve(chosen.size());
-  for (const int32_t p : chosen) boxes.push_back({position[p], position[p]});
-  return boxes;
+std::vector<glm::vec3> places_of(const std::vector<glm::vec3>& position,
+                                 const std::vector<int32_t>& chosen) {
+  std::vector<glm::vec3> places;
+  places.reserve(chosen.size());
+  for (const int32_t p : chosen) places.push_back(position[p]);
+  return places;
+}
+
+std::vector<int32_t> open_of(std::vector<int32_t> chosen, const std::vector<uint8_t>& sheltered) {
+  std::erase_if(chosen, [&](int32_t p) { return sheltered[p] != 0; });
+  return chosen;
 }
 
 }  // namespace
 
 NearestPoints::NearestPoints(const std::vector<glm::vec3>& position, std::vector<int32_t> chosen,
                              const std::vector<uint8_t>& sheltered, float depth)
-    : position_(position),
-      chosen_(std::move(chosen)),
-      sheltered_(sheltered),
+    : chosen_(std::move(chosen)),
       depth_(depth),
-      grid_(boxes_of(position_, chosen_), 0.25f * depth) {}
+      open_(open_of(chosen_, sheltered)),
+      open_tree_(places_of(position, open_)),
+      tree_(places_of(position, chosen_)) {}
 
 PointMean NearestPoints::at(const glm::vec3& place, int32_t own, float farthest,
                             bool shelter) const {
-  struct Found {
-    float distance;
-    int32_t point;
-  };
-  thread_local std::vector<Found> found;
-  found.clear();
-  for (float reach = kFirstReach * depth_; reach < farthest && found.size() < 4;
-       reach *= kNextReach) {
-    found.clear();
-    grid_.visit(place - reach, place + reach, [&](int32_t i) {
-      const int32_t q = chosen_[i];
-      if (sheltered_[q] != 0 && !shelter) return;
-      const float distance = glm::distance(position_[q], place);
-      if (distance < reach) found.push_back({distance, q});
-    });
-  }
-  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
-    return a.distance != b.distance ? a.distance < b.distance : a.point < b.point;
-  });
+  float reach = 0.0f;
+  for (float next = kFirstReach * depth_; next < farthest; next *= kNextReach) reach = next;
+  const auto found = (shelter ? tree_ : open_tree_).nearest(place, reach);
+  const std::vector<int32_t>& points = shelter ? chosen_ : open_;
   PointMean mean{glm::ivec4(own), glm::vec4(0.0f)};
-  for (int k = 0; k < 4 && k < static_cast<int>(found.size()); ++k) {
-    mean.point[k] = found[k].point;
+  for (int k = 0; k < 4 && found[k].point >= 0; ++k) {
+    mean.point[k] = points[found[k].point];
     mean.weight[k] = 1.0f / (found[k].distance + kLeastDistance * depth_);
   }
-  if (found.empty()) mean.weight[0] = 1.0f;
+  if (found[0].point < 0) mean.weight[0] = 1.0f;
   mean.weight /= mean.weight.x + mean.weight.y + mean.weight.z + mean.weight.w;
   return mean;
 }

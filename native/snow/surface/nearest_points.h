@@ -6,7 +6,7 @@
 #include <glm/vec4.hpp>
 #include <vector>
 
-#include "snow/surface/cell_grid.h"
+#include "snow/surface/point_tree.h"
 
 namespace snowbough::snow {
 
@@ -26,9 +26,9 @@ struct PointMean {
 /// Finds the points nearest to a place among some points of a surface.
 class NearestPoints {
  public:
-  /// @param position all points; must outlive it.
+  /// @param position all points.
   /// @param chosen the points to choose from.
-  /// @param sheltered 1 for points below another surface; must outlive it.
+  /// @param sheltered 1 for points below another surface.
   NearestPoints(const std::vector<glm::vec3>& position, std::vector<int32_t> chosen,
                 const std::vector<uint8_t>& sheltered, float depth);
 
@@ -39,11 +39,11 @@ class NearestPoints {
   const std::vector<int32_t>& chosen() const { return chosen_; }
 
  private:
-  const std::vector<glm::vec3>& position_;
   std::vector<int32_t> chosen_;
-  const std::vector<uint8_t>& sheltered_;
   float depth_;
-  CellGrid grid_;
+  /// Of the chosen points, those that are open to the sky, and their tree; the tree of all.
+  std::vector<int32_t> open_;
+  PointTree open_tree_, tree_;
 };
 
 }  // namespace snowbough::snow

@@ -284,7 +284,8 @@ void move_out(std::vector<Rim>& rims, size_t points) {
 }  // namespace
 
 std::vector<Rim> find_rims(const SurfaceMesh& mesh, const base::TriangleTree& tree,
-                           const std::vector<int32_t>& shading, float far_reach, float strip) {
+                           const std::vector<int32_t>& shading, const std::vector<int32_t>& parts,
+                           float far_reach, float strip) {
   const RimFinder finder(mesh, shading, strip);
   std::vector<RimFinder::Found> found(finder.edge_count());
   base::for_each_item(found.size(), 256, [&](size_t e) { found[e] = finder.find(e); });
@@ -295,7 +296,9 @@ std::vector<Rim> find_rims(const SurfaceMesh& mesh, const base::TriangleTree& tr
   }
   std::vector<Rim> rims;
   for (const auto& one : found) {
-    if (one.support >= 0 && in_strip[one.support] == 0) rims.push_back(one.rim);
+    if (one.support < 0 || in_strip[one.support] != 0) continue;
+    rims.push_back(one.rim);
+    rims.back().part = parts[one.support];
   }
   move_out(rims, mesh.position.size());
   base::for_each_item(rims.size(), 64,

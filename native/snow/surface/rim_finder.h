@@ -16,10 +16,11 @@ namespace snowbough::snow {
 /// @param mesh the result of receiver_mesh.
 /// @param tree a tree over the triangles of `mesh`.
 /// @param shading as in SurfaceSource.
+/// @param parts the result of face_parts.
 /// @param far_reach greatest distance searched down the far faces, in metres.
 /// @param strip greatest width of a strip, in metres.
-/// @return the rims; `part` is not set.
 std::vector<Rim> find_rims(const SurfaceMesh& mesh, const base::TriangleTree& tree,
-                           const std::vector<int32_t>& shading, float far_reach, float strip);
+                           const std::vector<int32_t>& shading, const std::vector<int32_t>& parts,
+                           float far_reach, float strip);
 
 }  // namespace snowbough::snow

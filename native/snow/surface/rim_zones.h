@@ -36,7 +36,7 @@ class RimZones {
   /// Computes the zones of a refined mesh's points that `zones` does not hold yet. Of the faces at
   /// a point, the one nearest to a rim counts; on the rim itself the supporting face counts.
   void find(const SurfaceMesh& mesh, std::vector<Zone>& zones) const;
-  /// The connected part of the receiver that holds a source triangle.
+  /// The part of the receiver (face_parts) that holds a source triangle.
   int32_t part(int32_t base) const { return part_of_base_[static_cast<size_t>(base)]; }
 
  private:

@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/group_by_key.h"
-#include "base/union_find.h"
+#include "snow/surface/face_parts.h"
 #include "snow/surface/rim_finder.h"
 #include "snow/surface/vectors.h"
 
@@ -97,21 +97,13 @@ bool is_beside(const Rim& rim, const glm::vec3& point, const glm::vec3& foot,
 
 Rims::Rims(const SurfaceMesh& mesh, const base::TriangleTree& tree,
            const std::vector<int32_t>& shading, float reach, float far_reach, float strip)
-    : reach_(reach) {
-  base::UnionFind joined(mesh.position.size());
-  for (const auto& [a, b, c] : mesh.triangle) joined.join(joined.join(a, b), c);
-  const std::vector<int32_t> part = std::move(joined).all();
-  for (const auto& triangle : mesh.triangle) part_of_triangle_.push_back(part[triangle[0]]);
-
-  std::vector<Rim> found;
-  for (Rim rim : find_rims(mesh, tree, shading, far_reach, strip)) {
-    rim.part = part[rim.corner[0]];
-    found.push_back(rim);
-  }
+    : part_of_triangle_(face_parts(mesh)), reach_(reach) {
+  const std::vector<Rim> found =
+      find_rims(mesh, tree, shading, part_of_triangle_, far_reach, strip);
   const auto for_rims = [&](const auto& visit) {
     for (const Rim& rim : found) visit(rim.part, rim);
   };
-  base::group_by_key(mesh.position.size(), for_rims, part_begin_, rims_);
+  base::group_by_key(mesh.triangle.size(), for_rims, part_begin_, rims_);
   std::vector<CellGrid::Box> boxes;
   for (const Rim& rim : rims_) {
     boxes.push_back({glm::min(rim.from, rim.to), glm::max(rim.from, rim.to)});

@@ -30,7 +30,8 @@ struct Rim {
   float strip_down = 0.0f;
   /// Number of faces across the strip.
   int32_t strip_faces = 0;
-  /// The ends of the edge in the mesh, and the connected part of the mesh that holds it.
+  /// The ends of the edge in the mesh, and the part of the mesh (face_parts) that holds its
+  /// supporting face.
   std::array<int32_t, 2> corner{};
   int32_t part = 0;
 };
@@ -74,7 +75,7 @@ class Rims {
        float reach, float far_reach, float strip);
 
   const std::vector<Rim>& all() const { return rims_; }
-  /// The connected part of each triangle of the mesh that was passed to the constructor.
+  /// The part of each triangle of the mesh that was passed to the constructor.
   const std::vector<int32_t>& parts() const { return part_of_triangle_; }
 
   /// Position of `point` relative to the rims of `part` near it. `normal`: unit normal of the face

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <ctime>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
+#include <numbers>
 
 #include "native/snow/surface/shapes.h"
 
@@ -366,6 +368,38 @@ TEST(SnowSurfaceFaces, OfAReceiverWithoutSnowAreNone) {
   EXPECT_EQ(surface.surface.point_count(), 0u);
   EXPECT_THAT(surface.surface.faces.begin, testing::ElementsAre(0));
   EXPECT_TRUE(surface.points(frame_of(on_tops(board, 0.0f))).empty());
+}
+
+/// Processor time in seconds for a surface on triangles around the x axis, `apart` from each other
+/// along y.
+double time_of_blades(int count, float apart) {
+  SurfaceSource source;
+  for (int i = 0; i < count; ++i) {
+    const float angle = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / count;
+    const auto first = static_cast<int32_t>(source.positions.size());
+    const float y = apart * static_cast<float>(i);
+    source.positions.insert(
+        source.positions.end(),
+        {{-0.5f, y, 0}, {0.5f, y, 0}, {0, y + 0.5f * std::cos(angle), 0.5f * std::sin(angle)}});
+    source.topology.triangles.insert(source.topology.triangles.end(),
+                                     {first, first + 1, first + 2});
+    source.topology.corner_uv.insert(source.topology.corner_uv.end(),
+                                     {{0.1f, 0.1f}, {0.9f, 0.1f}, {0.1f, 0.9f}});
+  }
+  source.topology.vertex_count = 3 * count;
+  source.topology.resolution = kResolution;
+  const std::vector<float> map(static_cast<size_t>(kResolution) * kResolution, 0.05f);
+  SurfacePlan plan = plan_of();
+  plan.density = {0.1f, 3.0f, 200000};
+  const std::clock_t begun = std::clock();
+  plan_surface(source, map, map, plan);
+  return static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
+}
+
+TEST(SnowSurface, TakesAboutAsLongForBladesAtOneAxleAsForBladesApart) {
+  // It took seven times as long, and grew with the square of their number.
+  const double apart = time_of_blades(100, 3.0f);
+  EXPECT_LT(time_of_blades(100, 0.0f), 2.5 * apart);
 }
 
 TEST(SnowSurfaceFaces, OfAReceiverWithoutFacesAreNone) {
