@@ -143,6 +143,20 @@ def test_ripples_lie_across_the_wind(smooth, tmp_path):
     assert along((0.0, 1.0, 0.0)) > 1.5 * along((1.0, 0.0, 0.0))
 
 
+def test_a_bump_evaluates_few_nodes(group):
+    """Each of them three times: with 51 nodes and six noises, EEVEE compiled for minutes."""
+    tree = group.node_tree
+    bump = next(node for node in tree.nodes if node.type == "BUMP")
+    found, waiting = set(), [link.from_node for link in bump.inputs["Height"].links]
+    while waiting:
+        node = waiting.pop()
+        if node not in found:
+            found.add(node)
+            waiting += [link.from_node for socket in node.inputs for link in socket.links]
+    assert len(found) <= 36
+    assert sum(node.type == "TEX_NOISE" for node in found) == 3
+
+
 # -- sparkle --------------------------------------------------------------------------------------------------
 
 

@@ -19,8 +19,8 @@ SUBSURFACE_RADIUS = (0.010, 0.013, 0.018)
 # Depth in metres from which light scatters as in deep snow.
 SCATTERING_DEPTH = 0.05
 
-# Grains of the surface, as a bump: (waves per metre, amplitude in metres).
-BUMPS = ((110.0, 0.0011), (420.0, 0.0004))
+# Grains of the surface, as a bump of two octaves: waves per metre, height in metres.
+GRAIN_SCALE, GRAIN_HEIGHT = 120.0, 0.0034
 # Light that hollows lose and crests keep: least of the blue. Bumps have no shadows of their own, so without it snow
 # would be blank under an overcast sky.
 HOLLOWS = (0.26, 0.24, 0.20)
@@ -67,9 +67,9 @@ OUTPUTS = (
 )
 
 
-def _noise(tree, position, scale):
+def _noise(tree, position, scale, more_octaves=0.0):
     node = tree.node("ShaderNodeTexNoise")
-    tree.feed(node, Vector=position, Scale=scale, Detail=0.0)
+    tree.feed(node, Vector=position, Scale=scale, Detail=more_octaves, Roughness=0.5)
     return compat_nodes.noise_value(node)
 
 
@@ -88,13 +88,11 @@ def _bumps(tree, inputs, lumps, thickness):
     """(normal, colour): bumps of grains and of waves, and the snow's colour, darker in hollows."""
     waves, crests = add_waves(tree, inputs["Position"], lumps, inputs["Normal"], thickness,
                               *(inputs[name] for name in ("Depth", "Wind", "Relief")))  # fmt: skip
-    grains = None
-    for scale, metres in BUMPS:
-        grain = tree.multiply(_noise(tree, inputs["Position"], scale), 2.0 * metres)
-        grains = grain if grains is None else tree.add(grains, grain)
+    grains = _noise(tree, inputs["Position"], GRAIN_SCALE, 1.0)
+    height = tree.multiply(inputs["Grain"], GRAIN_HEIGHT)
     node = tree.node("ShaderNodeBump")
     tree.feed(node, Strength=1.0, Distance=1.0, Normal=inputs["Normal"],
-              Height=tree.math("MULTIPLY_ADD", grains, inputs["Grain"], waves))  # fmt: skip
+              Height=tree.math("MULTIPLY_ADD", grains, height, waves))  # fmt: skip
     light = tree.vector("MULTIPLY_ADD", crests, HOLLOWS, (LIT,) * 3)
     lit = tree.vector("MINIMUM", tree.vector("MULTIPLY", inputs["Color"], light), (1.0, 1.0, 1.0))
     return node.outputs["Normal"], lit
