@@ -254,11 +254,13 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
       exit.point = outlet.point;
       exit.outwards = outlet.outwards;
     } else if (release.outlet == Repose::Release::kInHollow) {
-      const int32_t place = object.table->texel[static_cast<size_t>(release.texel)];
+      const std::vector<int32_t>& places =
+          map.places != nullptr ? *map.places : repose.table().texel;
+      const int32_t place = places[static_cast<size_t>(release.texel)];
       air_[{clock_, number, place, false}] += units;
       return;
     } else {
-      const TexelNow texel = texel_now(object, release.texel);
+      const TexelNow texel = texel_now(object, repose.table(), release.texel);
       exit.point = texel.point;
       const double flat = glm::length(glm::dvec2(texel.normal));
       if (flat > 0.0) exit.outwards = glm::dvec2(texel.normal) / flat;

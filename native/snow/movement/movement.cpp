@@ -18,7 +18,8 @@ constexpr const char* kMaskPlane = "mask";
 }  // namespace
 
 int64_t Movement::memory(const std::vector<const SceneObject*>& objects) {
-  // See Repose::BareTexels, and where ways end.
+  // See Repose::BareTexels, and where ways end. A coarser map takes less memory than the blocks of
+  // the receiver's own, which it replaces.
   constexpr int64_t kPerTexel = 5 * 4 + 2 * 4;
   constexpr int64_t kPerPlace = 4;
   // See Masks, and Pressing::Pressed.
@@ -47,6 +48,8 @@ void Movement::lay_out(const std::vector<const SceneObject*>& objects) {
   masks_.lay_out(objects);
   pressing_.lay_out(objects);
   landing_.lay_out(targets_.rays());
+  coarse_.lay_out(objects, targets_.rays());
+  last_.assign(objects.size(), nullptr);
   link_tables_ = std::make_unique<ReposeLinkTables>();
   for (const SceneObject* object : objects) {
     receivers_.push_back(object->description.receive
@@ -57,9 +60,11 @@ void Movement::lay_out(const std::vector<const SceneObject*>& objects) {
 
 void Movement::forget_pose(size_t object) {
   pressing_.forget_pose(object);
+  coarse_.forget_pose(object);
   if (receivers_[object] != nullptr) receivers_[object]->forget_pose();
   targets_.forget_pose(object, [&](size_t near) {
     if (receivers_[near] != nullptr) receivers_[near]->forget_rooms();
+    coarse_.forget_rooms(near);
   });
 }
 
@@ -84,6 +89,7 @@ void Movement::before(const MovementSettings& settings, double dt, std::vector<M
 void Movement::after(const MovementSettings& settings, uint32_t step_number, double dt,
                      std::vector<MovingMap>& maps) {
   const std::vector<MovingMap*> moving = shown(maps);
+  rounds_ = 0.0;
   for (MovingMap* map : moving) masks_.refuse(*map, *receivers_[map->object]);
   // Without duration nothing is pressed: objects are only put in their places.
   const int parts = dt > 0.0 ? pressing_.begin(moving) : 1;
@@ -112,12 +118,25 @@ void Movement::rest(const MovementSettings& settings, double dt,
                     const std::vector<MovingMap*>& maps) {
   if (!settings.repose.is_on()) return;
   std::vector<double> slid;
-  for (MovingMap* map : maps) slid.push_back(std::exchange(map->slid, 0.0));
-  if (dt > 0.0) run_repose(settings, static_cast<float>(dt), maps);
+  std::vector<MovingMap> coarser;
+  std::vector<Resting> resting;
+  coarser.reserve(maps.size());
+  for (MovingMap* map : maps) {
+    slid.push_back(std::exchange(map->slid, 0.0));
+    Repose& own = *receivers_[map->object];
+    const std::vector<float>* const stand = pressing_.stand(*map);
+    CoarseMap* const coarse = coarse_.choose(*map, stand != nullptr, *link_tables_, own);
+    if (coarse != last_[map->object]) targets_.forget(map->object);
+    last_[map->object] = coarse;
+    if (coarse != nullptr) coarser.push_back(coarse->begin(*map));
+    resting.push_back(coarse == nullptr ? Resting{map, &own, stand}
+                                        : Resting{&coarser.back(), &coarse->repose(), nullptr});
+  }
+  if (dt > 0.0) run_repose(settings, static_cast<float>(dt), resting, maps);
   for (size_t i = 0; i < maps.size(); ++i) {
-    if (settings.landing.is_on) {
-      landing_.release(settings.landing, *maps[i], *receivers_[maps[i]->object]);
-    }
+    const Resting& own = resting[i];
+    if (settings.landing.is_on) landing_.release(settings.landing, *own.map, *own.repose);
+    if (own.map != maps[i]) last_[maps[i]->object]->end(*own.map, *maps[i]);
     maps[i]->slid += slid[i];
     maps[i]->slid_from.clear();
   }
@@ -147,43 +166,44 @@ void Movement::load(size_t object, const ObjectState& state) {
 }
 
 void Movement::run_repose(const MovementSettings& settings, float dt,
-                          const std::vector<MovingMap*>& maps) {
+                          const std::vector<Resting>& maps, const std::vector<MovingMap*>& own) {
   const ReposeLimits limits{.slope = static_cast<float>(std::tan(settings.repose.angle)),
                             .cohesion = static_cast<float>(settings.repose.cohesion)};
   std::vector<size_t> blocks(maps.size(), 0);
   base::for_each_item(maps.size(), 1, [&](size_t i) {
-    blocks[i] = receivers_[maps[i]->object]->choose_blocks(*maps[i]->height, limits);
+    blocks[i] = maps[i].repose->choose_blocks(*maps[i].map->height, limits);
   });
   // Large maps one by one, each on all cores; small ones side by side.
   const auto for_maps = [&](const auto& work) {
     std::vector<size_t> small;
     for (size_t i = 0; i < maps.size(); ++i) {
-      if (blocks[i] > kManyBlocks) work(*maps[i], true);
+      if (blocks[i] > kManyBlocks) work(maps[i], true);
       if (blocks[i] > 0 && blocks[i] <= kManyBlocks) small.push_back(i);
     }
-    base::for_each_item(small.size(), 1, [&](size_t i) { work(*maps[small[i]], false); });
+    base::for_each_item(small.size(), 1, [&](size_t i) { work(maps[small[i]], false); });
   };
-  for_maps([&](const MovingMap& map, bool on_all_cores) {
-    receivers_[map.object]->set_stand(pressing_.stand(map));
-    receivers_[map.object]->set_up(*map.height, on_all_cores);
+  for_maps([&](const Resting& map, bool on_all_cores) {
+    map.repose->set_stand(map.stand);
+    map.repose->set_up(*map.map->height, on_all_cores);
   });
   // Without landing a receiver's snow must not depend on that of others, so that machines can share
   // a shot. No map changes before all are raised.
   std::vector<const std::vector<float>*> heights(receivers_.size(), nullptr);
-  for (size_t i = 0; settings.landing.is_on && i < maps.size(); ++i) {
-    heights[maps[i]->object] = maps[i]->height;
+  for (const MovingMap* map : own) {
+    if (settings.landing.is_on) heights[map->object] = map->height;
   }
-  for (const MovingMap* map : maps) {
-    const std::vector<float>* const others = heights[map->object];
-    heights[map->object] = map->height;
-    targets_.raise(map->object, *receivers_[map->object], heights);
-    heights[map->object] = others;
+  for (size_t i = 0; i < maps.size(); ++i) {
+    const size_t object = own[i]->object;
+    const std::vector<float>* const others = heights[object];
+    heights[object] = own[i]->height;
+    targets_.raise(object, *maps[i].repose, heights);
+    heights[object] = others;
   }
-  for_maps([&](MovingMap& map, bool) {
-    Repose& repose = *receivers_[map.object];
-    map.slid = repose.run(*map.height, dt, settings.landing.is_on);
-    map.has_changed = map.has_changed || repose.has_changed();
+  for_maps([&](const Resting& map, bool) {
+    map.map->slid = map.repose->run(*map.map->height, dt, settings.landing.is_on);
+    map.map->has_changed = map.map->has_changed || map.repose->has_changed();
   });
+  for (const Resting& map : maps) rounds_ += map.repose->rounds();
 }
 
 }  // namespace snowbough::snow

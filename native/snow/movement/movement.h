@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "snow/movement/coarse_map.h"
 #include "snow/movement/landing.h"
 #include "snow/movement/masks.h"
 #include "snow/movement/moving_map.h"
@@ -41,6 +42,8 @@ class Movement {
   void after(const MovementSettings& settings, uint32_t step_number, double dt,
              std::vector<MovingMap>& maps);
 
+  /// Number of rounds of repose in the last step, of blocks of kReposeBlock texels a side.
+  double rounds() const { return rounds_; }
   LandingState landing() const { return landing_.state(); }
   /// What the passes keep between steps: of the scene, and of a receiver.
   void save(SimulationState& state) const;
@@ -51,10 +54,21 @@ class Movement {
  private:
   std::vector<MovingMap*> shown(std::vector<MovingMap>& maps) const;
   void rest(const MovementSettings& settings, double dt, const std::vector<MovingMap*>& maps);
-  void run_repose(const MovementSettings& settings, float dt, const std::vector<MovingMap*>& maps);
+  /// A map on which snow comes to rest: the receiver's own or a coarser one.
+  struct Resting {
+    MovingMap* map = nullptr;
+    Repose* repose = nullptr;
+    const std::vector<float>* stand = nullptr;
+  };
+  void run_repose(const MovementSettings& settings, float dt, const std::vector<Resting>& maps,
+                  const std::vector<MovingMap*>& own);
 
   std::unique_ptr<ReposeLinkTables> link_tables_;
   OutletTargets targets_;
+  CoarseMaps coarse_;
+  /// By object: the coarser map of the last step.
+  std::vector<CoarseMap*> last_;
+  double rounds_ = 0.0;
   Masks masks_;
   Pressing pressing_;
   Landing landing_;

@@ -48,6 +48,9 @@ class OutletTargets {
     }
   }
 
+  /// Call it when an object's outlets are others than before.
+  void forget(size_t object) { targets_[object].clear(); }
+
   /// Raises the chosen outlets of a receiver to the top of the snow beyond. `heights`: by object,
   /// before any map of the step changes; null: its snow does not count.
   void raise(size_t object, Repose& repose, const std::vector<const std::vector<float>*>& heights);

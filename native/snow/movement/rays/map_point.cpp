@@ -81,8 +81,7 @@ bool holds_snow(const SurfaceHit& hit) {
   return (hit.is_open ? std::abs(hit.up) : hit.up) >= static_cast<double>(shared::kWallUp);
 }
 
-TexelNow texel_now(const SceneObject& object, int32_t texel) {
-  const TexelTable& table = *object.table;
+TexelNow texel_now(const SceneObject& object, const TexelTable& table, int32_t texel) {
   const auto i = static_cast<size_t>(texel);
   TexelNow now;
   for (int32_t f = table.fragment_begin[i]; f < table.fragment_begin[i + 1]; ++f) {

@@ -37,8 +37,11 @@ struct TexelNow {
   double area = 0.0;
 };
 
-/// `texel`: index in the object's TexelTable.
-TexelNow texel_now(const SceneObject& object, int32_t texel);
+/// `texel`: index in `table`, the object's or a coarser one.
+TexelNow texel_now(const SceneObject& object, const TexelTable& table, int32_t texel);
+inline TexelNow texel_now(const SceneObject& object, int32_t texel) {
+  return texel_now(object, *object.table, texel);
+}
 
 /// The texel at a place of the map, -1: none.
 int32_t texel_at(const TexelTable& table, int32_t place);

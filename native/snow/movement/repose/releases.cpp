@@ -111,7 +111,7 @@ const Repose::BareTexels& Repose::bare_texels() {
   if (!has_pose_) update_pose();
   if (has_bare_) return bare_;
   has_bare_ = true;
-  const std::vector<int32_t>& places = object_->table->texel;
+  const std::vector<int32_t>& places = table().texel;
   const size_t count = places.size();
   if (bare_.texel_of.empty()) {
     const auto side = static_cast<size_t>(links_->resolution);
@@ -156,7 +156,7 @@ int32_t Repose::next_down(int32_t texel) const {
     const auto i = static_cast<size_t>(to);
     consider(bare.x[i], bare.y[i], bare.z[i], to);
   };
-  const int32_t place = object_->table->texel[own];
+  const int32_t place = table().texel[own];
   const int32_t column = place % links_->resolution;
   const int32_t row = place / links_->resolution;
   for (int32_t k = 0; k < kForwardLinks; ++k) {
@@ -245,7 +245,7 @@ void Repose::collect_releases(const std::vector<Written>& written) {
       const bool is_wall =
           tiles_[static_cast<size_t>(end / kTileCells)]->snow.is_wall(static_cast<size_t>(last));
       releases_.push_back({is_wall ? Release::kOffWall : Release::kInHollow,
-                           texel_at(*object_->table, row * links_->resolution + column),
+                           texel_at(table(), row * links_->resolution + column),
                            static_cast<double>(units) * unit});
     }
   }

@@ -199,7 +199,9 @@ void Repose::run_rounds(float work_factor) {
         return tiles_[static_cast<size_t>(block)]->links.is_active();
       });
       if (!blocks.empty()) {
-        work -= run_colour(blocks, round);
+        const double rounds = run_colour(blocks, round);
+        rounds_ += rounds;
+        work -= rounds;
         continues = true;
       }
       if (!across_.empty() && seams_are_pending_) {
@@ -216,7 +218,7 @@ Repose::Written Repose::write_block(int32_t block, float walls_keep,
   const ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
   Written written;
   if (!tile.snow.has_moved() && !tile.outlets.any_wall) return written;
-  const std::vector<int32_t>& places = object_->table->texel;
+  const std::vector<int32_t>& places = table().texel;
   const auto write = [&](int32_t texel, size_t cell) {
     const bool wall = (tile.snow.kind[cell] & kWall) != 0;
     const double moved = tile.snow.moved[cell];

@@ -44,13 +44,24 @@ class Repose {
  public:
   /// `object` must have positions; both must outlive it.
   /// `rays` find the room above sheltered texels; null: it is not limited.
-  Repose(const SceneObject& object, ReposeLinkTables& tables, const SceneRays* rays = nullptr)
-      : object_(&object), link_tables_(&tables), rays_(rays), own_rays_(object) {}
+  /// `coarse`: the texels of a coarser map of the object, which nobody shares; null: its own map.
+  Repose(const SceneObject& object, ReposeLinkTables& tables, const SceneRays* rays = nullptr,
+         std::shared_ptr<const TexelTable> coarse = nullptr)
+      : object_(&object),
+        coarse_(std::move(coarse)),
+        link_tables_(&tables),
+        rays_(rays),
+        own_rays_(object) {}
+
+  /// The texels of its map.
+  const TexelTable& table() const { return *shared_table(); }
 
   /// Call it when the object's positions have changed.
   void forget_pose() { has_pose_ = false; }
   /// Call it when an object near this one has moved.
   void forget_rooms();
+  /// Releases memory that the next step would reuse.
+  void forget_tiles();
 
   /// Selects the blocks in which snow may move, by their heights; returns their number.
   size_t choose_blocks(const std::vector<float>& height, const ReposeLimits& limits);
@@ -121,6 +132,8 @@ class Repose {
 
   /// Whether the last run changed heights.
   bool has_changed() const { return has_changed_; }
+  /// Number of rounds that its blocks took together.
+  double rounds() const { return rounds_; }
 
  private:
   struct BlockRect {
@@ -170,7 +183,6 @@ class Repose {
   float highest_in(int32_t block, const std::vector<float>& height) const;
   bool rests(int32_t block, const std::vector<float>& height);
   const BlockSlack& slack_of(int32_t block);
-  void forget_tiles();
   void reuse_tiles(Marks& changes);
   bool cover_tile(int32_t block, const std::vector<float>& height);
   void set_up_ends(int32_t block);
@@ -214,7 +226,12 @@ class Repose {
   double run_colour(const Blocks& blocks, int first_round);
   Written write_block(int32_t block, float walls_keep, std::vector<float>& height) const;
 
+  const std::shared_ptr<const TexelTable>& shared_table() const {
+    return coarse_ != nullptr ? coarse_ : object_->table;
+  }
+
   const SceneObject* object_;
+  const std::shared_ptr<const TexelTable> coarse_;
   ReposeLinkTables* link_tables_;
   const SceneRays* rays_;
   /// Shared with copies of the object; null before the first pose.
@@ -226,6 +243,7 @@ class Repose {
   bool has_pose_ = false;
   bool on_all_cores_ = false;
   bool has_changed_ = false;
+  double rounds_ = 0.0;
   const std::vector<float>* stand_ = nullptr;
   /// Whether all links need new limits.
   bool relinks_ = false;

@@ -34,7 +34,7 @@ struct Repose::Cell {
 
 void Repose::find_links() {
   const std::vector<glm::vec3>& rest = object_->description.rest;
-  links_ = link_tables_->find(object_->description.topology, object_->table,
+  links_ = link_tables_->find(object_->description.topology, shared_table(),
                               rest.empty() ? object_->positions : rest);
   tiles_.resize(links_->block_count());
   stored_tiles_.resize(links_->block_count());
@@ -52,7 +52,7 @@ void Repose::update_pose() {
     return;
   }
   if (links_ == nullptr) find_links();
-  surface_.set_pose(*object_, pose_.positions(), limits_.cohesion > 0.0f);
+  surface_.set_pose(*object_, table(), pose_.positions(), limits_.cohesion > 0.0f);
   own_rays_.set_pose(pose_.positions());
   slack_.assign(links_->block_count(), std::nullopt);
   has_bare_ = false;
@@ -86,7 +86,7 @@ bool Repose::rests(int32_t block, const std::vector<float>& height) {
   const float own = highest_[b];
   // Snow too high to be level needs no closer examination.
   if (own > 0.0f && !slack_of(block).is_level(own, 0.0f)) return false;
-  const HeightRange range = find_height_range(*links_, object_->table->texel, block, height.data());
+  const HeightRange range = find_height_range(*links_, table().texel, block, height.data());
   if (range.high == 0.0f) return true;
   const BlockSlack& slack = slack_of(block);
   if (slack.side > 0.0f ? range.any_back : range.any_front) return false;
@@ -95,7 +95,7 @@ bool Repose::rests(int32_t block, const std::vector<float>& height) {
 
 const BlockSlack& Repose::slack_of(int32_t block) {
   std::optional<BlockSlack>& slack = slack_[static_cast<size_t>(block)];
-  if (!slack) slack = find_slack(surface_, *links_, object_->table->texel, block, limits_);
+  if (!slack) slack = find_slack(surface_, *links_, table().texel, block, limits_);
   return *slack;
 }
 
@@ -107,6 +107,7 @@ void Repose::forget_tiles() {
 
 size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimits& limits) {
   has_changed_ = false;
+  rounds_ = 0.0;
   chosen_.clear();
   releases_.clear();
   if (limits != limits_) {
@@ -205,7 +206,7 @@ void Repose::set_up_ends(int32_t block) {
     flow.limit = link_limit(a, b, shared::kAllLeadDown);
     if (stand_ != nullptr) {
       const ReposeLinks::Across& across = links_->across[link];
-      const std::vector<int32_t>& places = object_->table->texel;
+      const std::vector<int32_t>& places = table().texel;
       flow.limit = std::max(flow.limit, stands(places[static_cast<size_t>(across.a)],
                                                places[static_cast<size_t>(across.b)]));
     }
@@ -244,7 +245,7 @@ glm::dvec3 Repose::point_on(const ReposeLinks::Point& at,
 
 glm::dvec3 Repose::world_point(int32_t texel) const {
   const auto i = static_cast<size_t>(texel);
-  return world_point({object_->table->triangle[i], object_->table->barycentric[i]});
+  return world_point({table().triangle[i], table().barycentric[i]});
 }
 
 Repose::Outlet Repose::outlet(const RimLink& rim) const {
@@ -316,7 +317,7 @@ bool Repose::fill_rooms(int32_t block) {
       full[cell / kReposeBlock] |= 1u << column;
     }
   };
-  links_->for_texels(block, object_->table->texel, find_room, rows);
+  links_->for_texels(block, table().texel, find_room, rows);
   bool changes = false;
   tile.snow.any_full = false;
   for (size_t cell = 0; cell < size_t{kTileCells}; ++cell) {
@@ -348,7 +349,7 @@ float Repose::room_above(int32_t texel, size_t cell, ReposeTile& tile) {
   if (own < 0.0f) {
     const auto i = static_cast<size_t>(texel);
     const glm::dvec3 from =
-        point_on({object_->table->triangle[i], object_->table->barycentric[i]}, pose_.positions());
+        point_on({table().triangle[i], table().barycentric[i]}, pose_.positions());
     const auto hit =
         own_rays_.first_along(from, up, least, std::numeric_limits<double>::infinity());
     own = room_below(own_rays_.surface_at(hit, 0, from, up));
@@ -373,7 +374,7 @@ bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
   if (changes) {
     tile.begin_pose();
     surface_.fill_block(*links_, block, tile.ground);
-    const std::vector<int32_t>& places = object_->table->texel;
+    const std::vector<int32_t>& places = table().texel;
     links_->for_texels(block, places, [&](int32_t texel, size_t cell) {
       const auto place = static_cast<size_t>(places[static_cast<size_t>(texel)]);
       tile.cover(cell, height[place], surface_.unit());

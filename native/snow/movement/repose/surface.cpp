@@ -98,10 +98,11 @@ void set(const ReposeSurface::Texel& texel, const ReposeSurface::Row& to) {
 
 }  // namespace
 
-void ReposeSurface::set_pose(const SceneObject& object, const std::vector<glm::vec3>& positions,
-                             bool curved) {
+void ReposeSurface::set_pose(const SceneObject& object, const TexelTable& table,
+                             const std::vector<glm::vec3>& positions, bool curved) {
   constexpr size_t kRun = 1024;
   object_ = &object;
+  table_ = &table;
   positions_ = &positions;
   normals_ =
       shading_normals(object.description.topology.triangles, object.description.shading, positions);
@@ -128,7 +129,7 @@ void ReposeSurface::set_pose(const SceneObject& object, const std::vector<glm::v
   });
   double area = 0.0;
   for (const double part : areas) area += part;
-  const auto texels = static_cast<double>(std::max<size_t>(1, object.table->texel.size()));
+  const auto texels = static_cast<double>(std::max<size_t>(1, table.texel.size()));
   int exponent = 0;
   std::frexp(std::max(area / texels, 1e-18), &exponent);
   unit_ = std::ldexp(1.0f / shared::kUnitsAMetre, exponent);
@@ -163,7 +164,7 @@ glm::vec3 ReposeSurface::shading_normal(size_t triangle, glm::vec2 weights) cons
 }
 
 ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
-  const TexelTable& table = *object_->table;
+  const TexelTable& table = *table_;
   const auto begin = static_cast<size_t>(table.fragment_begin[static_cast<size_t>(index)]);
   const auto end = static_cast<size_t>(table.fragment_begin[static_cast<size_t>(index) + 1]);
   Texel texel;
@@ -203,7 +204,7 @@ ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
 /// Evaluates `count` texels that have a single fragment each, from fragment `f` on, all on one
 /// triangle; returns false if any has no area.
 bool ReposeSurface::on_one_triangle(size_t f, int32_t count, const Row& to) const {
-  const TexelTable& table = *object_->table;
+  const TexelTable& table = *table_;
   const auto t = static_cast<size_t>(table.fragment_triangle[f]);
   const glm::vec4& triangle = triangles_[t];
   const glm::vec2* const weights = &table.fragment_barycentric[f];
@@ -222,7 +223,7 @@ bool ReposeSurface::on_one_triangle(size_t f, int32_t count, const Row& to) cons
 }
 
 void ReposeSurface::texels(int32_t first, int32_t count, const Row& to) const {
-  const TexelTable& table = *object_->table;
+  const TexelTable& table = *table_;
   const int32_t* const begin = &table.fragment_begin[static_cast<size_t>(first)];
   for (int32_t i = 0; i < count;) {
     const int32_t f = begin[i];
@@ -245,7 +246,7 @@ void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, TileGrou
   const Row all{ground.x.data(),         ground.y.data(),        ground.z.data(),
                 ground.normal_z.data(),  ground.up.data(),       ground.area.data(),
                 ground.curvature.data(), ground.two_sided.data()};
-  links.for_runs(block, object_->table->texel, [&](int32_t first, int32_t count, size_t cell) {
+  links.for_runs(block, table_->texel, [&](int32_t first, int32_t count, size_t cell) {
     texels(first, count, all.at(cell));
   });
   ground.any_two_sided = std::any_of(ground.two_sided.begin(), ground.two_sided.end(),

@@ -25,9 +25,10 @@ class ReposeSurface {
     bool two_sided = false;
   };
 
-  /// Evaluates the triangles; `object` and `positions` must stay until the last call. `curved`:
-  /// also compute curvatures, which are 0 otherwise.
-  void set_pose(const SceneObject& object, const std::vector<glm::vec3>& positions, bool curved);
+  /// Evaluates the triangles; `object`, its texels and `positions` must stay until the last call.
+  /// `curved`: also compute curvatures, which are 0 otherwise.
+  void set_pose(const SceneObject& object, const TexelTable& table,
+                const std::vector<glm::vec3>& positions, bool curved);
 
   /// Volume in m3 of the unit in which snow moves: a power of two; a texel of mean area under a
   /// metre of snow holds about shared::kUnitsAMetre of them.
@@ -76,6 +77,7 @@ class ReposeSurface {
   glm::vec3 shading_normal(size_t triangle, glm::vec2 weights) const;
 
   const SceneObject* object_ = nullptr;
+  const TexelTable* table_ = nullptr;
   const std::vector<glm::vec3>* positions_ = nullptr;
   /// xyz: normal, w: area in m2.
   std::vector<glm::vec4> triangles_;

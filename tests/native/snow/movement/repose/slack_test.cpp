@@ -37,7 +37,7 @@ SceneObject squares(const std::vector<glm::vec3>& ends) {
 
 BlockSlack slack_of(const SceneObject& object, int32_t block) {
   ReposeSurface surface;
-  surface.set_pose(object, object.positions, false);
+  surface.set_pose(object, *object.table, object.positions, false);
   const ReposeLinks links =
       find_repose_links(object.description.topology, *object.table, object.positions);
   return find_slack(surface, links, object.table->texel, block, kOneToOne);

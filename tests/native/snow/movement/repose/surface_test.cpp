@@ -63,7 +63,7 @@ TEST(ReposeSurface, IsTheSameForRowsOfTexelsAsForEach) {
   for (const bool is_smooth : {false, true}) {
     const SceneObject object = wavy(is_smooth);
     ReposeSurface surface;
-    surface.set_pose(object, object.positions, true);
+    surface.set_pose(object, *object.table, object.positions, true);
     const size_t count = object.table->texel.size();
     Planes planes(count);
     surface.texels(0, static_cast<int32_t>(count), planes.row());

@@ -1,0 +1,300 @@
+#include "snow/movement/coarse_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <optional>
+#include <utility>
+
+#include "base/parallel_for.h"
+#include "shaders/lib/texel_repose.h"
+#include "snow/movement/rays/map_point.h"
+
+namespace snowbough::snow {
+namespace {
+
+/// Texels need not be smaller, in metres; nor than this part of the depth.
+constexpr double kFinest = 2e-3;
+constexpr double kTexelsADepth = 24.0;
+/// Squares of more texels a side hold too little of the surface's shape.
+constexpr int32_t kMostSide = 16;
+constexpr size_t kRun = 4096;
+
+/// The depth of a map's thickest snow, in metres: the mean weighted by its square, which a single
+/// high texel does not change.
+double thickest(const std::vector<float>& height, int32_t side) {
+  struct Sums {
+    double squares = 0.0, cubes = 0.0;
+  };
+  std::vector<Sums> rows(static_cast<size_t>(side));
+  base::for_each_item(rows.size(), 64, [&](size_t row) {
+    const float* const own = &height[row * rows.size()];
+    float squares = 0.0f;
+    float cubes = 0.0f;
+    for (size_t i = 0; i < rows.size(); ++i) {
+      const float square = own[i] * own[i];
+      squares += square;
+      cubes += square * std::abs(own[i]);
+    }
+    rows[row] = {static_cast<double>(squares), static_cast<double>(cubes)};
+  });
+  Sums all;
+  for (const Sums& row : rows) {
+    all.squares += row.squares;
+    all.cubes += row.cubes;
+  }
+  return all.squares > 0.0 ? all.cubes / all.squares : 0.0;
+}
+
+/// Edge of a texel in the pose at rest, on average.
+double texel_size_of(const SceneObject& object) {
+  const std::vector<glm::vec3>& rest =
+      object.description.rest.empty() ? object.positions : object.description.rest;
+  const std::vector<int32_t>& corners = object.description.topology.triangles;
+  double area = 0.0;
+  for (size_t t = 0; t + 2 < corners.size(); t += 3) {
+    const auto corner = [&](size_t k) {
+      return glm::dvec3(rest[static_cast<size_t>(corners[t + k])]);
+    };
+    area += 0.5 * glm::length(glm::cross(corner(1) - corner(0), corner(2) - corner(0)));
+  }
+  return std::sqrt(area / static_cast<double>(std::max<size_t>(1, object.table->texel.size())));
+}
+
+/// The slope between two that follow each other: their mean, but not beyond what either allows
+/// (the monotonised central limiter: B. van Leer, Towards the ultimate conservative difference
+/// scheme III, 1977). 0 at a crest.
+float slope_between(float a, float b) {
+  if (!(a * b > 0.0f)) return 0.0f;
+  const float least = 2.0f * std::min(std::abs(a), std::abs(b));
+  return std::copysign(std::min(least, 0.5f * std::abs(a + b)), a);
+}
+
+}  // namespace
+
+std::unique_ptr<CoarseMap> CoarseMap::make(const SceneObject& object, int32_t side,
+                                           ReposeLinkTables& tables, const SceneRays& rays) {
+  std::optional<CoarseTexels> texels = join_texels(*object.table, side);
+  if (!texels) return nullptr;
+  auto table = std::make_unique<const TexelTable>(std::move(texels->table));
+  return std::unique_ptr<CoarseMap>(
+      new CoarseMap(object, std::move(*texels), std::move(table), tables, rays));
+}
+
+CoarseMap::CoarseMap(const SceneObject& object, CoarseTexels texels,
+                     std::unique_ptr<const TexelTable> table, ReposeLinkTables& tables,
+                     const SceneRays& rays)
+    : object_(&object),
+      texels_(std::move(texels)),
+      repose_(object, tables, &rays, std::move(table)) {
+  const auto side = static_cast<size_t>(repose_.table().resolution);
+  height_.assign(side * side, 0.0f);
+  for (const int32_t texel : texels_.middle) {
+    places_.push_back(object.table->texel[static_cast<size_t>(texel)]);
+  }
+}
+
+void CoarseMap::forget_pose() {
+  repose_.forget_pose();
+  has_areas_ = false;
+}
+
+void CoarseMap::update_areas() {
+  if (has_areas_) return;
+  has_areas_ = true;
+  ReposeSurface surface;
+  surface.set_pose(*object_, *object_->table, object_->positions, false);
+  const size_t count = object_->table->texel.size();
+  area_.resize(count);
+  up_.resize(count);
+  base::for_each_item((count + kRun - 1) / kRun, 1, [&](size_t run) {
+    std::vector<float> rest(5 * kRun);
+    std::vector<uint8_t> two_sided(kRun);
+    const size_t begin = run * kRun;
+    const auto plane = [&](size_t i) { return rest.data() + i * kRun; };
+    surface.texels(static_cast<int32_t>(begin), static_cast<int32_t>(std::min(kRun, count - begin)),
+                   {plane(0), plane(1), plane(2), plane(3), &up_[begin], &area_[begin], plane(4),
+                    two_sided.data()});
+  });
+  square_area_.resize(texels_.middle.size());
+  base::for_each_item(square_area_.size(), kRun, [&](size_t i) {
+    double area = 0.0;
+    for (int32_t t = texels_.begin[i]; t < texels_.begin[i + 1]; ++t) {
+      area +=
+          static_cast<double>(area_[static_cast<size_t>(texels_.texel[static_cast<size_t>(t)])]);
+    }
+    square_area_[i] = area;
+  });
+}
+
+MovingMap CoarseMap::begin(const MovingMap& map) {
+  update_areas();
+  const std::vector<int32_t>& places = object_->table->texel;
+  const std::vector<int32_t>& squares = repose_.table().texel;
+  base::for_each_item(squares.size(), kRun, [&](size_t i) {
+    double volume = 0.0;
+    double on_front = 0.0;
+    for (int32_t t = texels_.begin[i]; t < texels_.begin[i + 1]; ++t) {
+      const auto own = static_cast<size_t>(texels_.texel[static_cast<size_t>(t)]);
+      const double held = static_cast<double>((*map.height)[static_cast<size_t>(places[own])]) *
+                          static_cast<double>(area_[own]);
+      volume += std::abs(held);
+      on_front += held;
+    }
+    const float mean = volume > 0.0 ? static_cast<float>(volume / square_area_[i]) : 0.0f;
+    // Snow on both sides of a sheet lies on the side of most.
+    height_[static_cast<size_t>(squares[i])] = on_front < 0.0 ? -mean : mean;
+  });
+  before_ = height_;
+  MovingMap moved;
+  moved.object = map.object;
+  moved.height = &height_;
+  moved.places = &places_;
+  std::vector<float> slid(map.slid_from.empty() ? 0 : squares.size(), 0.0f);
+  for (const auto& [place, volume] : map.slid_from) {
+    const auto texel = static_cast<size_t>(texel_at(*object_->table, place));
+    slid[static_cast<size_t>(texels_.parent[texel])] += volume;
+  }
+  for (size_t i = 0; i < slid.size(); ++i) {
+    if (slid[i] > 0.0f) moved.slid_from.emplace_back(squares[i], slid[i]);
+  }
+  return moved;
+}
+
+glm::vec2 CoarseMap::slope_at(int32_t place) const {
+  const ReposeLinks& links = repose_.links();
+  const int32_t side = links.resolution;
+  const int32_t column = place % side;
+  const int32_t row = place / side;
+  const auto is_linked = [&](int32_t x, int32_t y, int32_t k) {
+    return x >= 0 && y >= 0 &&
+           ((links.forward[static_cast<size_t>(links.cell_at(x, y))] >> k) & 1) != 0;
+  };
+  const auto height = [&](int32_t at) { return std::abs(height_[static_cast<size_t>(at)]); };
+  glm::vec2 slope(0.0f);
+  for (int32_t k = 0; k < 2; ++k) {
+    const int32_t step = kForwardRow[k] * side + kForwardColumn[k];
+    const bool has_next = is_linked(column, row, k);
+    const bool has_last = is_linked(column - kForwardColumn[k], row - kForwardRow[k], k);
+    const float next = has_next ? height(place + step) - height(place) : 0.0f;
+    const float last = has_last ? height(place) - height(place - step) : 0.0f;
+    slope[k] = has_next && has_last ? slope_between(next, last) : next + last;
+  }
+  return slope;
+}
+
+/// Spreads the snow that a square holds now over its texels; returns whether any has changed.
+bool CoarseMap::spread(size_t square, const std::vector<int32_t>& places,
+                       std::vector<float>& height) const {
+  const int32_t place = repose_.table().texel[square];
+  const auto at = static_cast<size_t>(place);
+  if (height_[at] == before_[at]) return false;
+  const int32_t resolution = object_->table->resolution;
+  const int32_t side = resolution / repose_.table().resolution;
+  const auto begin = texels_.texel.begin() + texels_.begin[square];
+  const auto end = texels_.texel.begin() + texels_.begin[square + 1];
+  // Walls keep what sticks to them, if the square is none.
+  const float sign = height_[at] < 0.0f ? -1.0f : 1.0f;
+  const auto takes = [&](size_t texel) { return !shared::is_wall(sign * up_[texel]); };
+  const bool any_takes =
+      std::any_of(begin, end, [&](int32_t texel) { return takes(static_cast<size_t>(texel)); });
+  double volume = 0.0;
+  double stays = 0.0;
+  double area = 0.0;
+  glm::dvec2 middle(0.0);
+  // Texels outside the square's own place lie at its middle.
+  const auto way_to = [&](size_t texel) {
+    const int32_t x = places[texel] % resolution - place % repose_.table().resolution * side;
+    const int32_t y = places[texel] / resolution - place / repose_.table().resolution * side;
+    const glm::dvec2 way = (glm::dvec2(x, y) + 0.5) / static_cast<double>(side) - 0.5;
+    return std::max(std::abs(way.x), std::abs(way.y)) < 0.5 ? way : glm::dvec2(0.0);
+  };
+  for (auto own = begin; own != end; ++own) {
+    const auto texel = static_cast<size_t>(*own);
+    const auto part = static_cast<double>(area_[texel]);
+    const double held =
+        static_cast<double>(std::abs(height[static_cast<size_t>(places[texel])])) * part;
+    volume += held;
+    if (any_takes && !takes(texel)) {
+      stays += held;
+    } else {
+      area += part;
+      middle += part * way_to(texel);
+    }
+  }
+  const auto metres = [](float height) { return static_cast<double>(std::abs(height)); };
+  volume += (metres(height_[at]) - metres(before_[at])) * square_area_[square];
+  if (height_[at] == 0.0f) volume = 0.0;
+  if (!(area > 0.0)) return false;
+  middle /= area;
+  const bool walls_stay = stays <= volume;
+  const double mean =
+      walls_stay ? (volume - stays) / area : std::max(volume, 0.0) / square_area_[square];
+  glm::dvec2 slope = walls_stay ? glm::dvec2(slope_at(place)) : glm::dvec2(0.0);
+  double least = 0.0;
+  for (auto own = begin; own != end; ++own) {
+    least = std::min(least, glm::dot(slope, way_to(static_cast<size_t>(*own)) - middle));
+  }
+  if (mean + least < 0.0) slope *= mean / -least;
+  for (auto own = begin; own != end; ++own) {
+    const auto texel = static_cast<size_t>(*own);
+    if (walls_stay && any_takes && !takes(texel)) continue;
+    const double now = mean + glm::dot(slope, way_to(texel) - middle);
+    const auto thickness = static_cast<float>(std::max(now, 0.0));
+    // No zero is negative.
+    height[static_cast<size_t>(places[texel])] = thickness > 0.0f ? sign * thickness : 0.0f;
+  }
+  return true;
+}
+
+void CoarseMap::end(const MovingMap& moved, MovingMap& map) {
+  map.slid += moved.slid;
+  if (!moved.has_changed) return;
+  const std::vector<int32_t>& places = object_->table->texel;
+  const size_t squares = texels_.middle.size();
+  std::vector<uint8_t> changes((squares + kRun - 1) / kRun, 0);
+  base::for_each_item(changes.size(), 1, [&](size_t run) {
+    for (size_t i = run * kRun; i < std::min(squares, (run + 1) * kRun); ++i) {
+      if (spread(i, places, *map.height)) changes[run] = 1;
+    }
+  });
+  map.has_changed = map.has_changed || std::any_of(changes.begin(), changes.end(),
+                                                   [](uint8_t changed) { return changed != 0; });
+}
+
+void CoarseMaps::lay_out(const std::vector<const SceneObject*>& objects, const SceneRays& rays) {
+  objects_ = objects;
+  rays_ = &rays;
+  levels_.clear();
+  levels_.resize(objects.size());
+}
+
+void CoarseMaps::forget_pose(size_t object) {
+  if (levels_[object].map != nullptr) levels_[object].map->forget_pose();
+}
+
+void CoarseMaps::forget_rooms(size_t object) {
+  if (levels_[object].map != nullptr) levels_[object].map->repose().forget_rooms();
+}
+
+CoarseMap* CoarseMaps::choose(const MovingMap& map, bool is_pressed, ReposeLinkTables& tables,
+                              Repose& own) {
+  const SceneObject& object = *objects_[map.object];
+  Level& level = levels_[map.object];
+  const double depth =
+      is_pressed || object.mask != nullptr ? 0.0 : thickest(*map.height, object.table->resolution);
+  if (level.texel_size == 0.0 && depth > 0.0) level.texel_size = texel_size_of(object);
+  const double wanted = std::max(kFinest, depth / kTexelsADepth);
+  int32_t side = 1;
+  while (depth > 0.0 && side < kMostSide && side * level.texel_size < wanted) side *= 2;
+  if (side == level.wanted) return level.map.get();
+  level.wanted = side;
+  level.map = nullptr;
+  own.forget_tiles();
+  for (; side > 1 && level.map == nullptr; side /= 2) {
+    level.map = CoarseMap::make(object, side, tables, *rays_);
+  }
+  return level.map.get();
+}
+
+}  // namespace snowbough::snow

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "snow/movement/moving_map.h"
+#include "snow/movement/rays/scene_rays.h"
+#include "snow/movement/repose/repose.h"
+#include "snow/movement/repose/surface.h"
+#include "snow/texels/coarse_texels.h"
+
+namespace snowbough::snow {
+
+/// A coarser map of a receiver on which its snow comes to rest: fewer texels, and fewer rounds
+/// across them. Where snow has moved, the receiver's own map then follows: each square keeps its
+/// volume, and slopes as its neighbours show.
+class CoarseMap {
+ public:
+  /// `side`: of the squares of texels that become one, a power of two. Null if the map cannot be
+  /// coarser: see join_texels. Arguments as for Repose.
+  static std::unique_ptr<CoarseMap> make(const SceneObject& object, int32_t side,
+                                         ReposeLinkTables& tables, const SceneRays& rays);
+
+  Repose& repose() { return repose_; }
+  void forget_pose();
+
+  /// The map of the squares' mean heights, until `end` is called.
+  MovingMap begin(const MovingMap& map);
+  /// Takes back what `moved` has become.
+  void end(const MovingMap& moved, MovingMap& map);
+
+ private:
+  CoarseMap(const SceneObject& object, CoarseTexels texels, std::unique_ptr<const TexelTable> table,
+            ReposeLinkTables& tables, const SceneRays& rays);
+  void update_areas();
+  /// A square's slope to the right and upwards, in metres of thickness per square.
+  glm::vec2 slope_at(int32_t place) const;
+  bool spread(size_t square, const std::vector<int32_t>& places, std::vector<float>& height) const;
+
+  const SceneObject* object_;
+  /// Its table is repose_'s.
+  CoarseTexels texels_;
+  Repose repose_;
+  bool has_areas_ = false;
+  /// Per texel of the receiver's map: area in m2, and upward part of the normal.
+  std::vector<float> area_, up_;
+  /// Per square: area in m2.
+  std::vector<double> square_area_;
+  /// By place on the coarse map: metres, and before the step's movement.
+  std::vector<float> height_, before_;
+  /// By coarse texel: a place on the receiver's map.
+  std::vector<int32_t> places_;
+};
+
+/// The coarser maps of a scene's receivers. The surface of snow has no detail that is much smaller
+/// than its depth, so that texels need not be smaller than max(2 mm, depth / 24) where it comes to
+/// rest: squares of 2 x 2, 4 x 4, ... texels are joined up to this size. Without it, a repose of
+/// the same snow takes N times as long on texels half as large; see docs/snow.md for what it gains.
+///
+/// The choice depends on the pose at rest and on the heights alone, so that a resumed bake makes it
+/// too. Masks and pressed snow keep the receiver's own map.
+class CoarseMaps {
+ public:
+  /// `objects` and `rays` must live until the next call.
+  void lay_out(const std::vector<const SceneObject*>& objects, const SceneRays& rays);
+  void forget_pose(size_t object);
+  void forget_rooms(size_t object);
+  /// The coarser map on which a receiver's snow moves now, or null: its own, `own`. Replaces it if
+  /// its texels have another size now. `is_pressed`: some of it is packed or carries an object.
+  CoarseMap* choose(const MovingMap& map, bool is_pressed, ReposeLinkTables& tables, Repose& own);
+
+ private:
+  struct Level {
+    /// Edge of a texel in metres, on average; 0: not known yet.
+    double texel_size = 0.0;
+    /// Texels a side of its squares, if they can be joined.
+    int32_t wanted = 1;
+    std::unique_ptr<CoarseMap> map;
+  };
+  std::vector<const SceneObject*> objects_;
+  const SceneRays* rays_ = nullptr;
+  std::vector<Level> levels_;
+};
+
+}  // namespace snowbough::snow
