@@ -106,8 +106,9 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
   if (!std::isfinite(dt) || dt < 0.0) {
     throw std::invalid_argument("step: dt must be 0 seconds or more");
   }
-  const FrameStep frame{
-      .fall = {.direction = unit_fall(direction),
+  const glm::dvec3 fall = unit_fall(direction);
+  FrameStep frame{
+      .fall = {.direction = fall,
                .pixel_size = settings_.pixel_size,
                .flutter = settings_.flutter,
                .noise_density = settings_.noise_density,
@@ -115,8 +116,11 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
                .seed = settings_.seed,
                .step_number = step_number_},
       .stability = {.max_depth = static_cast<float>(settings_.max_depth),
-                    .half_life = static_cast<float>(settings_.slide_half_life)},
-      .movement = {.repose = {.angle = settings_.repose, .cohesion = settings_.cohesion},
+                    .half_life = static_cast<float>(settings_.slide_half_life),
+                    .adhesion = static_cast<float>(settings_.adhesion)},
+      .movement = {.repose = {.angle = settings_.repose,
+                              .cohesion = settings_.cohesion,
+                              .is_granular = settings_.granular},
                    .landing = {.is_on = settings_.landing,
                                .throw_speed = settings_.throw_speed,
                                .spread = settings_.spread,
@@ -126,6 +130,13 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
       .dt = dt,
       .tile_size = settings_.tile_size};
   objects_.set_positions(positions, hidden);
+  if (settings_.rising > 0.0 && depth > 0.0) {
+    FrameStep from_below = frame;
+    from_below.fall.direction.z = -fall.z;
+    from_below.fall.depth = depth * settings_.rising;
+    from_below.dt = 0.0;
+    scene.run_step(from_below);
+  }
   scene.run_step(frame);
   ++step_number_;
 }

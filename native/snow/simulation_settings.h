@@ -18,6 +18,8 @@ struct SimulationSettings {
   double slide_half_life = 2.0;
   double repose = 65.0 / 180.0 * std::numbers::pi;
   double cohesion = 0.0;
+  double adhesion = 0.0;
+  double rising = 0.0;
   double blur_radius = 0.0;
   double throw_speed = 0.3;
   double spread = 0.12;
@@ -27,6 +29,8 @@ struct SimulationSettings {
   /// receivers, if repose is on; and whether its fall takes time.
   bool landing = true;
   bool fall_time = true;
+  /// Whether heaps are as round and as steep as those of sand: see ReposeLimits::is_granular.
+  bool granular = false;
   /// Largest edge of an occlusion tile in pixels: a power of two from 64 to 4096. It changes memory
   /// use and speed, never the result.
   int32_t tile_size = 2048;
@@ -71,9 +75,10 @@ inline constexpr NumberSetting kNumberSettings[] = {
                 "times as much"},
     {.name = "flutter",
      .field = &SimulationSettings::flutter,
-     .most = 0.7854,
-     .range = "0 to pi / 4 radians",
-     .meaning = "largest angle between a flake's path and the fall direction"},
+     .most = 1.5708,
+     .range = "0 to pi / 2 radians",
+     .meaning = "largest angle between a flake's path and the fall direction. At pi / 2 dust comes "
+                "from the whole sky, most from above, as the light of an even sky does"},
     {.name = "max_depth",
      .field = &SimulationSettings::max_depth,
      .range = "0 metres or more",
@@ -95,6 +100,18 @@ inline constexpr NumberSetting kNumberSettings[] = {
      .range = "0 metres or more",
      .meaning = "height at which a vertical snow face stays up. Smooth surfaces that curve about "
                 "as tightly as that, such as twigs, carry steeper snow"},
+    {.name = "adhesion",
+     .field = &SimulationSettings::adhesion,
+     .most = 1.0,
+     .range = "0 to 1",
+     .meaning = "fraction of max_depth that sticks to walls and undersides"},
+    {.name = "rising",
+     .field = &SimulationSettings::rising,
+     .most = 1.0,
+     .range = "0 to 1",
+     .meaning =
+         "depth that comes from below onto open undersides, as a fraction of what falls onto "
+         "level ground"},
     {.name = "blur_radius",
      .field = &SimulationSettings::blur_radius,
      .range = "0 metres or more",

@@ -9,6 +9,8 @@
 /// Thickness in metres of a gain of kGainUnits: the step's thickness perpendicular to the fall.
 KERNEL_UNIFORM(float, full_gain);
 KERNEL_UNIFORM(float, max_depth);
+/// Least upward part of a normal for the capacity: snow and dust that stick to walls; below -1: none do.
+KERNEL_UNIFORM(float, least_up);
 /// Seconds; the half-life is positive.
 KERNEL_UNIFORM(float, dt);
 KERNEL_UNIFORM(float, half_life);
@@ -29,9 +31,12 @@ WholeStep whole_step() {
   return KERNEL_MAKE2(WholeStep, 1.0f - exp2(-dt / half_life), staying_part(dt, half_life));
 }
 
+/// Thickness in metres that a slope holds. `up`: upward part of the normal.
+float capacity_of(float up) { return max_depth * max(up, least_up); }
+
 /// True if old plus new snow stays within the slope's capacity. `up`: upward part of the normal.
 bool keeps_all(float height, float deposit, float up) {
-  const float capacity = height + deposit == 0.0f ? 1.0f : max_depth * up;
+  const float capacity = height + deposit == 0.0f ? 1.0f : capacity_of(up);
   return height < capacity && height + deposit <= capacity;
 }
 
@@ -89,21 +94,27 @@ float up_on(float side, uvec4 step) { return uintBitsToFloat(side < 0.0f ? step.
 /// The fraction of the sky that a texel with this deposit saw, times the cosine to the fall.
 float visible_part(float deposit) { return full_gain > 0.0f ? deposit / full_gain : 0.0f; }
 
+/// Upward part of the normals of sheets that count as walls.
+KERNEL_CONSTANT float kWallSheet = 0.5f;
+
 /// `height` and `deposit` are negative on the back. A texel holds snow on one side: if new snow falls on the other
-/// side, the side that faces up keeps or receives its snow, and the other side's slides off.
+/// side, the side that faces up keeps or receives its snow, and the other side's slides off. Dust that sticks to both
+/// sides of an upright sheet counts on one of them.
 StableTexel stabilise_texel(float height, float deposit, uvec4 step, WholeStep whole) {
   const float area = uintBitsToFloat(step.y);
   const float old_snow = abs(height);
   const float new_snow = abs(deposit);
   const bool meet = old_snow > 0.0f && new_snow > 0.0f && side_of(height) != side_of(deposit);
-  const bool stays = old_snow > 0.0f && (!meet || up_on(side_of(height), step) > 0.0f);
+  const float old_up = up_on(side_of(height), step);
+  const bool sticks = least_up > -1.0f && abs(old_up) < kWallSheet;
+  const bool stays = old_snow > 0.0f && (!meet || old_up > 0.0f || sticks);
   const float side = side_of(stays ? height : deposit);
   const float up = up_on(side, step);
   const float kept_old = stays ? old_snow : 0.0f;
-  const float kept_new = stays && meet ? 0.0f : new_snow;
+  const float kept_new = stays && meet && !sticks ? 0.0f : new_snow;
   const float stable = keeps_all(kept_old, kept_new, up)
                            ? kept_old + kept_new
-                           : stable_height(kept_old, kept_new, max_depth * up, whole);
+                           : stable_height(kept_old, kept_new, capacity_of(up), whole);
   const vec4 sums =
       vec4(new_snow * area, (old_snow + new_snow - stable) * area, stable * area, visible_part(new_snow) * area);
   return KERNEL_MAKE2(StableTexel, stable > 0.0f ? side * stable : 0.0f, sums);

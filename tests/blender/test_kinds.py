@@ -29,7 +29,7 @@ def slider(obj, name):
     return next(node for node in nodes if node.type == "GROUP").inputs[name].default_value
 
 
-@pytest.mark.parametrize("kind", ["POWDER", "FRESH", "WET", "OLD"])
+@pytest.mark.parametrize("kind", ["POWDER", "FRESH", "WET", "OLD", "SAND", "DUST", "ASH"])
 def test_a_kind_sets_all_sliders(addon, receivers, kind):
     bpy.ops.snowbough.set_kind(kind=kind)
     look = addon("result.look").LOOKS[kind]
@@ -78,10 +78,38 @@ def test_a_group_of_an_earlier_version_keeps_its_materials(addon):
 
 
 @pytest.mark.parametrize(
-    "kind, degrees, millimetres", [("POWDER", 40, 2), ("FRESH", 65, 5), ("WET", 80, 12), ("OLD", 60, 4)]
+    "kind, degrees, millimetres",
+    [("POWDER", 40, 2), ("FRESH", 65, 5), ("WET", 80, 12), ("OLD", 60, 4), ("SAND", 34, 0), ("DUST", 90, 0)],
 )
 def test_a_kind_says_how_steep_snow_lies(kind, degrees, millimetres):
     bpy.context.scene.snowbough.repose = 0.5
     bpy.ops.snowbough.set_kind(kind=kind)
     assert math.degrees(bpy.context.scene.snowbough.repose) == pytest.approx(degrees)
     assert bpy.context.scene.snowbough.cohesion == pytest.approx(millimetres / 1000.0)
+
+
+def test_every_kind_has_a_look_and_another_kind_takes_all_of_it_back(addon):
+    settings = bpy.context.scene.snowbough
+    names, looks = addon("base.names"), addon("result.look").LOOKS
+    assert list(looks) == [kind for kind, *_ in names.SNOW_KINDS]
+    changed = list(looks["FRESH"].settings())
+    fresh = [getattr(settings, name) for name in changed]
+    for kind in ("DUST", "SAND"):
+        bpy.ops.snowbough.set_kind(kind=kind)
+    assert settings.granular and settings.flutter == pytest.approx(math.radians(10))
+    bpy.ops.snowbough.set_kind(kind="FRESH")
+    assert [getattr(settings, name) for name in changed] == pytest.approx(fresh)
+
+
+def test_dust_stays_on_walls(addon, tmp_path):
+    """Level ground gets End Depth, each side of an upright sheet half of it and a little that rises."""
+    ground, wall = s.square("Ground"), s.square("Wall", x=5.0)
+    wall.rotation_euler = (math.pi / 2, 0.0, 0.0)
+    s.receive(ground, wall)
+    s.settings(tmp_path, (1, 2), end_depth=0.001)
+    bpy.ops.snowbough.set_kind(kind="DUST")
+    s.bake()
+    for name, least, most in (("Ground", 0.95, 1.05), ("Wall", 0.9, 1.2)):
+        height = np.abs(s.height(addon("base.native").load(), tmp_path, name, 2))
+        middle = height[height.shape[0] // 2, height.shape[1] // 2]
+        assert least < middle / 0.001 < most, name

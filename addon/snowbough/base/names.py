@@ -42,6 +42,9 @@ SNOW_KINDS = (
     ("FRESH", "Fresh", "Fallen a few hours ago: soft bumps, some glitter"),
     ("WET", "Wet", "Heavy and smooth, slightly darker, sticks to steep surfaces"),
     ("OLD", "Old", "Weathered: coarse grains, higher bumps, greyer"),
+    ("SAND", "Sand", "Dry sand: round heaps of 34 degrees, no light inside"),
+    ("DUST", "Dust", "A thin film from the whole sky, also on walls and a little on undersides"),
+    ("ASH", "Ash", "Volcanic ash: dark and loose, in round heaps of 35 degrees"),
 )
 
 # On the points of imported leaves: the bone of the leaf, as the index of its vertex group.

@@ -30,7 +30,7 @@ def read_head(folder, name=MANIFEST):
         return None
     if manifest["format"] == 1:
         manifest = _from_format_1(manifest)
-    return {**manifest, "settings": _with_switches(manifest["settings"])}
+    return {**manifest, "settings": _with_later(manifest["settings"])}
 
 
 def read_manifest(folder, name=MANIFEST):
@@ -66,10 +66,15 @@ def is_whole(manifest, lines):
     )
 
 
-def _with_switches(settings):
-    """The settings with the switches of all maps. A bake from before a kind of map did not write it."""
+# Later settings of the simulation, with the values that bakes from before them have.
+_LATER = {"adhesion": 0.0, "rising": 0.0, "granular": False}
+
+
+def _with_later(settings):
+    """The settings with all later ones, and with the switches of all maps: a bake from before a kind of map did not
+    write it."""
     switches = {kind.setting: False for kind in ON_REQUEST}
-    return {**settings, "snowfall": {**switches, **settings["snowfall"]}}
+    return {**settings, "snowfall": {**switches, **_LATER, **settings["snowfall"]}}
 
 
 def _from_format_1(manifest):

@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Kinds of snow: values of the sliders of all snow in a scene, and of the scene's repose and cohesion.
+"""Kinds of snow, and sand, dust and ash: values of the sliders of all snow in a scene, and of settings of the scene.
 
-Choosing a kind sets the sliders once. Afterwards artists can change them.
+Choosing a kind sets all of them once. Afterwards artists can change them.
 """
 
 import math
 from dataclasses import dataclass
 
-from ..base.names import SNOW_GROUP, SNOW_KINDS
+from ..base.names import SNOW_GROUP
 from .relief_nodes import FRESH_RELIEF, RELIEF_INPUT
 
 
 @dataclass(frozen=True)
 class Look:
-    """Values of the inputs with these names (snow_nodes.INPUTS), of the relief, of the repose in degrees, and of the
-    cohesion in metres."""
+    """Values of the inputs with these names (snow_nodes.INPUTS), of the relief, and of settings of the simulation:
+    angles in degrees, lengths in metres."""
 
     color: tuple
     dusting: float
@@ -24,6 +24,12 @@ class Look:
     relief: float
     repose: float
     cohesion: float
+    capacity: float = 1.0
+    """Maximum Depth."""
+    flutter: float = 10.0
+    adhesion: float = 0.0
+    rising: float = 0.0
+    granular: bool = False
 
     def inputs(self):
         return {
@@ -35,20 +41,36 @@ class Look:
             RELIEF_INPUT: self.relief,
         }
 
+    def settings(self):
+        """{name: value} of the scene's settings."""
+        return {
+            "repose": math.radians(self.repose),
+            "cohesion": self.cohesion,
+            "max_depth": self.capacity,
+            "flutter": math.radians(self.flutter),
+            "adhesion": self.adhesion,
+            "rising": self.rising,
+            "granular": self.granular,
+            "surface_relief": self.relief / FRESH_RELIEF,
+        }
+
 
 # Grains of wet and old snow are larger: they reflect less light and absorb more, mostly red (S. G. Warren, Optical
-# Properties of Snow, Reviews of Geophysics 20, 1982). Powder has little cohesion, wet snow has much.
-LOOKS = dict(
-    zip(
-        (kind for kind, *_ in SNOW_KINDS),
-        (
-            Look((0.92, 0.94, 0.97), 0.006, 1.3, 0.35, 1.0, 0.4, 40.0, 0.002),
-            Look((0.90, 0.93, 0.96), 0.004, 1.0, 0.40, 0.6, 0.6, 65.0, 0.005),
-            Look((0.80, 0.86, 0.92), 0.003, 0.5, 0.60, 0.1, 0.4, 80.0, 0.012),
-            Look((0.80, 0.82, 0.84), 0.005, 1.8, 0.25, 0.3, 1.0, 60.0, 0.004),
-        ),
-    )
-)
+# Properties of Snow, Reviews of Geophysics 20, 1982). Powder has little cohesion, wet snow has much. Dry sand rests at
+# 34 degrees. Dust comes from the whole sky and sticks to all sides.
+# fmt: off
+LOOKS = {
+    "POWDER": Look((0.92, 0.94, 0.97), 0.006, 1.3, 0.35, 1.0, 0.4, 40.0, 0.002),
+    "FRESH": Look((0.90, 0.93, 0.96), 0.004, 1.0, 0.40, 0.6, 0.6, 65.0, 0.005),
+    "WET": Look((0.80, 0.86, 0.92), 0.003, 0.5, 0.60, 0.1, 0.4, 80.0, 0.012),
+    "OLD": Look((0.80, 0.82, 0.84), 0.005, 1.8, 0.25, 0.3, 1.0, 60.0, 0.004),
+    "SAND": Look((0.56, 0.42, 0.25), 0.002, 0.5, 0.0, 0.02, 0.15, 34.0, 0.0, capacity=10.0, granular=True),
+    "DUST": Look((0.33, 0.29, 0.24), 0.0015, 0.3, 0.0, 0.0, 0.1, 90.0, 0.0, capacity=0.004, flutter=90.0,
+                 adhesion=0.3, rising=0.1),
+    "ASH": Look((0.15, 0.15, 0.155), 0.002, 0.6, 0.0, 0.0, 0.25, 35.0, 0.0, capacity=10.0, flutter=20.0,
+                granular=True),
+}
+# fmt: on
 
 
 def of(scene):
@@ -75,11 +97,10 @@ def group_nodes(material):
 
 def apply(scene, kind):
     """Gives all snow of the scene, and snow that is added later, the look of that kind."""
-    settings, look = scene.snowbough, LOOKS[kind]
-    settings.kind = kind
-    settings.repose = math.radians(look.repose)
-    settings.cohesion = look.cohesion
-    settings.surface_relief = look.relief / FRESH_RELIEF
+    look = LOOKS[kind]
+    scene.snowbough.kind = kind
+    for name, value in look.settings().items():
+        setattr(scene.snowbough, name, value)
     for obj in scene.objects:
         for slot in obj.material_slots:
             if slot.material is not None and slot.material.library is None:

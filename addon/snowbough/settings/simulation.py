@@ -23,11 +23,13 @@ class SnowProperties:
 
     flutter: FloatProperty(
         name="Flutter",
-        description="Half angle of the cone of flake directions. Higher values give softer shadows (degrees)",
+        description="Half angle of the cone of flake directions. Higher values give softer shadows. At 90 dust comes "
+        "from the whole sky (degrees)",
         subtype="ANGLE",
         default=math.radians(10.0),
         min=0.0,
-        max=math.radians(45.0),
+        max=math.radians(90.0),
+        soft_max=math.radians(45.0),
     )
     max_depth: FloatProperty(
         name="Maximum Depth",
@@ -59,6 +61,27 @@ class SnowProperties:
         default=0.005,
         min=0.0,
         soft_max=0.1,
+    )
+    adhesion: FloatProperty(
+        name="Adhesion",
+        description="Fraction of Maximum Depth that sticks to walls and undersides, where Repose is 90 degrees: dust. "
+        "Higher values keep more (0 to 1)",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+    )
+    rising: FloatProperty(
+        name="Rising",
+        description="Depth that comes from below onto undersides, relative to level ground: dust in moving air. Needs "
+        "Adhesion to stay there. Higher values give more (0 to 1)",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+    )
+    granular: BoolProperty(
+        name="Granular",
+        description="Heaps are round cones at exactly Repose, as of sand. Cohesion has no effect; bakes take longer",
+        default=False,
     )
     landing: BoolProperty(
         name="Landing",
@@ -120,7 +143,13 @@ class SnowProperties:
 
 
 # Their places in the panels: rows of fields that align. A setting that is not named here has no field.
-STABILITY_ROWS = (("max_depth", "slide_half_life"), ("repose", "cohesion"), ("landing",))
+STABILITY_ROWS = (
+    ("max_depth", "slide_half_life"),
+    ("repose", "cohesion"),
+    ("adhesion", "rising"),
+    ("granular",),
+    ("landing",),
+)
 ADVANCED_ROWS = (
     ("seed", "noise_density"),
     ("throw_speed", "spread"),

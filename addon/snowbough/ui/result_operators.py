@@ -180,7 +180,7 @@ class SNOWBOUGH_OT_remove(_ReceiverOperator, bpy.types.Operator):
 
 
 class SNOWBOUGH_OT_set_kind(NotWhileBaking, bpy.types.Operator):
-    """Make all snow of the scene powder, fresh, wet or old. The look changes at once, the slopes with the next bake"""
+    """Make all snow of another kind, or sand, dust or ash. Its look changes at once, its slopes with the next bake"""
 
     bl_idname = "snowbough.set_kind"
     bl_label = "Set Kind of Snow"

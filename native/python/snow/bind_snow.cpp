@@ -49,11 +49,12 @@ snow::SimulationSettings with_numbers(snow::SimulationSettings settings, const p
 
 Holder make_simulation(int64_t seed, const std::string& mapping, int32_t tile_size,
                        const std::string& device, const std::string& engine, bool wait_for_gpu,
-                       bool landing, bool fall_time, const py::kwargs& numbers) {
+                       bool landing, bool fall_time, bool granular, const py::kwargs& numbers) {
   const snow::SimulationSettings settings =
       with_numbers({.seed = static_cast<uint32_t>(seed),
                     .landing = landing,
                     .fall_time = fall_time,
+                    .granular = granular,
                     .tile_size = tile_size,
                     .engine = {snow::engine_kind(engine), snow::deposit_mapping(mapping), device},
                     .wait_for_gpu = wait_for_gpu},
@@ -110,11 +111,12 @@ void step(SnowSimulation& simulation, const py::dict& positions, double depth,
 /// Applies the given settings; the others stay.
 void change_settings(SnowSimulation& simulation, std::optional<int64_t> seed,
                      std::optional<bool> landing, std::optional<bool> fall_time,
-                     const py::kwargs& numbers) {
+                     std::optional<bool> granular, const py::kwargs& numbers) {
   snow::SimulationSettings settings = with_numbers(simulation.settings(), numbers, true);
   settings.seed = static_cast<uint32_t>(seed.value_or(settings.seed));
   settings.landing = landing.value_or(settings.landing);
   settings.fall_time = fall_time.value_or(settings.fall_time);
+  settings.granular = granular.value_or(settings.granular);
   const ReleasedGil release;
   simulation.change_settings(settings);
 }
@@ -309,13 +311,13 @@ loads, and the first call that needs the engine raises.
 landing: snow that leaves a map falls onto what lies below, and meets the snow of other receivers;
 False, or with repose at pi / 2: it is gone, and a receiver's snow depends on its own only.
 fall_time: whether a fall takes time, sqrt(2 H / g), but no longer than open snow needs to grow by
-1 cm.
+1 cm. granular: whether heaps are round cones at the angle of repose, as of sand; rounds take longer.
 
 A context manager: leaving it closes the simulation.)";
   py::class_<SnowSimulation, Holder>(module, "SnowSimulation", simulation_doc.c_str())
       .def(py::init(&make_simulation), py::kw_only(), "seed"_a = 0, "mapping"_a = "COMPUTE",
            "tile_size"_a = 2048, "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true,
-           "landing"_a = true, "fall_time"_a = true)
+           "landing"_a = true, "fall_time"_a = true, "granular"_a = false)
       .def_property_readonly(
           "engine",
           [](SnowSimulation& simulation) {
@@ -357,7 +359,7 @@ within dt seconds (0: nothing slides or moves). positions: {name: (N, 3) metres}
 that moved; each object must be given in its first step. hidden: names of objects that keep their
 snow, gain none and block none in this step.)")
       .def("change_settings", &change_settings, py::kw_only(), "seed"_a = py::none(),
-           "landing"_a = py::none(), "fall_time"_a = py::none(),
+           "landing"_a = py::none(), "fall_time"_a = py::none(), "granular"_a = py::none(),
            R"(Applies other settings, except pixel_size and blur_radius, from the next step on, in
 the constructor's units; the snow and all settings that are not given stay. Raises ValueError for
 values out of range.)")

@@ -168,7 +168,8 @@ void Movement::load(size_t object, const ObjectState& state) {
 void Movement::run_repose(const MovementSettings& settings, float dt,
                           const std::vector<Resting>& maps, const std::vector<MovingMap*>& own) {
   const ReposeLimits limits{.slope = static_cast<float>(std::tan(settings.repose.angle)),
-                            .cohesion = static_cast<float>(settings.repose.cohesion)};
+                            .cohesion = static_cast<float>(settings.repose.cohesion),
+                            .is_granular = settings.repose.is_granular};
   std::vector<size_t> blocks(maps.size(), 0);
   base::for_each_item(maps.size(), 1, [&](size_t i) {
     blocks[i] = maps[i].repose->choose_blocks(*maps[i].map->height, limits);

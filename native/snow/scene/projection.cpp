@@ -12,6 +12,8 @@ namespace {
 
 constexpr int32_t kWidestGrid = 65536;
 constexpr double kSteepestFall = 89.5 * std::numbers::pi / 180.0;
+/// Half the opening angle up to which a cone's directions are about as likely as each other.
+constexpr double kWideCone = 0.7854;
 
 double fraction(double value) {
   return value - std::floor(value);
@@ -98,7 +100,17 @@ glm::dvec3 flutter_direction(const glm::dvec3& direction, double flutter, uint32
   const double turn =
       fraction(shift_of(seed, 3) + seed_number * std::numbers::phi + round * 0.5698402909980532);
   // Uniform over the cone's solid angle.
-  const double cosine = 1.0 - share * (1.0 - std::cos(cone));
+  double cosine = 1.0 - share * (1.0 - std::cos(cone));
+  if (cone > kWideCone) {
+    // Each direction counts by its upward part, so that the whole sky covers level ground as the
+    // light of an even sky does. A direction stands for a part of the sky, in which what walls get
+    // is 1 / cosine on average.
+    const double spread = std::sin(cone);
+    const auto edge = [&](double number) {
+      return std::sqrt(1.0 - number / kFlutterRound * spread * spread);
+    };
+    cosine = 0.5 * (edge(seed_number) + edge(seed_number + 1.0));
+  }
   const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
   const double phi = 2.0 * std::numbers::pi * turn;
   glm::dvec3 x;

@@ -44,7 +44,7 @@ struct FallSettings {
   /// Unit vector of the mean fall direction.
   glm::dvec3 direction{0.0, 0.0, -1.0};
   double pixel_size = 0.01;
-  /// Half the opening angle of the cone of directions, in radians.
+  /// Half the opening angle of the cone of directions, in radians; see flutter_direction.
   double flutter = 0.0;
   double noise_density = 1.0;
   /// Depth in metres on open level ground.

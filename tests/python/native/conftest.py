@@ -6,6 +6,7 @@ from snow_fall import ENGINE
 ON_BOTH_ENGINES = {
     "test_snow",
     "test_snow_alpha",
+    "test_snow_dust",
     "test_snow_persistence",
     "test_snow_place",
     "test_snow_replace",

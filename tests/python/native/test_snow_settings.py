@@ -86,6 +86,8 @@ NUMBERS = {
     "slide_half_life": -0.3,
     "repose": 0.0,
     "cohesion": -0.4,
+    "adhesion": -0.8,
+    "rising": -0.9,
     "blur_radius": -0.5,
     "throw_speed": -0.6,
     "spread": -0.7,

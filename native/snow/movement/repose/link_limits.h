@@ -15,6 +15,8 @@ inline constexpr float kNoLink = std::numeric_limits<float>::infinity();
 struct ReposeLimits {
   float slope = 0.0f;
   float cohesion = 0.0f;
+  /// Whether heaps are round: see granular.h.
+  bool is_granular = false;
   bool operator==(const ReposeLimits&) const = default;
 };
 

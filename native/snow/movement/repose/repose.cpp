@@ -194,7 +194,9 @@ void Repose::run_rounds(float work_factor) {
   int round_across = 0;
   for (bool continues = true; continues && round < most && work > 0.0; round += kRounds) {
     continues = false;
-    for (int32_t colour = 0; colour < 4; ++colour) {
+    for (int32_t i = 0; i < 4; ++i) {
+      // Heaps of grains would show which blocks are always first.
+      const int32_t colour = limits_.is_granular && round / kRounds % 2 == 1 ? 3 - i : i;
       const Blocks blocks = blocks_of_colour(colour, [&](int32_t block) {
         return tiles_[static_cast<size_t>(block)]->links.is_active();
       });

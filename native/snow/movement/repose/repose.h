@@ -27,6 +27,8 @@ struct ReposeSettings {
   double angle = 1.5707963267948966;
   /// Height in metres at which a vertical snow face stays up; 0: no cohesion.
   double cohesion = 0.0;
+  /// See ReposeLimits.
+  bool is_granular = false;
   static constexpr double kOff = 1.5706;
   bool is_on() const { return angle < kOff; }
 };

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "shaders/lib/texel_repose.h"
+#include "snow/movement/repose/granular.h"
 #include "snow/movement/repose/height_range.h"
 #include "snow/movement/repose/repose.h"
 #include "snow/movement/repose/tiles_around.h"
@@ -147,7 +148,8 @@ size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimit
 float Repose::link_limit(const Cell& a, const glm::vec3& at, float curvature, float steep,
                          float leads_down) const {
   const glm::vec3 way = at - a.point();
-  const float slope = shared::held_slope(limits_.slope, limits_.cohesion, curvature);
+  const float even = limits_.is_granular ? kGranularRest / shared::kEven : 1.0f;
+  const float slope = shared::held_slope(even * limits_.slope, limits_.cohesion, curvature);
   return shared::link_limit(std::sqrt(way.x * way.x + way.y * way.y), slope, way.z, steep,
                             leads_down);
 }
@@ -301,8 +303,9 @@ float Repose::top_over(int32_t block, const RimLink& rim) const {
 /// returns whether that has changed for any. It depends on this step's snow only.
 bool Repose::fill_rooms(int32_t block) {
   ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
-  const std::array<uint32_t, kReposeBlock> wanted = cells_below_snow(
-      TilesAround(tiles_, links_->blocks_a_side, block), shared::kEven * limits_.slope);
+  const std::array<uint32_t, kReposeBlock> wanted =
+      cells_below_snow(TilesAround(tiles_, links_->blocks_a_side, block),
+                       (limits_.is_granular ? kGranularSure : shared::kEven) * limits_.slope);
   uint32_t rows = 0;
   for (uint32_t row = 0; row < kReposeBlock; ++row) rows |= (wanted[row] != 0 ? 1u : 0u) << row;
   if (rows == 0 && !tile.snow.any_full) return false;

@@ -7,6 +7,7 @@
 
 #include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
+#include "snow/movement/repose/granular.h"
 
 namespace snowbough::snow {
 namespace {
@@ -107,6 +108,7 @@ class SlackFinder {
   SlackFinder(const ReposeSurface& surface, const ReposeLinks& links,
               const std::vector<int32_t>& places, int32_t block, const ReposeLimits& limits)
       : surface_(surface), links_(links), places_(places), block_(block), limits_(limits) {
+    if (limits.is_granular) limits_.slope *= kGranularSure / shared::kEven;
     bare_.wall.fill(0.0f);
   }
 
@@ -216,7 +218,7 @@ class SlackFinder {
   const ReposeLinks& links_;
   const std::vector<int32_t>& places_;
   int32_t block_;
-  const ReposeLimits& limits_;
+  ReposeLimits limits_;
   BlockSlack slack_;
   /// Walls are left out: no snow can rest on them.
   BareWindow bare_;

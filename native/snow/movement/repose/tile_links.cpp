@@ -66,6 +66,7 @@ void set_up_tile_links(const ReposeTiles& tiles, int32_t block, int32_t blocks_a
   TileLinks& links = around.at(0, 0)->links;
   const TileBytes& forward = around.at(0, 0)->ground.forward;
   links.has_limits = true;
+  links.granular_slope = limits.is_granular ? limits.slope : 0.0f;
   for (int32_t row = 0; row < kReposeBlock; ++row) {
     const auto first = static_cast<size_t>(row * kReposeBlock);
     std::array<float*, kForwardLinks> limit;

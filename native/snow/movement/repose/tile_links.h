@@ -22,6 +22,8 @@ struct TileLinks {
   uint32_t partial_rows = 0;
   /// Rows with changed surfaces at seams.
   std::atomic<uint32_t> active_rows_at_seams = 0;
+  /// The tangent of the angle of repose of grains, see granular.h; 0: the limits stay.
+  float granular_slope = 0.0f;
   /// Rows of `flow` that rounds have written.
   uint32_t flow_rows = 0;
   /// shared::link_limit in metres (kNoLink: no link).

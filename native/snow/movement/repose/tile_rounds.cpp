@@ -4,6 +4,7 @@
 
 #include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
+#include "snow/movement/repose/granular.h"
 #include "snow/movement/repose/tiles_around.h"
 
 #define SNOWBOUGH_ROW SNOWBOUGH_WIDE_FLAT
@@ -20,13 +21,15 @@ inline uint32_t bits_of(float value) {
 }
 
 /// Computes the requested flow from a row of a block's cells, if they have a unit, to their
-/// neighbours `step` cells away, and adds it to the demand of either. Returns whether there is any.
+/// neighbours `step` cells away, and adds it to the demand of either. `part`: of the usual rate, by
+/// column. Returns whether there is any.
+template <typename Part>
 inline bool want_row(int32_t step, const float* __restrict top, const float* __restrict gives,
                      const float* __restrict limit, const float* __restrict stiffness,
-                     float* __restrict flow, float momentum, float* wanted) {
+                     float* __restrict flow, float momentum, float* wanted, const Part& part) {
   uint32_t any = 0;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
-    const float rate = shared::link_rate(stiffness[i], stiffness[i + step]);
+    const float rate = part(i) * shared::link_rate(stiffness[i], stiffness[i + step]);
     const float fall = top[i] - top[i + step];
     const float had = fall < 0.0f ? gives[i + step] : gives[i];
     const float next = shared::wanted_flow(flow[i], fall, limit[i], rate, momentum);
@@ -113,7 +116,9 @@ class TileRun {
   TileRounds run(int first_round, int rounds) {
     const uint32_t active_rows =
         links_.active_rows.load(std::memory_order_relaxed) | links_.partial_rows;
-    look_ = links_.flowing | over_rows(active_rows & ~links_.flowing);
+    // Whether grains rest is not known before their gradient is.
+    look_ =
+        links_.flowing | (is_granular() ? active_rows : over_rows(active_rows & ~links_.flowing));
     for_bits(look_, [&](int32_t row) {
       is_wanted_[static_cast<size_t>(row)].fill((links_.flowing & row_bit(row)) != 0);
     });
@@ -159,6 +164,24 @@ class TileRun {
         stiffness_[at] = tile == nullptr ? 0.0f : tile->stiffness(own);
       }
     });
+    if (is_granular()) load_granular(row);
+  }
+
+  bool is_granular() const { return links_.granular_slope > 0.0f; }
+  void load_granular(int32_t row) {
+    around_.copy_row(row, &ReposeTile::ground, &TileGround::x, granular_.x, 0.0f);
+    around_.copy_row(row, &ReposeTile::ground, &TileGround::y, granular_.y, 0.0f);
+    around_.for_row(row, [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
+      constexpr uint8_t kSquare = 7;
+      for (size_t i = 0, at = TileWindow::at(column, row); i < count; ++i, ++at) {
+        const size_t own = cell + i;
+        const bool holds = tile != nullptr && tile->ground.area[own] > 0.0f &&
+                           !tile->snow.is_wall(own) && !tile->snow.is_full(own);
+        granular_.holds[at] = holds ? 1.0f : 0.0f;
+        granular_.is_square[at] =
+            holds && (tile->ground.forward[own] & kSquare) == kSquare ? 1.0f : 0.0f;
+      }
+    });
   }
 
   /// The rows among these with links over their limits.
@@ -195,17 +218,28 @@ class TileRun {
     for_bits(look_, [&](int32_t row) {
       load(row);
       load(row + 1);
+      if (is_granular() && row > 0) load(row - 1);
       const size_t at = TileWindow::at(0, row);
       std::array<bool, kForwardLinks>& is_wanted = is_wanted_[static_cast<size_t>(row)];
       for (int32_t k = 0; k < kForwardLinks; ++k) {
         const auto link = static_cast<size_t>(k);
         const float* const limit =
             links_.limit[link].data() + static_cast<size_t>(row * kReposeBlock);
+        if (is_granular()) {
+          GranularRow row_of_grains;
+          find_granular_row(granular_, top_, row, k, links_.granular_slope, limit, row_of_grains);
+          const float* const rates = row_of_grains.rate.data();
+          is_wanted[link] = want_row(TileWindow::step(k), &top_[at], &gives_[at],
+                                     row_of_grains.limit.data(), &stiffness_[at], flow(k, row),
+                                     momentum, &wanted_[at], [&](int32_t i) { return rates[i]; });
+          if (is_wanted[link]) wants |= row_bit(row);
+          continue;
+        }
         // Links without flow in the previous round rarely start.
         is_wanted[link] =
             (is_wanted[link] || is_row_over(TileWindow::step(k), &top_[at], &gives_[at], limit)) &&
             want_row(TileWindow::step(k), &top_[at], &gives_[at], limit, &stiffness_[at],
-                     flow(k, row), momentum, &wanted_[at]);
+                     flow(k, row), momentum, &wanted_[at], [](int32_t) { return 1.0f; });
         if (is_wanted[link]) wants |= row_bit(row);
       }
     });
@@ -299,6 +333,8 @@ class TileRun {
   /// Per row and link; false without flow.
   std::array<std::array<bool, kForwardLinks>, kReposeBlock> is_wanted_{};
   alignas(64) Local top_;
+  /// Only for grains.
+  GranularWindow granular_;
   Local gives_, z_, lift_, stiffness_, held_, gain_, wanted_, part_;
   /// Units that have come in these rounds.
   std::array<int32_t, TileWindow::kRows * TileWindow::kStride> come_;

@@ -126,6 +126,7 @@ void cpu::apply_stability(Scene& scene, const StabilitySettings& settings, float
     stability.height_map = receiver.height.data();
     stability.full_gain = full_gain;
     stability.max_depth = settings.max_depth;
+    stability.least_up = settings.least_up();
     stability.dt = dt;
     stability.half_life = settings.clamped_half_life();
     receiver.slid.clear();

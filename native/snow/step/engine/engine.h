@@ -27,11 +27,15 @@ struct StabilitySettings {
   float max_depth = 1.0f;
   /// Seconds in which the snow beyond the capacity halves.
   float half_life = 2.0f;
+  /// Fraction of max_depth that walls and undersides hold, too; 0: nothing sticks to them.
+  float adhesion = 0.0f;
   /// Whether to record what slides off each texel, for MovingMap::slid_from.
   bool records_slid = false;
 
   /// Half-life, clamped to at least 1 microsecond.
   float clamped_half_life() const { return half_life < 1e-6f ? 1e-6f : half_life; }
+  /// The least upward part of a normal for the capacity.
+  float least_up() const { return adhesion > 0.0f ? adhesion : -2.0f; }
 };
 
 /// Takes what masks and pressing objects have removed from a map out of its balance.

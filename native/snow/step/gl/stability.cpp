@@ -24,6 +24,7 @@ void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings, 
     }
     program.bind_image("height_map", group.height, GL_READ_WRITE);
     program.set("max_depth", settings.max_depth);
+    program.set("least_up", settings.least_up());
     program.set("dt", dt);
     program.set("half_life", settings.clamped_half_life());
     program.dispatch_indirect(batch.active_groups, kWholeGroups);

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "snow/movement/repose/window.h"
+
+namespace snowbough::snow {
+
+/// Heaps of grains, such as sand, are cones. Links in eight directions with limits of their own
+/// would make them pyramids of eight sides: between two links a slope could be steeper than along
+/// one. So grains flow where the whole gradient is too steep: the limit of a link is the slope at
+/// rest times the cosine of the angle between the link and the steepest way down the heap. On
+/// stretched layouts, longer links carry less, so that grains move straight down.
+///
+/// What this needs of the window of a block.
+struct GranularWindow {
+  /// Horizontal places of the cells in metres.
+  TileWindow::Plane x, y;
+  /// 1 for cells on which grains can lie; and for cells that are linked with three others of which
+  /// they are the lower left one; else 0.
+  TileWindow::Plane holds, is_square;
+};
+
+/// Tangent of the slope at rest times this is the limit of a link straight down: a flow ends below
+/// the limit, at its rest.
+inline constexpr float kGranularRest = 1.04f;
+/// Fraction of the slope at rest below which grains rest whatever the direction of their links:
+/// less than cos(22.5 degrees).
+inline constexpr float kGranularSure = 0.9f;
+
+/// For a row of cells in a round: the limits in metres of the links to their neighbours `k`, and
+/// the part of the usual rate with which they carry.
+struct GranularRow {
+  std::array<float, kReposeBlock> limit, rate;
+};
+
+/// `slope`: tangent of the angle of repose; `top`: heights of the surface; `limit`: the links'
+/// usual limits, which stay where nothing flows or where snow stands. The window's rows row - 1
+/// (from row 1 on), row and row + 1 must be filled.
+void find_granular_row(const GranularWindow& window, const TileWindow::Plane& top, int32_t row,
+                       int32_t k, float slope, const float* limit, GranularRow& granular);
+
+}  // namespace snowbough::snow
