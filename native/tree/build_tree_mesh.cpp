@@ -129,7 +129,7 @@ TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& option
   base::report_progress(execution.progress, kChartsDone);
 
   if (options.detail) {
-    refine(mesh, surface, skeleton, paths, scale, *options.detail, options.max_influences,
+    refine(mesh, surface, paths, scale, *options.detail, options.max_influences,
            whole.part(base_done, 1.0f));
   }
   base::report_progress(whole.progress, 1.0f);

@@ -16,9 +16,8 @@ constexpr int kRoundsWithoutGain = 2;
 /// later rounds both, except the junction's own limb.
 /// @return per branch, 1 if its faces may move: the narrowed ones, their parents, and the children
 ///   of both.
-std::vector<uint8_t> narrow_crossing(const Skeleton& skeleton, const Surface& surface,
-                                     const JunctionCrossings& crossings, int round,
-                                     std::vector<uint8_t>& narrowing_steps) {
+std::vector<uint8_t> narrow_crossing(const Surface& surface, const JunctionCrossings& crossings,
+                                     int round, std::vector<uint8_t>& narrowing_steps) {
   std::vector<uint8_t> changed(narrowing_steps.size(), 0);
   for (size_t j = 0; j < crossings.size(); ++j) {
     for (const auto& [f, g] : crossings[j]) {
@@ -37,12 +36,12 @@ std::vector<uint8_t> narrow_crossing(const Skeleton& skeleton, const Surface& su
   }
   std::vector<uint8_t> moved(changed);
   for (size_t b = 0; b < changed.size(); ++b) {
-    const int32_t parent = skeleton.branches[b].parent;
+    const int32_t parent = surface.parents[b];
     if (changed[b] != 0 && parent >= 0) moved[parent] = 1;
   }
   // Backwards, so that the children of children stay out: parents come first.
   for (size_t b = moved.size(); b-- > 0;) {
-    const int32_t parent = skeleton.branches[b].parent;
+    const int32_t parent = surface.parents[b];
     if (parent >= 0 && moved[parent] != 0) moved[b] = 1;
   }
   return moved;
@@ -79,8 +78,8 @@ UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
   for (int round = 0; round < kRounds && idle < kRoundsWithoutGain && !best.crossing.empty();
        ++round) {
     base::report_progress(execution.progress, 0.5f + 0.4f * static_cast<float>(round) / kRounds);
-    const std::vector<uint8_t> moved = narrow_crossing(
-        skeleton, round == 0 ? best.surface : narrowed, crossings, round, narrowing_steps);
+    const std::vector<uint8_t> moved =
+        narrow_crossing(round == 0 ? best.surface : narrowed, crossings, round, narrowing_steps);
     narrowed = build(narrowing_steps);
     crossings = find_crossings(narrowed, moved, execution.threads);
     std::vector<int32_t> still = crossing_children(narrowed, crossings);

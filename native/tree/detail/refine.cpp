@@ -89,14 +89,10 @@ void take_faces(FineMesh fine, TreeMesh& mesh, const base::Execution& execution)
 
 }  // namespace
 
-void refine(TreeMesh& mesh, const Surface& surface, const Skeleton& skeleton,
-            const std::vector<LimbPath>& paths, const SurfaceScale& scale, Detail detail,
-            int max_influences, const base::Execution& execution) {
-  std::vector<int32_t> parents;
-  parents.reserve(skeleton.branches.size());
-  for (const Branch& branch : skeleton.branches) {
-    parents.push_back(branch.parent);
-  }
+void refine(TreeMesh& mesh, const Surface& surface, const std::vector<LimbPath>& paths,
+            const SurfaceScale& scale, Detail detail, int max_influences,
+            const base::Execution& execution) {
+  const std::vector<int32_t>& parents = surface.parents;
   const Edges edges(mesh.quads, mesh.vertices.size());
   const DetailSettings settings = detail_settings(detail);
   const std::vector<LimbShape> shapes =

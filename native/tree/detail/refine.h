@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "base/parallel_for.h"
-#include "tree/skeleton/skeleton.h"
 #include "tree/skeleton/tree_mesh.h"
 #include "tree/surface/limb_path.h"
 #include "tree/surface/surface.h"
@@ -27,8 +26,8 @@ namespace snowbough::tree {
 /// @param paths  limb_paths(skeleton), which the surface was built from.
 /// @param max_influences most bones a vertex keeps, 1 to 4.
 /// @throws Cancelled when execution's progress says stop; the mesh is then unusable.
-void refine(TreeMesh& mesh, const Surface& surface, const Skeleton& skeleton,
-            const std::vector<LimbPath>& paths, const SurfaceScale& scale, Detail detail,
-            int max_influences, const base::Execution& execution = {});
+void refine(TreeMesh& mesh, const Surface& surface, const std::vector<LimbPath>& paths,
+            const SurfaceScale& scale, Detail detail, int max_influences,
+            const base::Execution& execution = {});
 
 }  // namespace snowbough::tree

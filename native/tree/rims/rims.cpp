@@ -146,7 +146,8 @@ void space_evenly(const Fork& fork, const LimbTubes& tubes, Rim& rim) {
     const double next = from[high].quarter + (high == 0 ? 4.0 : 0.0);
     const double quarter = from[low].quarter * (1.0 - t) + next * t + 4.0 * rounds;
     point.turned = quarter - point.quarter;
-    point.length = from[low].length * (1.0 - t) + from[high].length * t;
+    // Between equal lengths it is that length, to the bit.
+    point.length = from[low].length + (from[high].length - from[low].length) * t;
     point.position = Side(fork, tubes, quarter).at(point.length);
   }
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/parallel_for.h"
+#include "tree/surface/crotch.h"
 #include "tree/surface/limb.h"
 
 namespace snowbough::tree {
@@ -40,7 +41,7 @@ std::vector<LimbPart> build_limbs(const LimbPlan& plan, const std::vector<uint8_
   std::vector<std::vector<int32_t>> generations;
   std::vector<size_t> depth(parts.size(), 0);
   for (size_t b = 0; b < parts.size(); ++b) {
-    const int32_t parent = plan.skeleton.branches[b].parent;
+    const int32_t parent = plan.parents[b];
     if (parent >= 0) depth[b] = depth[parent] + 1;
     if (depth[b] == generations.size()) generations.emplace_back();
     generations[depth[b]].push_back(static_cast<int32_t>(b));
@@ -48,7 +49,7 @@ std::vector<LimbPart> build_limbs(const LimbPlan& plan, const std::vector<uint8_
   for (const std::vector<int32_t>& limbs : generations) {
     base::parallel_for(limbs.size(), kBuildBlock, {threads, {}}, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
-        const int32_t b = limbs[i], parent = plan.skeleton.branches[b].parent;
+        const int32_t b = limbs[i], parent = plan.parents[b];
         parts[b] = parent < 0
                        ? build_limb(plan, b, narrowing_steps, {}, nullptr)
                        : build_limb(plan, b, narrowing_steps, parts[parent].starts[plan.sibling[b]],
@@ -65,7 +66,7 @@ Surface join_limbs(const LimbPlan& plan, std::vector<LimbPart> parts, int thread
   std::vector<Place> places(parts.size());
   Place next;
   for (size_t b = 0; b < parts.size(); ++b) {
-    const int32_t parent = plan.skeleton.branches[b].parent;
+    const int32_t parent = plan.parents[b];
     places[b] = next;
     if (parent >= 0) {
       const LimbStart& start = parts[parent].starts[plan.sibling[b]];
@@ -107,16 +108,18 @@ Surface join_limbs(const LimbPlan& plan, std::vector<LimbPart> parts, int thread
 Surface build_surface(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
                       const SurfaceScale& scale, const SurfaceOptions& options,
                       const std::vector<uint8_t>& narrowing_steps, int threads) {
-  LimbPlan plan{skeleton, paths, scale, options, {}, {}};
+  LimbPlan plan{skeleton, paths, scale, options, surface_parents(skeleton, paths), {}, {}};
   plan.children.resize(paths.size());
   plan.sibling.resize(paths.size(), 0);
   for (size_t b = 0; b < paths.size(); ++b) {
-    const int32_t parent = skeleton.branches[b].parent;
+    const int32_t parent = plan.parents[b];
     if (parent < 0) continue;
     plan.sibling[b] = static_cast<int32_t>(plan.children[parent].size());
     plan.children[parent].push_back(static_cast<int32_t>(b));
   }
-  return join_limbs(plan, build_limbs(plan, narrowing_steps, threads), threads);
+  Surface surface = join_limbs(plan, build_limbs(plan, narrowing_steps, threads), threads);
+  surface.parents = std::move(plan.parents);
+  return surface;
 }
 
 }  // namespace snowbough::tree

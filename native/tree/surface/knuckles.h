@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "tree/surface/crotch.h"
 #include "tree/surface/limb_path.h"
 
 namespace snowbough::tree {
@@ -18,10 +20,13 @@ struct ChildRequest {
   /// Arc length on the parent beside the child's further course: children that lean forward more
   /// are placed in front.
   double heading = 0.0;
-  /// Side length of the child's square base, already clamped to the parent's.
+  /// Side length of the child's square base, at most half as much again as the parent's.
   double width = 0.0;
-  /// Length of the knuckle that it needs.
+  /// Length of the hole along the parent, and of the knuckle that it needs.
+  double hole_length = 0.0;
   double length = 0.0;
+  /// Where the child leaves as a second stem.
+  std::optional<Crotch> crotch;
   /// Unit vector from the parent's centreline towards the child.
   glm::dvec3 direction{1.0, 0.0, 0.0};
 };

@@ -165,7 +165,9 @@ class LimbBuilder {
     for (size_t i = 0; i < children_.size(); ++i) {
       const int32_t child = children_[i];
       const double cosine = glm::dot(direction, direction_at(plan_.paths[child], 0.0));
-      if (attach[i] >= end && cosine > best_cosine) {
+      // A stem that leaves another stem is none of its end.
+      const bool own = plan_.skeleton.branches[child].parent == branch_;
+      if (own && attach[i] >= end && cosine > best_cosine) {
         best_cosine = cosine;
         best = child;
       }
@@ -284,10 +286,11 @@ class LimbBuilder {
     Hole& hole = start_of(request.child).hole;
     hole.vertices = {quad[0], quad[1], quad[2], quad[3]};
     hole.corners = outer;
-    junction.inset = request.width < kInsetBelow * across || request.width < 0.6 * along;
+    hole.crotch = request.crotch;
+    junction.inset = request.width < kInsetBelow * across || request.hole_length < 0.6 * along;
     if (junction.inset) {
       const double half_x = 0.5 * std::min(request.width / across, 1.0 - 2.0 * kInsetMargin);
-      const double half_y = 0.5 * std::min(request.width / along, 1.0 - 2.0 * kInsetMargin);
+      const double half_y = 0.5 * std::min(request.hole_length / along, 1.0 - 2.0 * kInsetMargin);
       const glm::dvec3 x_axis = glm::normalize(outer[1] - outer[0] + outer[2] - outer[3]);
       const glm::dvec3 y_axis = glm::normalize(outer[3] - outer[0] + outer[2] - outer[1]);
       const glm::dvec3 normal = glm::cross(x_axis, y_axis);

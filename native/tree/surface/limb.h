@@ -44,7 +44,8 @@ struct LimbPlan {
   const std::vector<LimbPath>& paths;
   SurfaceScale scale;
   SurfaceOptions options;
-  /// Per branch: its children, ascending.
+  /// Per branch: surface_parents, and the children, ascending.
+  std::vector<int32_t> parents;
   std::vector<std::vector<int32_t>> children;
   /// Per branch: its index among its parent's children.
   std::vector<int32_t> sibling;

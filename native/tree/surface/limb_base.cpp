@@ -19,6 +19,20 @@ constexpr double kInsetHoleBelow = 0.9;
 /// Fraction of the knuckle's length for a hole with an inset. The faces before and behind it are
 /// then long enough not to show as dark lines across the limb.
 constexpr double kHoleLength = 0.55;
+/// Fraction of the knuckle's length for a second stem's hole with an inset.
+constexpr double kStemLength = 0.8;
+/// Number of narrowing steps after which it becomes an ordinary child, and factor of its width per
+/// step.
+constexpr int kStemSteps = 3;
+constexpr double kStemFactor = 0.95;
+/// From the crotch on, a second stem's first ring is sought in steps of kStemStep, up to
+/// kStemReach; joints closer to it than kStemGap are dropped. In the stem's corner radii.
+constexpr double kStemStep = 0.2;
+constexpr double kStemReach = 6.0;
+constexpr double kStemGap = 0.5;
+/// Maximum width of a child's base, relative to its parent's side: the parent's knuckle widens to
+/// it as a branch collar.
+constexpr double kWidest = 1.5;
 /// Maximum widening of a child from its hole, per metre.
 constexpr double kWidening = 1.2;
 /// The points of a child's first ring rise from its hole at least at this fraction of its centre's
@@ -137,6 +151,61 @@ bool is_shortcut(const LimbPath& child, const Hole& hole, size_t first, size_t j
   return true;
 }
 
+/// Gives a second stem the stretch of its parent along which both separate. False for others.
+bool leave_as_stem(const PathSearch& search, double attach, const LimbPath& child,
+                   int narrowing_steps, Exit& exit) {
+  const std::optional<Crotch> crotch = find_crotch(search, attach, child);
+  const double length = crotch ? crotch->parent_end - crotch->parent_heel : 0.0;
+  if (!crotch) return false;
+  const double middle = 0.5 * (crotch->parent_heel + crotch->parent_end);
+  const double side = 2.0 * kSideDistance * corner_at(search.path(), middle);
+  const double wanted = 2.0 * kSideDistance * corner_at(child, crotch->child_heel);
+  exit.request.crotch = crotch;
+  exit.request.position = middle;
+  exit.request.heading = crotch->parent_end;
+  exit.request.width = std::min(wanted, side) * std::pow(kStemFactor, narrowing_steps);
+  if (length <= exit.request.width) return false;
+  exit.request.hole_length = length;
+  exit.request.length = exit.request.width < kInsetHoleBelow * side ? length / kStemLength : length;
+  return true;
+}
+
+/// A second stem's path from the heel of its crotch on, with its first ring where that is clear of
+/// its parent; empty if it is nowhere within `kStemReach` of its corner radii.
+LimbPath leave_crotch(const LimbPath& child, const Hole& hole, const LimbHull& parent,
+                      const SurfaceScale& scale, int narrowing_steps) {
+  LimbPath path;
+  const double narrowing = std::pow(kStemFactor, narrowing_steps);
+  const double margin =
+      scale.smallest_gap + kNarrowingMargin * narrowing_steps * hole.parent_corner;
+  const auto add = [&](double s) {
+    path.points.push_back(position_at(child, s));
+    path.corners.push_back(corner_at(child, s) * narrowing);
+    path.bone_lengths.push_back(bone_length_at(child, s));
+  };
+  const double from = hole.crotch->child_end, corner = corner_at(child, from);
+  const double gap = std::max(kStemGap * corner, 2.0 * scale.smallest_gap);
+  const double last = std::min(from + kStemReach * corner, child.length() - gap);
+  for (double s = from; s <= last; s += kStemStep * corner) {
+    if (!ring_clears(parent, hole, position_at(child, s), direction_at(child, s),
+                     corner_at(child, s) * narrowing, margin)) {
+      continue;
+    }
+    add(hole.crotch->child_heel);
+    add(s);
+    for (size_t i = 1; i < child.points.size(); ++i) {
+      if (child.lengths[i] < s + gap) continue;
+      path.points.push_back(child.points[i]);
+      path.corners.push_back(child.corners[i]);
+      path.bone_lengths.push_back(child.bone_lengths[i]);
+    }
+    measure(path);
+    path.clear_from = path.lengths[1];
+    return path;
+  }
+  return path;
+}
+
 /// The joint of a child's first ring, and that ring's corner radius.
 struct FirstRing {
   size_t joint = 0;
@@ -205,12 +274,18 @@ Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
   }
   exit.request.direction = glm::normalize(off);
 
+  if (narrowing_steps <= kStemSteps &&
+      leave_as_stem(search, attach, child, narrowing_steps, exit)) {
+    return exit;
+  }
   const double side = 2.0 * kSideDistance * corner_at(parent, exit.request.position);
   const double wanted = 2.0 * kSideDistance * corner_at(child, crossing.child_length);
-  exit.clamped = wanted > 1.0001 * side;
-  exit.request.width = std::min(wanted, side);
+  const double widest = narrowing_steps == 0 ? kWidest * side : side;
+  exit.clamped = wanted > 1.0001 * widest;
+  exit.request.width = std::min(wanted, widest);
   exit.request.width *= std::pow(kNarrowingFactor, narrowing_steps);
   exit.request.width = std::max(exit.request.width, 2.0 * kSideDistance * scale.smallest_corner);
+  exit.request.hole_length = exit.request.width;
   exit.request.length = exit.request.width < kInsetHoleBelow * side
                             ? std::min(exit.request.width / kHoleLength, side)
                             : exit.request.width;
@@ -219,6 +294,10 @@ Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
 
 LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbHull& parent,
                       const SurfaceScale& scale, int narrowing_steps) {
+  if (hole.crotch) {
+    LimbPath stem = leave_crotch(child, hole, parent, scale, narrowing_steps);
+    if (!stem.points.empty()) return stem;
+  }
   const double margin =
       scale.smallest_gap + kNarrowingMargin * narrowing_steps * hole.parent_corner;
   const double narrowing = std::pow(kNarrowingFactor, narrowing_steps);

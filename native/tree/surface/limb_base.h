@@ -2,6 +2,7 @@
 
 #include <array>
 #include <glm/vec3.hpp>
+#include <optional>
 
 #include "tree/surface/knuckles.h"
 #include "tree/surface/limb_hull.h"
@@ -21,6 +22,8 @@ struct Hole {
   double corner = 0.0;
   /// The parent's corner radius there.
   double parent_corner = 0.0;
+  /// Where the child leaves as a second stem.
+  std::optional<Crotch> crotch;
 };
 
 struct Exit {
@@ -39,7 +42,10 @@ Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
                const LimbPath& child, int32_t child_index, const SurfaceScale& scale,
                int narrowing_steps);
 
-/// The child's path from its hole on. Drops its own joints inside the parent's surface or whose
+/// The child's path from its hole on. A second stem begins with its own width on its own
+/// centreline, at the heel of its crotch, and has its first ring where it is clear of its parent.
+///
+/// For all others: drops its own joints inside the parent's surface or whose
 /// ring would cut it, and joints close to the hole whose ring would hang over the parent's side
 /// with a gap under it, if the path without them is nearly straight. Narrows rings that hardly
 /// clear the parent. At least the tip remains.

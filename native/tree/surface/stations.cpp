@@ -54,6 +54,12 @@ std::array<Station, 2> knuckle_stations(const LimbPath& path, const Knuckle& knu
   end.centre = position_at(path, knuckle.end);
   begin.corner = corner_at(path, knuckle.begin);
   end.corner = corner_at(path, knuckle.end);
+  for (const ChildRequest& child : knuckle.children) {
+    // A second stem is as wide as it is: its side may be narrower.
+    if (child.crotch) continue;
+    begin.corner = std::max(begin.corner, std::sqrt(0.5) * child.width);
+    end.corner = std::max(end.corner, std::sqrt(0.5) * child.width);
+  }
   begin.bone_length = bone_length_at(path, knuckle.begin);
   end.bone_length = bone_length_at(path, knuckle.end);
   const glm::dvec3 chord = end.centre - begin.centre;

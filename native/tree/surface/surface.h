@@ -47,6 +47,8 @@ struct Surface {
   std::vector<FaceOrigin> origins;
   /// One per branch.
   std::vector<LimbSurface> limbs;
+  /// Per branch: the limb that it leaves, or -1 (surface_parents).
+  std::vector<int32_t> parents;
   std::vector<Junction> junctions;
   /// Branches thicker than their parent at their exit.
   std::vector<int32_t> clamped;

@@ -1,0 +1,164 @@
+#include "tree/surface/crotch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <vector>
+
+namespace snowbough::tree {
+namespace {
+
+/// Least radius of a second stem, as a fraction of its parent's, and cosine of its largest angle.
+constexpr double kLeastRadius = 0.3;
+const double kLeastCosine = std::sqrt(0.5);
+/// Greatest length of a crotch along the parent, and distance between samples, in the child's
+/// radii.
+constexpr double kLongest = 8.0;
+constexpr double kStep = 0.25;
+/// Length of the child, in the parent's radii, within which both limbs have to be apart.
+constexpr double kFarthest = 40.0;
+
+/// A stem leaves another stem if both separate this many times as far up as from their parent.
+constexpr double kLater = 1.05;
+
+double radius_at(const LimbPath& path, double s) {
+  return corner_at(path, s) * std::sqrt(2.0 / M_PI);
+}
+
+/// Two points of a child's surface at one place along it, away from its parent and towards it: the
+/// nearest arc lengths on the parent, and the heights above its surface.
+struct Sample {
+  double child = 0.0;
+  double outer_length = 0.0, outer = 0.0;
+  double inner_length = 0.0, inner = 0.0;
+  /// Distance between both surfaces on the line between the centrelines, negative inside.
+  double apart = 0.0;
+};
+
+Sample sample_at(const PathSearch& search, const LimbPath& child, double s) {
+  const LimbPath& parent = search.path();
+  const glm::dvec3 p = position_at(child, s), along = direction_at(child, s);
+  const double radius = radius_at(child, s);
+  const double beside = search.nearest_length(p);
+  const auto across = [&](const glm::dvec3& v) { return v - along * glm::dot(v, along); };
+  glm::dvec3 outwards = across(p - position_at(parent, beside));
+  // On the parent's centreline the child's course decides.
+  if (glm::length(outwards) < kStep * radius) outwards = -across(direction_at(parent, beside));
+  const double length = glm::length(outwards);
+  if (length > 0.0) outwards *= radius / length;
+  Sample sample;
+  sample.child = s;
+  sample.apart = glm::distance(p, position_at(parent, beside)) - radius - radius_at(parent, beside);
+  const auto height = [&](const glm::dvec3& point, double& nearest) {
+    nearest = search.nearest_length(point);
+    return glm::distance(point, position_at(parent, nearest)) - radius_at(parent, nearest);
+  };
+  sample.outer = height(p + outwards, sample.outer_length);
+  sample.inner = height(p - outwards, sample.inner_length);
+  return sample;
+}
+
+/// The fraction of the way between two values at which zero lies.
+double zero_between(double a, double b) {
+  return b > a ? std::clamp(-a / (b - a), 0.0, 1.0) : 1.0;
+}
+
+double mix(double a, double b, double t) {
+  return a + (b - a) * t;
+}
+
+}  // namespace
+
+std::optional<Crotch> find_crotch(const PathSearch& search, double attach, const LimbPath& child) {
+  const LimbPath& parent = search.path();
+  const double thick = radius_at(parent, attach);
+  const double farthest = std::min(child.length(), kFarthest * thick);
+  std::vector<Sample> samples{sample_at(search, child, 0.0)};
+  if (samples[0].apart >= 0.0) return std::nullopt;
+  double own = radius_at(child, 0.0);
+  while (samples.back().apart < 0.0) {
+    const double before = samples.back().child;
+    if (before >= farthest) return std::nullopt;
+    const double radius = radius_at(child, before);
+    own = std::max(own, radius);
+    // A limb may begin without width.
+    const double step = kStep * std::max(radius, kLeastRadius * thick);
+    samples.push_back(sample_at(search, child, std::min(before + step, farthest)));
+  }
+  if (own < kLeastRadius * thick) return std::nullopt;
+
+  Crotch crotch;
+  crotch.child_end = samples.back().child;
+  crotch.parent_end = samples.back().inner_length;
+  for (size_t i = samples.size() - 1; i > 0; --i) {
+    const Sample& a = samples[i - 1];
+    const Sample& b = samples[i];
+    if (a.inner >= 0.0) continue;
+    const double t = zero_between(a.inner, b.inner);
+    crotch.child_end = mix(a.child, b.child, t);
+    crotch.parent_end = mix(a.inner_length, b.inner_length, t);
+    break;
+  }
+  const double longest = kLongest * radius_at(child, crotch.child_end);
+  crotch.child_heel = samples[0].child;
+  crotch.parent_heel = samples[0].outer_length;
+  for (size_t i = 1; i < samples.size(); ++i) {
+    const Sample& a = samples[i - 1];
+    const Sample& b = samples[i];
+    const bool early = crotch.parent_end - a.outer_length > longest;
+    if (!early && a.outer >= 0.0) break;
+    const double t = early || b.outer < 0.0 ? 1.0 : zero_between(a.outer, b.outer);
+    crotch.child_heel = mix(a.child, b.child, t);
+    crotch.parent_heel = mix(a.outer_length, b.outer_length, t);
+  }
+  if (crotch.parent_end <= crotch.parent_heel || crotch.child_end <= crotch.child_heel) {
+    return std::nullopt;
+  }
+  const glm::dvec3 along =
+      position_at(parent, crotch.parent_end) - position_at(parent, crotch.parent_heel);
+  const glm::dvec3 course =
+      position_at(child, crotch.child_end) - position_at(child, crotch.child_heel);
+  if (glm::dot(along, course) <= kLeastCosine * glm::length(along) * glm::length(course)) {
+    return std::nullopt;
+  }
+  return crotch;
+}
+
+std::vector<int32_t> surface_parents(const Skeleton& skeleton, const std::vector<LimbPath>& paths) {
+  /// A child that separates from its parent at `end` metres along its own path.
+  struct Stem {
+    int32_t branch = -1;
+    double end = 0.0;
+  };
+  std::vector<int32_t> parents;
+  std::vector<std::vector<Stem>> stems(paths.size());
+  std::vector<std::optional<PathSearch>> searches(paths.size());
+  for (size_t b = 0; b < paths.size(); ++b) {
+    const auto branch = static_cast<int32_t>(b);
+    const int32_t parent = skeleton.branches[b].parent;
+    parents.push_back(parent);
+    if (parent < 0) continue;
+    const glm::dvec3 attach(skeleton.branches[b].attach_point);
+    std::optional<PathSearch>& search = searches[parent];
+    if (!search) search.emplace(paths[parent]);
+    const auto crotch = find_crotch(*search, search->nearest_length(attach), paths[b]);
+    if (!crotch) continue;
+    double latest = crotch->child_end;
+    for (const Stem& other : stems[parent]) {
+      const LimbPath& path = paths[other.branch];
+      if (glm::distance(path.points.front(), attach) > kLongest * radius_at(path, 0.0)) continue;
+      std::optional<PathSearch>& beside = searches[other.branch];
+      if (!beside) beside.emplace(path);
+      const auto between = find_crotch(*beside, beside->nearest_length(attach), paths[b]);
+      // The other stem must have left their parent by then.
+      if (between && between->child_end > kLater * latest && between->parent_end > other.end) {
+        latest = between->child_end;
+        parents[b] = other.branch;
+      }
+    }
+    stems[parent].push_back({branch, crotch->child_end});
+  }
+  return parents;
+}
+
+}  // namespace snowbough::tree
