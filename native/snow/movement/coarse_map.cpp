@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -178,84 +179,113 @@ glm::vec2 CoarseMap::slope_at(int32_t place) const {
     const bool has_last = is_linked(column - kForwardColumn[k], row - kForwardRow[k], k);
     const float next = has_next ? height(place + step) - height(place) : 0.0f;
     const float last = has_last ? height(place) - height(place - step) : 0.0f;
-    slope[k] = has_next && has_last ? slope_between(next, last) : next + last;
+    // Towards bare ground it goes on as it comes.
+    if (has_next && has_last && height(place + step) == 0.0f && last < 0.0f) {
+      slope[k] = last;
+    } else if (has_next && has_last && height(place - step) == 0.0f && next > 0.0f) {
+      slope[k] = next;
+    } else {
+      slope[k] = has_next && has_last ? slope_between(next, last) : next + last;
+    }
   }
   return slope;
 }
 
-/// Spreads the snow that a square holds now over its texels; returns whether any has changed.
-bool CoarseMap::spread(size_t square, const std::vector<int32_t>& places,
-                       std::vector<float>& height) const {
+/// A texel of a square: its place and area, and by how much the snow's slope lifts it above the
+/// square's middle, in metres.
+struct CoarseMap::Part {
+  size_t place = 0;
+  double area = 0.0;
+  double rise = 0.0;
+};
+
+/// Spreads the snow that a square holds now over its texels, along its slope; returns whether any
+/// has changed.
+bool CoarseMap::spread(size_t square, std::vector<float>& height, std::vector<Part>& parts) const {
   const int32_t place = repose_.table().texel[square];
   const auto at = static_cast<size_t>(place);
   if (height_[at] == before_[at]) return false;
   const int32_t resolution = object_->table->resolution;
-  const int32_t side = resolution / repose_.table().resolution;
-  const auto begin = texels_.texel.begin() + texels_.begin[square];
-  const auto end = texels_.texel.begin() + texels_.begin[square + 1];
-  // Walls keep what sticks to them, if the square is none.
+  const int32_t coarse = repose_.table().resolution;
+  const int32_t side = resolution / coarse;
   const float sign = height_[at] < 0.0f ? -1.0f : 1.0f;
-  const auto takes = [&](size_t texel) { return !shared::is_wall(sign * up_[texel]); };
-  const bool any_takes =
-      std::any_of(begin, end, [&](int32_t texel) { return takes(static_cast<size_t>(texel)); });
-  double volume = 0.0;
-  double stays = 0.0;
-  double area = 0.0;
-  glm::dvec2 middle(0.0);
-  // Texels outside the square's own place lie at its middle.
-  const auto way_to = [&](size_t texel) {
-    const int32_t x = places[texel] % resolution - place % repose_.table().resolution * side;
-    const int32_t y = places[texel] / resolution - place / repose_.table().resolution * side;
-    const glm::dvec2 way = (glm::dvec2(x, y) + 0.5) / static_cast<double>(side) - 0.5;
-    return std::max(std::abs(way.x), std::abs(way.y)) < 0.5 ? way : glm::dvec2(0.0);
+  const glm::dvec2 slope(slope_at(place));
+  const auto metres = [](float signed_height) {
+    return static_cast<double>(std::abs(signed_height));
   };
-  for (auto own = begin; own != end; ++own) {
-    const auto texel = static_cast<size_t>(*own);
-    const auto part = static_cast<double>(area_[texel]);
-    const double held =
-        static_cast<double>(std::abs(height[static_cast<size_t>(places[texel])])) * part;
-    volume += held;
-    if (any_takes && !takes(texel)) {
-      stays += held;
-    } else {
-      area += part;
-      middle += part * way_to(texel);
+  double volume = (metres(height_[at]) - metres(before_[at])) * square_area_[square];
+  double on_walls = 0.0;
+  const auto for_texels = [&](const auto& visit) {
+    for (int32_t t = texels_.begin[square]; t < texels_.begin[square + 1]; ++t) {
+      const auto texel = static_cast<size_t>(texels_.texel[static_cast<size_t>(t)]);
+      visit(texel, static_cast<size_t>(object_->table->texel[texel]));
     }
+  };
+  parts.clear();
+  for_texels([&](size_t texel, size_t own) {
+    const auto area = static_cast<double>(area_[texel]);
+    volume += metres(height[own]) * area;
+    if (shared::is_wall(sign * up_[texel])) {
+      on_walls += metres(height[own]) * area;
+      return;
+    }
+    const auto number = static_cast<int32_t>(own);
+    const glm::dvec2 way = (glm::dvec2(number % resolution - place % coarse * side,
+                                       number / resolution - place / coarse * side) +
+                            0.5) /
+                               static_cast<double>(side) -
+                           0.5;
+    // Texels far outside the square's own place lie at its middle.
+    const bool is_inside = std::max(std::abs(way.x), std::abs(way.y)) < 1.0;
+    parts.push_back({own, area, is_inside ? glm::dot(slope, way) : 0.0});
+  });
+  // Walls keep what sticks to them, unless there is nothing else.
+  if (parts.empty() || on_walls > volume) {
+    on_walls = 0.0;
+    parts.clear();
+    for_texels([&](size_t texel, size_t own) {
+      parts.push_back({own, static_cast<double>(area_[texel]), 0.0});
+    });
   }
-  const auto metres = [](float height) { return static_cast<double>(std::abs(height)); };
-  volume += (metres(height_[at]) - metres(before_[at])) * square_area_[square];
-  if (height_[at] == 0.0f) volume = 0.0;
-  if (!(area > 0.0)) return false;
-  middle /= area;
-  const bool walls_stay = stays <= volume;
-  const double mean =
-      walls_stay ? (volume - stays) / area : std::max(volume, 0.0) / square_area_[square];
-  glm::dvec2 slope = walls_stay ? glm::dvec2(slope_at(place)) : glm::dvec2(0.0);
-  double least = 0.0;
-  for (auto own = begin; own != end; ++own) {
-    least = std::min(least, glm::dot(slope, way_to(static_cast<size_t>(*own)) - middle));
-  }
-  if (mean + least < 0.0) slope *= mean / -least;
-  for (auto own = begin; own != end; ++own) {
-    const auto texel = static_cast<size_t>(*own);
-    if (walls_stay && any_takes && !takes(texel)) continue;
-    const double now = mean + glm::dot(slope, way_to(texel) - middle);
-    const auto thickness = static_cast<float>(std::max(now, 0.0));
+  volume = height_[at] == 0.0f ? 0.0 : std::max(volume - on_walls, 0.0);
+  const double level = level_of(parts, volume);
+  for (const Part& part : parts) {
+    const auto now = static_cast<float>(std::max(level + part.rise, 0.0));
     // No zero is negative.
-    height[static_cast<size_t>(places[texel])] = thickness > 0.0f ? sign * thickness : 0.0f;
+    height[part.place] = volume > 0.0 && now > 0.0f ? sign * now : 0.0f;
   }
   return true;
+}
+
+/// The thickness at the middle of a square under which its texels hold a volume; where snow ends
+/// within the square they are bare beyond.
+double CoarseMap::level_of(const std::vector<Part>& parts, double volume) {
+  double level = std::numeric_limits<double>::infinity();
+  // Each round leaves bare ones out.
+  for (double before = 0.0; volume > 0.0 && before != level;) {
+    before = level;
+    double area = 0.0;
+    double lifted = 0.0;
+    for (const Part& part : parts) {
+      if (!(level + part.rise > 0.0)) continue;
+      area += part.area;
+      lifted += part.area * part.rise;
+    }
+    if (!(area > 0.0)) break;
+    level = std::min(level, (volume - lifted) / area);
+  }
+  return level;
 }
 
 void CoarseMap::end(const MovingMap& moved, MovingMap& map) {
   map.slid += moved.slid;
   if (!moved.has_changed) return;
-  const std::vector<int32_t>& places = object_->table->texel;
   const size_t squares = texels_.middle.size();
   std::vector<uint8_t> changes((squares + kRun - 1) / kRun, 0);
   base::for_each_item(changes.size(), 1, [&](size_t run) {
+    std::vector<Part> parts;
     for (size_t i = run * kRun; i < std::min(squares, (run + 1) * kRun); ++i) {
-      if (spread(i, places, *map.height)) changes[run] = 1;
+      if (spread(i, *map.height, parts)) changes[run] = 1;
     }
   });
   map.has_changed = map.has_changed || std::any_of(changes.begin(), changes.end(),

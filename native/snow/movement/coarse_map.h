@@ -36,7 +36,9 @@ class CoarseMap {
   void update_areas();
   /// A square's slope to the right and upwards, in metres of thickness per square.
   glm::vec2 slope_at(int32_t place) const;
-  bool spread(size_t square, const std::vector<int32_t>& places, std::vector<float>& height) const;
+  struct Part;
+  bool spread(size_t square, std::vector<float>& height, std::vector<Part>& parts) const;
+  static double level_of(const std::vector<Part>& parts, double volume);
 
   const SceneObject* object_;
   /// Its table is repose_'s.

@@ -10,6 +10,9 @@ namespace {
 
 /// A texel belongs to a square at most this many squares away.
 constexpr int32_t kFarthest = 6;
+/// A square with less surface joins one beside it: links over rims and seams start a quarter of a
+/// texel inside.
+constexpr float kSliver = 0.3f;
 /// Maps of fewer squares a side are not worth it.
 constexpr int32_t kSmallest = 32;
 
@@ -19,10 +22,12 @@ class TexelJoiner {
       : fine_(fine),
         side_(side),
         size_(fine.resolution / side),
-        chart_(static_cast<size_t>(size_) * static_cast<size_t>(size_), -1) {}
+        chart_(static_cast<size_t>(size_) * static_cast<size_t>(size_), -1),
+        covered_(chart_.size(), 0.0f) {}
 
   std::optional<CoarseTexels> join() {
     find_charts();
+    dissolve_slivers();
     if (!find_parents()) return std::nullopt;
     for (size_t i = 0; i + 1 < joined_.begin.size(); ++i) add_texel(i);
     joined_.table.fragment_begin.push_back(
@@ -55,7 +60,7 @@ class TexelJoiner {
       const auto first = texels.begin() + begin[s];
       const auto last = texels.begin() + begin[s + 1];
       const auto chart = [&](int32_t texel) { return fine_.chart[static_cast<size_t>(texel)]; };
-      float most = 0.0f;
+      float& most = covered_[s];
       for (auto own = first; own != last; ++own) {
         if (own != first && chart(*own) == chart_[s]) continue;
         float covered = 0.0f;
@@ -65,6 +70,24 @@ class TexelJoiner {
         if (own != first && !(covered > most)) continue;
         most = covered;
         chart_[s] = chart(*own);
+      }
+    }
+  }
+
+  /// Takes the charts from slivers beside larger squares.
+  void dissolve_slivers() {
+    const std::vector<int32_t> charts = chart_;
+    const float least = kSliver * static_cast<float>(side_ * side_);
+    const auto is_large = [&](int32_t x, int32_t y, int32_t chart) {
+      if (x < 0 || y < 0 || x >= size_ || y >= size_) return false;
+      const auto s = static_cast<size_t>(y * size_ + x);
+      return charts[s] == chart && covered_[s] >= least;
+    };
+    for (int32_t s = 0; s < size_ * size_; ++s) {
+      int32_t& chart = chart_[static_cast<size_t>(s)];
+      if (chart < 0 || covered_[static_cast<size_t>(s)] >= least) continue;
+      for (int32_t i = 0; i < 9 && chart >= 0; ++i) {
+        if (is_large(s % size_ + i % 3 - 1, s / size_ + i / 3 - 1, chart)) chart = -1;
       }
     }
   }
@@ -190,8 +213,9 @@ class TexelJoiner {
   const TexelTable& fine_;
   int32_t side_;
   int32_t size_;
-  /// By square; -1: no texel.
+  /// By square: its chart, -1: none; and how many texels that covers.
   std::vector<int32_t> chart_;
+  std::vector<float> covered_;
   CoarseTexels joined_;
 };
 

@@ -39,18 +39,17 @@ struct Ring {
 };
 
 /// Marks the cells of a row beside which snow is higher than `slope` allows; `step`: to the
-/// neighbour.
-SNOWBOUGH_WIDE_FLAT void mark_below(const Ring& ring, size_t first, int32_t step, float slope,
-                                    int32_t* marks) {
+/// neighbour. Planes begin at the row's first cell.
+SNOWBOUGH_WIDE void mark_below(const float* __restrict x, const float* __restrict y,
+                               const float* __restrict top, const float* __restrict gives,
+                               int32_t step, float slope, int32_t* __restrict marks) {
+  const float square = slope * slope;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
-    const auto own = first + static_cast<size_t>(i);
-    const auto other = static_cast<size_t>(static_cast<int32_t>(own) + step);
-    const float way_x = ring.x[other] - ring.x[own];
-    const float way_y = ring.y[other] - ring.y[own];
-    const float over = ring.top[other] - ring.top[own];
-    const float square = slope * slope * (way_x * way_x + way_y * way_y);
-    const bool is_steep = (over > 0.0f) & (over * over > square);
-    marks[i] |= (is_steep & (ring.gives[other] >= 1.0f)) ? 1 : 0;
+    const float way_x = x[i + step] - x[i];
+    const float way_y = y[i + step] - y[i];
+    const float over = top[i + step] - top[i];
+    const bool is_steep = (over > 0.0f) & (over * over > square * (way_x * way_x + way_y * way_y));
+    marks[i] |= (is_steep & (gives[i + step] >= 1.0f)) ? 1 : 0;
   }
 }
 
@@ -64,7 +63,8 @@ std::array<uint32_t, kReposeBlock> cells_below_snow(const TilesAround& around, f
     const auto first = static_cast<size_t>((row + 1) * Ring::kSide + 1);
     for (const int32_t step : {1, -1, Ring::kSide, -Ring::kSide, Ring::kSide + 1, Ring::kSide - 1,
                                -Ring::kSide + 1, -Ring::kSide - 1}) {
-      mark_below(ring, first, step, slope, marks.data());
+      mark_below(&ring.x[first], &ring.y[first], &ring.top[first], &ring.gives[first], step, slope,
+                 marks.data());
     }
     for (uint32_t i = 0; i < kReposeBlock; ++i) {
       below[static_cast<size_t>(row)] |= static_cast<uint32_t>(marks[i]) << i;
