@@ -53,7 +53,7 @@ constexpr float kShownShare = 0.04f;
 /// Points farther from a rim than this are not bare because of the rim.
 constexpr float kOffRim = 0.35f;
 /// Number of rings of bare faces that are kept around the snow.
-constexpr int kRings = 2;
+constexpr int kRings = 3;
 /// Length of the far face that is kept below rims.
 constexpr float kKeptFar = 0.5f;
 /// If the normals at an edge's ends differ by more than this distance, the surface is curved.
@@ -142,9 +142,19 @@ class Refiner {
     return sum;
   }
 
+  /// The greatest height at each point and at the points around it.
+  std::vector<float> heights_around(const std::vector<float>& heights) const {
+    std::vector<float> around = heights;
+    for (const auto& corners : mesh_.triangle) {
+      const float most = std::max({heights[corners[0]], heights[corners[1]], heights[corners[2]]});
+      for (const int32_t p : corners) around[p] = std::max(around[p], most);
+    }
+    return around;
+  }
+
   /// The target length of the edge from corner k to corner k + 1 of a triangle.
-  float wanted_length(size_t triangle, int k, float length,
-                      const std::vector<float>& heights) const {
+  float wanted_length(size_t triangle, int k, float length, const std::vector<float>& heights,
+                      const std::vector<float>& around) const {
     const int next = (k + 1) % 3;
     const std::array<int32_t, 2> ends{mesh_.triangle[triangle][k], mesh_.triangle[triangle][next]};
     const glm::vec2 uv = (mesh_.uv[triangle][k] + mesh_.uv[triangle][next]) * 0.5f;
@@ -161,9 +171,10 @@ class Refiner {
     if (covered && up < 0.93f && std::min(height, mean) < kEnding * depth_) {
       wanted = std::min(wanted, kEndingEdge * unit_);
     }
-    // Where shelter thins out level snow, its border needs the same edge length.
-    const bool thins_out =
-        std::min(height, mean) < kBorder * depth_ && std::max(height, mean) > shown_;
+    // Where shelter thins out level snow, its border needs the same edge length, and so do the bare
+    // faces along a border: the smoothed heights end there.
+    const bool thins_out = std::min(height, mean) < kBorder * depth_ &&
+                           std::max(around[ends[0]], around[ends[1]]) > shown_;
     if (thins_out) wanted = std::min(wanted, kEndingEdge * unit_);
     const float off = std::abs(height - mean);
     if (off > kOffDeep * depth_ || (off > kOffThin * depth_ && height < kThin * depth_)) {
@@ -216,6 +227,7 @@ class Refiner {
     if (is_full()) return false;
     const SurfaceEdges edges = surface_edges(mesh_.triangle);
     const std::vector<float> heights = point_heights();
+    const std::vector<float> around = heights_around(heights);
     find_rim_distances();
     std::vector<uint8_t> marked(edges.ends.size(), 0);
     std::vector<int32_t> seen_from(edges.ends.size(), -1);
@@ -228,7 +240,7 @@ class Refiner {
       const float length = glm::distance(mesh_.position[ends[0]], mesh_.position[ends[1]]);
       if (length < kLeastEdge * unit_) return;
       const auto t = static_cast<size_t>(seen_from[e]) / 3;
-      marked[e] = length > wanted_length(t, seen_from[e] % 3, length, heights) ? 1 : 0;
+      marked[e] = length > wanted_length(t, seen_from[e] % 3, length, heights, around) ? 1 : 0;
     });
     if (std::find(marked.begin(), marked.end(), 1) == marked.end()) return false;
     const std::vector<uint8_t> spared = sliver_diagonals(mesh_, edges);

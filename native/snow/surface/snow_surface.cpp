@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "base/parallel_for.h"
+#include "snow/surface/borders.h"
 #include "snow/surface/vertex_turns.h"
 
 // Evaluates a frame. plan_surface.cpp computes the constants that it reads.
@@ -41,14 +42,15 @@ std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& styl
       const SnowEdge edge =
           snow_edge(looks.point[p], heights.thickness[p], frame.open_depth, up[p]);
       glm::vec3 offset = normal * shown;
+      const glm::vec3 down = normal * normal.z - glm::vec3(0.0f, 0.0f, 1.0f);
+      const float slope = glm::length(down);
+      if (slope > 1e-3f) {
+        // Below the border, points move up as far: the border itself stays in place.
+        const float sag =
+            sagging(looks.point[p], style, edge, heights.thickness[p], std::abs(shown), up[p]);
+        offset += down * (std::copysign(sag, shown) / slope);
+      }
       if (shown > 0.0f) {
-        const glm::vec3 down = normal * normal.z - glm::vec3(0.0f, 0.0f, 1.0f);
-        const float slope = glm::length(down);
-        if (slope > 1e-3f) {
-          const float sag =
-              sagging(looks.point[p], style, edge, heights.thickness[p], shown, up[p]);
-          offset += down * (sag / slope);
-        }
         const float bent = glm::length(points.curvature[p]);
         if (bent > 0.0f) {
           offset += points.curvature[p] * std::min(1.0f, kMostCurvature * shown / bent);
@@ -90,12 +92,28 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
   fill_feet(fronts.feet, heights.thickness);
   smooth(samples, heights.thickness, kRoundsBefore);
   heights.shown.resize(count);
+  std::vector<float> threshold(count), sink(count);
   for_point_blocks(count, [&](size_t, size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
       const float thickness = heights.thickness[p];
       const SnowEdge edge = snow_edge(looks.point[p], thickness, frame.open_depth, up[p]);
       heights.shown[p] = thin_snow(edge, thickness);
+      threshold[p] = edge.threshold;
+      sink[p] = edge.sink;
     }
+  });
+  std::vector<float> front(count, 0.0f);
+  base::for_each_item(fronts.count(), 1024, [&](size_t f) {
+    const SnowBehind behind = fronts.behind(f, heights.thickness);
+    front[fronts.point[f]] = fronts.presence(f, behind, snow_join(fronts.front[f], style, behind));
+  });
+  const Borders borders = find_borders(points, samples, heights.thickness, threshold, heights.shown,
+                                       up, front, frame.open_depth);
+  base::for_each_item(borders.point.size(), 512, [&](size_t b) {
+    const auto p = static_cast<size_t>(borders.point[b]);
+    heights.shown[p] = height_at_border(
+        borders, b, std::max(heights.shown[p], heights.thickness[p]), sink[p],
+        looks.point[p].deepest, style.hem_variation * looks.point[p].hem, frame.open_depth);
   });
   smooth(samples, heights.shown, kRoundsAfter);
   const auto counted_area = [&](size_t p) {
