@@ -37,52 +37,52 @@ std::string temporary_name(const std::string& path) {
   return path + "." + std::to_string(process_number()) + "." + std::to_string(counter++) + ".tmp";
 }
 
+/// A temporary file, which publish() gives its name; otherwise it is removed.
+class AtomicFile {
+ public:
+  explicit AtomicFile(const std::string& path)
+      : path_(path), temporary_(temporary_name(path)), descriptor_(create_file(temporary_)) {
+    if (descriptor_ < 0) fail("write", path_, errno);
+  }
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+  ~AtomicFile() {
+    if (descriptor_ >= 0) close_file(descriptor_);
+    if (!renamed_) remove_file(temporary_);
+  }
+
+  void write(std::string_view bytes) {
+    while (!bytes.empty()) {
+      const int64_t written = write_some(descriptor_, bytes);
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) fail("write", path_, errno);
+      // A full disk may also report 0 bytes written.
+      if (written == 0) fail("write", path_, ENOSPC);
+      bytes.remove_prefix(static_cast<size_t>(written));
+    }
+  }
+
+  void publish() {
+    if (!flush_file(descriptor_)) fail("write", path_, errno);
+    const bool closed = close_file(descriptor_);
+    descriptor_ = -1;
+    // Network file systems may report a full disk only on close.
+    if (!closed) fail("write", path_, errno);
+    if (is_special(path_)) {
+      throw std::runtime_error("cannot write '" + path_ + "': a device or a pipe has this name");
+    }
+    if (!rename_over(temporary_, path_)) fail("write", path_, errno);
+    renamed_ = true;
+  }
+
+ private:
+  std::string path_;
+  std::string temporary_;
+  int descriptor_;
+  bool renamed_ = false;
+};
+
 }  // namespace
-
-AtomicFile::AtomicFile(const std::string& path) : path_(path), temporary_(temporary_name(path)) {
-  descriptor_ = create_file(temporary_);
-  if (descriptor_ < 0) fail("write", path_, errno);
-}
-
-AtomicFile::~AtomicFile() {
-  if (descriptor_ >= 0) close_file(descriptor_);
-  if (!renamed_) remove_file(temporary_);
-}
-
-void AtomicFile::write(std::string_view bytes) {
-  while (!bytes.empty()) {
-    const int64_t written = write_some(descriptor_, bytes);
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail("write", path_, errno);
-    // A full disk may also report 0 bytes written.
-    if (written == 0) fail("write", path_, ENOSPC);
-    bytes.remove_prefix(static_cast<size_t>(written));
-  }
-}
-
-void AtomicFile::overwrite(uint64_t offset, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const int64_t written = write_some_at(descriptor_, offset, bytes);
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail("write", path_, errno);
-    if (written == 0) fail("write", path_, ENOSPC);
-    bytes.remove_prefix(static_cast<size_t>(written));
-    offset += static_cast<uint64_t>(written);
-  }
-}
-
-void AtomicFile::publish() {
-  if (!flush_file(descriptor_)) fail("write", path_, errno);
-  const bool closed = close_file(descriptor_);
-  descriptor_ = -1;
-  // Network file systems may report a full disk only on close.
-  if (!closed) fail("write", path_, errno);
-  if (is_special(path_)) {
-    throw std::runtime_error("cannot write '" + path_ + "': a device or a pipe has this name");
-  }
-  if (!rename_over(temporary_, path_)) fail("write", path_, errno);
-  renamed_ = true;
-}
 
 void atomic_write(const std::string& path, std::string_view bytes) {
   AtomicFile file(path);

@@ -14,9 +14,9 @@
 #include <cstring>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include "image/atomic_file.h"
-#include "image/rle_file.h"
 
 namespace snowbough::image {
 namespace {
@@ -35,7 +35,7 @@ class MemoryWriter : public Imf::OStream {
   uint64_t tellp() override { return position_; }
   void seekp(uint64_t position) override { position_ = position; }
 
-  const std::string& bytes() const { return bytes_; }
+  std::string take() { return std::move(bytes_); }
 
  private:
   std::string bytes_;
@@ -64,22 +64,6 @@ class MemoryReader : public Imf::IStream {
   size_t position_ = 0;
 };
 
-Imf::Compression to_imf(ExrCompression compression) {
-  switch (compression) {
-    case ExrCompression::kNone:
-      return Imf::NO_COMPRESSION;
-    case ExrCompression::kRle:
-      return Imf::RLE_COMPRESSION;
-    case ExrCompression::kZips:
-      return Imf::ZIPS_COMPRESSION;
-    case ExrCompression::kZip:
-      return Imf::ZIP_COMPRESSION;
-    case ExrCompression::kPiz:
-      return Imf::PIZ_COMPRESSION;
-  }
-  throw std::invalid_argument("unknown EXR compression");
-}
-
 void check_layout(const ExrLayout& layout) {
   if (layout.width < 1 || layout.height < 1 || layout.channels.empty()) {
     throw std::invalid_argument("an EXR image needs a width, a height and at least one channel");
@@ -89,15 +73,11 @@ void check_layout(const ExrLayout& layout) {
   if (sorted.front().empty() || std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) {
     throw std::invalid_argument("the channels of an EXR image need different names");
   }
-  if (layout.compression_level < 1 || layout.compression_level > 9) {
-    throw std::invalid_argument("compression_level must be from 1 to 9");
-  }
 }
 
 Imf::Header make_header(const ExrLayout& layout) {
   Imf::Header header(layout.width, layout.height);
-  header.compression() = to_imf(layout.compression);
-  header.zipCompressionLevel() = layout.compression_level;
+  header.compression() = Imf::RLE_COMPRESSION;
   for (const auto& [name, text] : layout.attributes) {
     if (name.empty() || header.find(name.c_str()) != header.end()) {
       throw std::invalid_argument("the EXR attribute '" + name + "' is reserved by the format");
@@ -147,40 +127,7 @@ std::string encode(const ExrLayout& layout, const float* pixels) {
       file.writePixels(layout.height);
     }
   }
-  return stream.bytes();
-}
-
-/// The file's first bytes, up to the line offset table.
-std::string encode_header(const ExrLayout& layout) {
-  const Imf::Header header = make_header(layout);
-  constexpr size_t kLongestShortName = 31;
-  bool long_names = false;
-  for (const std::string& channel : layout.channels) {
-    long_names = long_names || channel.size() > kLongestShortName;
-  }
-  for (const auto& [name, text] : layout.attributes) {
-    long_names = long_names || name.size() > kLongestShortName;
-  }
-  const int32_t start[2] = {Imf::MAGIC, Imf::EXR_VERSION | (long_names ? Imf::LONG_NAMES_FLAG : 0)};
-  MemoryWriter stream;
-  stream.write(reinterpret_cast<const char*>(start), sizeof start);
-  header.writeTo(stream);
-  return stream.bytes();
-}
-
-ExrCompression from_imf(Imf::Compression compression) {
-  switch (compression) {
-    case Imf::NO_COMPRESSION:
-      return ExrCompression::kNone;
-    case Imf::RLE_COMPRESSION:
-      return ExrCompression::kRle;
-    case Imf::ZIPS_COMPRESSION:
-      return ExrCompression::kZips;
-    case Imf::PIZ_COMPRESSION:
-      return ExrCompression::kPiz;
-    default:
-      return ExrCompression::kZip;
-  }
+  return stream.take();
 }
 
 /// Best compression ratio of all supported methods (zlib's): pixel bytes per file byte.
@@ -290,7 +237,6 @@ ExrImage decode(const std::string& path, std::string& bytes) {
   ExrLayout& layout = image.layout;
   layout.width = window.max.x - window.min.x + 1;
   layout.height = window.max.y - window.min.y + 1;
-  layout.compression = from_imf(header.compression());
   bool all_half = true;
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
     if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1) {
@@ -319,11 +265,7 @@ ExrImage decode(const std::string& path, std::string& bytes) {
 
 void write_exr(const std::string& path, const ExrLayout& layout, const float* pixels) {
   check_layout(layout);
-  if (layout.compression == ExrCompression::kRle) {
-    write_rle_file(path, layout, encode_header(layout), pixels);
-  } else {
-    atomic_write(path, encode(layout, pixels));
-  }
+  atomic_write(path, encode(layout, pixels));
 }
 
 ExrImage read_exr(const std::string& path) {

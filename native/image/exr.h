@@ -9,9 +9,6 @@ namespace snowbough::image {
 
 enum class ExrPixelType : uint8_t { kFloat, kHalf };
 
-/// Compression of the pixels. Every Blender version reads all of them; figures in docs/formats.md.
-enum class ExrCompression : uint8_t { kNone, kRle, kZips, kZip, kPiz };
-
 /// Everything about an image except its pixels.
 struct ExrLayout {
   int32_t width = 0;
@@ -20,11 +17,6 @@ struct ExrLayout {
   /// sorts them by name, as the format requires.
   std::vector<std::string> channels;
   ExrPixelType type = ExrPixelType::kFloat;
-  /// Smoothed heights have noise in their last bits, which zlib packs no better than RLE: kRle is
-  /// ten times faster at the same size.
-  ExrCompression compression = ExrCompression::kRle;
-  /// zlib level for kZip and kZips, 1 to 9; lossless at every level.
-  int32_t compression_level = 1;
   /// Text attributes of the header, by name.
   std::map<std::string, std::string> attributes;
 };
@@ -35,9 +27,10 @@ struct ExrImage {
   std::vector<float> pixels;
 };
 
-/// Writes `pixels` (height x width x channels, row 0 = v 0) as a scanline file, atomically. The
-/// same input gives the same bytes: no dates, and packing does not depend on threads. kRle runs on
-/// the calling thread; OpenEXR packs the others with its global pool, if there is one.
+/// Writes `pixels` (height x width x channels, row 0 = v 0) as a scanline file, atomically, packed
+/// with RLE: the last bits of smoothed heights are noise, which zlib packs hardly better. The same
+/// input gives the same bytes: no dates, and packing does not depend on threads. OpenEXR packs with
+/// its global pool, if the process has one.
 /// @throws std::invalid_argument for sizes below 1, missing, repeated or empty channel names, and
 /// attribute names that the format reserves; std::runtime_error as atomic_write.
 void write_exr(const std::string& path, const ExrLayout& layout, const float* pixels);
@@ -45,7 +38,8 @@ void write_exr(const std::string& path, const ExrLayout& layout, const float* pi
 /// Largest edge of an image that read_exr accepts, in pixels.
 constexpr int32_t kLargestExr = 8192;
 
-/// Reads a scanline or tiled single-part EXR file of float or half channels without subsampling.
+/// Reads a scanline or tiled single-part EXR file of float or half channels without subsampling,
+/// however it is packed.
 /// Channels are in the file's order (by name).
 /// @throws std::runtime_error with path and reason if the file is missing, no EXR file, damaged,
 /// wider or higher than kLargestExr, or too short for its size; memory is allocated only

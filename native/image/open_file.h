@@ -16,7 +16,6 @@ uint64_t file_size(int descriptor);
 /// May read or write less than asked for.
 int64_t read_some(int descriptor, char* bytes, size_t count);
 int64_t write_some(int descriptor, std::string_view bytes);
-int64_t write_some_at(int descriptor, uint64_t offset, std::string_view bytes);
 /// Waits until the bytes are on the disk.
 bool flush_file(int descriptor);
 bool close_file(int descriptor);

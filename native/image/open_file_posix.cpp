@@ -30,10 +30,6 @@ int64_t write_some(int descriptor, std::string_view bytes) {
   return ::write(descriptor, bytes.data(), bytes.size());
 }
 
-int64_t write_some_at(int descriptor, uint64_t offset, std::string_view bytes) {
-  return ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-}
-
 bool flush_file(int descriptor) {
   return ::fsync(descriptor) == 0;
 }

@@ -67,13 +67,6 @@ int64_t write_some(int descriptor, std::string_view bytes) {
                   static_cast<unsigned>(std::min(bytes.size(), kMostAtOnce)));
 }
 
-int64_t write_some_at(int descriptor, uint64_t offset, std::string_view bytes) {
-  const int64_t here = ::_telli64(descriptor);
-  if (here < 0 || ::_lseeki64(descriptor, static_cast<int64_t>(offset), SEEK_SET) < 0) return -1;
-  const int64_t written = write_some(descriptor, bytes);
-  return ::_lseeki64(descriptor, here, SEEK_SET) < 0 ? -1 : written;
-}
-
 bool flush_file(int descriptor) {
   return ::_commit(descriptor) == 0;
 }

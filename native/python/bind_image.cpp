@@ -25,7 +25,7 @@ PixelShape pixel_shape(const py::array& pixels) {
           pixels.ndim() == 3 ? static_cast<int32_t>(pixels.shape(2)) : 1};
 }
 
-std::vector<std::string> default_channels(int32_t count) {
+std::vector<std::string> channels_of(int32_t count) {
   switch (count) {
     case 1:
       return {"Y"};
@@ -34,35 +34,19 @@ std::vector<std::string> default_channels(int32_t count) {
     case 4:
       return {"R", "G", "B", "A"};
     default:
-      throw std::invalid_argument("name the channels of an image with " + std::to_string(count) +
-                                  " values per pixel");
+      throw std::invalid_argument("an EXR image has 1, 3 or 4 channels, not " +
+                                  std::to_string(count));
   }
 }
 
-image::ExrCompression compression_named(const std::string& name) {
-  if (name == "NONE") return image::ExrCompression::kNone;
-  if (name == "RLE") return image::ExrCompression::kRle;
-  if (name == "ZIPS") return image::ExrCompression::kZips;
-  if (name == "ZIP") return image::ExrCompression::kZip;
-  if (name == "PIZ") return image::ExrCompression::kPiz;
-  throw std::invalid_argument("compression must be NONE, RLE, ZIPS, ZIP or PIZ, not '" + name +
-                              "'");
-}
-
-void write_exr(const std::string& path, const InputArray<float>& pixels,
-               const std::vector<std::string>& channels, bool half,
-               const std::map<std::string, std::string>& attributes,
-               const std::string& compression) {
+void write_exr(const std::string& path, const InputArray<float>& pixels, bool half,
+               const std::map<std::string, std::string>& attributes) {
   const PixelShape shape = pixel_shape(pixels);
   image::ExrLayout layout;
   layout.width = shape.width;
   layout.height = shape.height;
-  layout.channels = channels.empty() ? default_channels(shape.channels) : channels;
-  if (layout.channels.size() != static_cast<size_t>(shape.channels)) {
-    throw std::invalid_argument("give one channel name per value of a pixel");
-  }
+  layout.channels = channels_of(shape.channels);
   layout.type = half ? image::ExrPixelType::kHalf : image::ExrPixelType::kFloat;
-  layout.compression = compression_named(compression);
   layout.attributes = attributes;
   const float* data = pixels.data();
   ReleasedGil unlocked;
@@ -108,11 +92,10 @@ void write_png(const std::string& path, const py::array& pixels) {
 
 void bind_image(py::module_& module) {
   module.def(
-      "write_exr", &write_exr, py::arg("path"), py::arg("pixels"),
-      py::arg("channels") = std::vector<std::string>{}, py::arg("half") = false,
-      py::arg("attributes") = std::map<std::string, std::string>{}, py::arg("compression") = "RLE",
-      R"(Writes float pixels (H, W) or (H, W, channels), row 0 = v 0, as an EXR file, atomically.
-The same input gives the same bytes. Channels default to Y, RGB or RGBA. Raises ValueError for
+      "write_exr", &write_exr, py::arg("path"), py::arg("pixels"), py::arg("half") = false,
+      py::arg("attributes") = std::map<std::string, std::string>{},
+      R"(Writes float pixels (H, W), (H, W, 3) or (H, W, 4), row 0 = v 0, as an EXR file, atomically.
+The same input gives the same bytes. The channels are Y, RGB or RGBA. Raises ValueError for
 wrong shapes, RuntimeError with path and reason if the file cannot be written.)");
   module.def(
       "read_exr", &read_exr, py::arg("path"),

@@ -115,7 +115,7 @@ class Calls:
                     "cohesion": 0.0, "seed": 0}  # fmt: skip
         state = n.simulation_state(sim)
         path = str(self.folder / "file")
-        exr = {"path": path, "pixels": HEIGHT, "channels": ["Y"], "half": False, "attributes": {"a": "b"}}
+        exr = {"path": path, "pixels": HEIGHT, "half": False, "attributes": {"a": "b"}}
         quads = {"vertices": POINTS, "quads": np.array([[0, 1, 2, 3]], np.int32)}
         limb = {"name": "a", "level": 0, "parent": -1, "attach_point": POINTS[0], "points": POINTS[:, [2, 0, 1]],
                 "radii": np.ones(4, np.float32), "areas": np.ones(4, np.float32)}  # fmt: skip

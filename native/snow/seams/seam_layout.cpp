@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "base/group_by_key.h"
+#include "snow/seams/least_squares.h"
 #include "snow/seams/seam_gradients.h"
 
 namespace snowbough::snow {

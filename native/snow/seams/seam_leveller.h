@@ -13,7 +13,9 @@
 namespace snowbough::snow {
 
 /// Makes both sides of every seam show the same height under bilinear interpolation. Changes only
-/// texels with snow within a texel of a seam, and the volume by about 1/10,000.
+/// texels with snow within a texel of a seam, and the volume by about 1/10,000 where snow covers
+/// both sides. Where it ends at many seams, as on twigs, it removes up to 1/50. Simpler methods
+/// that were measured: docs/dev/tried.md.
 ///
 /// Solves two least-squares problems that minimise the differences between the sides and, with a
 /// much smaller weight, the changes. The first covers all texels and points and leaves differences

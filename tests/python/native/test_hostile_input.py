@@ -291,12 +291,6 @@ def test_an_image_that_its_file_cannot_hold_takes_no_memory(tmp_path, content, r
     assert taken < 20
 
 
-@pytest.mark.parametrize("compression", ["NONE", "RLE", "ZIPS", "ZIP", "PIZ"])
-def test_a_large_bare_map_is_read_however_it_is_packed(tmp_path, compression):
-    native.write_exr(str(tmp_path / "a.exr"), np.zeros((2048, 4096), np.float32), compression=compression)
-    assert native.read_exr(str(tmp_path / "a.exr"))[0].shape == (2048, 4096)
-
-
 @pytest.fixture
 def bare_checkpoint(tmp_path):
     """8 kB that encode a bare map of 8192 x 8192 texels."""
