@@ -80,7 +80,8 @@ class NearestFree {
       });
     }
     while (!open_.empty()) {
-      const auto [cost, texel] = open_.top();
+      const double cost = open_.top().first;
+      const int32_t texel = open_.top().second;
       open_.pop();
       const auto own = static_cast<size_t>(number(texel));
       if (cost > cost_[own]) continue;

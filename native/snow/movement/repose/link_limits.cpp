@@ -48,7 +48,7 @@ inline bool limit_gentle_row(const BareWindow& bare, size_t at, int32_t step,
     const float way_x = x[j] - x[i];
     const float way_y = y[j] - y[i];
     const float way = std::sqrt(way_x * way_x + way_y * way_y);
-    any_steep |= (open[i] > 0.0f) & (0.5f * (steep[i] + steep[j]) > even) ? 1 : 0;
+    any_steep |= ((open[i] > 0.0f) & (0.5f * (steep[i] + steep[j]) > even)) ? 1 : 0;
     limit[i] = open[i] > 0.0f ? even * way : kNoLink;
   }
   return any_steep == 0;

@@ -50,12 +50,12 @@ SNOWBOUGH_WIDE bool finish_row(const float* __restrict area, const float* __rest
   for (int32_t i = 0; i < kWindowColumns; ++i) both[i] = two_sided[i] != 0 ? 1.0f : 0.0f;
   for (int32_t i = 0; i < kWindowColumns; ++i) {
     const float up = steep[i];
-    const float own_side = (both[i] > 0.0f) & (up < 0.0f) ? -1.0f : 1.0f;
+    const float own_side = ((both[i] > 0.0f) & (up < 0.0f)) ? -1.0f : 1.0f;
     const bool is_unfit = shared::is_wall(own_side * up) | (own_side != side);
     steep[i] = shared::bare_slope(up);
     column[i] = is_unfit ? kUnfit : shared::column_height(std::abs(column[i]));
     const bool rests = !is_unfit & (steep[i] <= shared::held_slope(slope, cohesion, curvature[i]));
-    is_over[i] = (area[i] > 0.0f) & !rests ? 1 : 0;
+    is_over[i] = ((area[i] > 0.0f) & !rests) ? 1 : 0;
   }
   int32_t any = 0;
   for (int32_t i = 1; i <= kReposeBlock; ++i) any |= is_over[i];
