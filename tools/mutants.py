@@ -1,15 +1,18 @@
 #!/usr/bin/env python3
-"""Changes the code of the cache and of resuming in small ways, and checks that a test fails for each change.
+"""Changes the code of the cache, of resuming, of moving snow, of fronts, of kept surfaces and of bending in small ways,
+and checks that a test fails for each change.
 
     python3 tools/mutants.py [--only WORD] [--list]
 
 Each mutant is applied to a copy of the tree, in a temporary folder, and removed again. The module in build/python is
-used as it is; C++ mutants are compiled with the tests of their room only. A mutant that survives means that a test is
-missing. The exit code is 0 only if all are killed.
+used as it is. A C++ mutant is compiled alone, and linked into the tests of its room or into a module of its own before
+the release build's objects (`cmake --build build/release`). A mutant that survives means that a test is missing. The
+exit code is 0 only if all are killed.
 """
 
 import argparse
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -41,13 +44,40 @@ NATIVE = "native"
 
 
 @dataclass(frozen=True)
+class Linked:
+    """Tests of a target of the release build that is linked again with the mutated file."""
+
+    target: str
+    arguments: tuple = ()
+    """Of the program, or of pytest if the target is the module."""
+
+
+MODULE = "snowbough_native"
+
+
+def module_tests(*names):
+    """The engines share what moves snow: the processor's runs suffice."""
+    return Linked(MODULE, (*(f"tests/python/native/test_snow_{name}.py" for name in names), "-k", "not GL"))
+
+
+LANDING = module_tests("landing")
+MASKS = module_tests("masks")
+PRESSING = module_tests("pressing")
+SURFACE = Linked("snowbough_surface_tests")
+KEPT = Linked("snowbough_tree_uv_tests", ("--gtest_filter=Kept*:Upright*",))
+COVERAGE = Linked("snowbough_tree_read_tests", ("--gtest_filter=*Coverage*",))
+BENDING = (f"{ADDON}/test_bending.py",)
+LEDGER = (f"{ADDON}/test_ledger.py",)
+
+
+@dataclass(frozen=True)
 class Mutant:
     file: str
     before: str
     """Occurs once in the file."""
     after: str
     tests: tuple = CACHE
-    """Arguments of pytest, or NATIVE."""
+    """Arguments of pytest, NATIVE, or Linked."""
 
 
 def cache(name, before, after, tests=CACHE):
@@ -64,6 +94,26 @@ def image(name, before, after):
 
 def state(before, after):
     return Mutant("native/snow/state/checkpoint.cpp", before, after, NATIVE)
+
+
+def moving(name, before, after, tests):
+    return Mutant(f"native/snow/movement/{name}.cpp", before, after, tests)
+
+
+def surface(name, before, after):
+    return Mutant(f"native/snow/surface/{name}.cpp", before, after, SURFACE)
+
+
+def kept(name, before, after):
+    return Mutant(f"native/tree/kept/{name}.cpp", before, after, KEPT)
+
+
+def coverage(before, after):
+    return Mutant("native/tree/coverage/coverage.cpp", before, after, COVERAGE)
+
+
+def bending(name, before, after):
+    return Mutant(f"addon/snowbough/bending/{name}.py", before, after, BENDING)
 
 
 MUTANTS = (
@@ -141,11 +191,99 @@ MUTANTS = (
     image("open_file_posix", "O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC", "O_WRONLY | O_CREAT | O_CLOEXEC"),
     state("body.size() > bytes || check_sum(body) != expected_sum", "body.size() > bytes"),
     state("if (body.size() < bytes) {", "if (false) {"),
-    state("if (version != kVersion) {", "if (false) {"),
+    state("if (version != kVersion && version != kVersionWithPlanes) {", "if (false) {"),
     state("resolution == 0 || resolution > kLargestResolution", "resolution == 0"),
     state("if (!reader.at_end())", "if (false)"),
     state("  if (check) check(outline);\n", ""),
     state("return std::bit_cast<uint32_t>(height) == 0;", "return height == 0.0f;"),
+    # Lines that are cut, and the balance.
+    cache("journal", "self._cut(descriptor)  # what a failed attempt left", "pass", REPAIRS),
+    cache("journal", "until is None or end < until.bytes", "True", REPAIRS),
+    cache("journal", "lines.rest = size - end", "lines.rest = 0", REPAIRS),
+    cache("journal", "or found.st_size < self.end.bytes", "or False", CACHE),
+    cache("ledger", "entry.get(name, 0.0)", "0.0", LEDGER),
+    cache("ledger", "if share >= LEAST", "if share > 0.0", LEDGER),
+    cache("ledger", 'math.fsum(entry["slid"] for entry in entries)', "0.0", LEDGER),
+    # Landing.
+    moving("landing", "      left_ += snow.units;\n      continue;", "      continue;", LANDING),
+    moving("landing", "is_back ? -now : now;\n    map", "now;\n    map", LANDING),
+    moving("landing", "if (hit.object < 0 || holds_snow(hit)) return hit;", "return hit;", LANDING),
+    moving("landing", "gains.emplace_back(place, rest);", "", LANDING),
+    moving("landing", "return !shared::is_wall(side", "return true || !shared::is_wall(side", LANDING),
+    moving("landing", "return broadest;", "return place;", LANDING),
+    moving("landing", "settings.takes_time ? std::sqrt(2.0 * snow.drop / kGravity) : 0.0;", "0.0;", LANDING),
+    moving("landing", "left_ += units_of(map.slid + slid) - listed;", "", LANDING),
+    moving("landing", "cell.units / kRays + (ray < cell.units % kRays ? 1 : 0);", "cell.units / kRays;", LANDING),
+    moving("landing", "cell.outwards * (settings.throw_speed * speed);", "cell.outwards * 0.0;", LANDING),
+    moving("landing", "on_floors_ += snow.units;", "left_ += snow.units;", LANDING),
+    moving("landing", "map.slid -= kept;", "", LANDING),
+    # Masks.
+    moving("masks", "(now < last[i] ? now / last[i] : 1.0f)", "1.0f", MASKS),
+    moving("masks", "+ now * (thickness - old)", "+ (thickness - old)", MASKS),
+    moving("masks", "map.masked += shrink(height, left, area[i]);", "shrink(height, left, area[i]);", MASKS),
+    moving("masks", "if (object.mask == nullptr) last = {};", "", MASKS),
+    moving("masks", "const float most = mask * max_depth;", "const float most = max_depth;", MASKS),
+    moving("masks", "= last_[object][i];", "= 1.0f;", MASKS),
+    moving("masks", "std::copysign(thickness, height)", "thickness", MASKS),
+    # Pressing and pushing.
+    moving("pressing", "(thickness + static_cast<double>(own.packed[i])) / ratio", "0.0", PRESSING),
+    moving("pressing", "map.cleared += lost;", "", PRESSING),
+    moving("pressing", "own.packed[i] += static_cast<float>(", "own.packed[i] = static_cast<float>(", PRESSING),
+    moving("pressing", "presses ? settings.pushed_aside : 1.0;", "1.0;", PRESSING),
+    moving("pressing", "static_cast<float>(side * thickness);", "static_cast<float>(thickness);", PRESSING),
+    moving("pressing", "- kRefill * loose", "", PRESSING),
+    moving("pressing", "map.pressed += static_cast<double>(kept) * kPushUnit;", "", PRESSING),
+    moving("pressing", "  load_plane(kStandsPlane, own.stands);\n", "", PRESSING),
+    moving("pressing", "object.hidden) {\n      last_[i].clear();", "object.hidden) {", PRESSING),
+    moving("press/push", "- kAhead * glm::dot(step, way_[from])", "", PRESSING),
+    moving("press/push", "units[cell_at(centre.x, centre.y)] += rest;", "", PRESSING),
+    moving("press/push", "(ahead_only && glm::dot(way, heap.way) < 0.0)", "false", PRESSING),
+    moving("press/presser", "leaves ? 0.0 : std::max", "std::max", PRESSING),
+    moving("press/presser", "  swept_.low -= margin;\n", "", PRESSING),
+    moving("press/motion", "if (glm::length(expected - glm::dvec3(to[i])) > most) return false;", "", PRESSING),
+    # Fronts of snow, and the parts and points among which they are found.
+    surface("fronts", "front.presence = eased(here.room / depth, 0.03f, 0.09f);", "front.presence = 1.0f;"),
+    surface("fronts", "if (!std::isfinite(drop) && may_bridge && distance > kBeyond[0]) break;", ""),
+    surface("fronts", "front.lee = kLee * std::max(lee, 0.0f);", "front.lee = 0.0f;"),
+    surface("fronts", "const float own = at.presence * covers;", "const float own = at.presence;"),
+    surface("fronts", "holds += held[end] - held[begin];", "holds += held[end];"),
+    surface("fronts", "is_sheltered(tree, on_rim, depth);", "true;"),
+    surface("face_parts", "if (has[pair.a] != 0 || has[pair.b] != 0) continue;", ""),
+    surface("face_parts", "joined.join(blade.face, distinct.back().face);", ""),
+    surface("face_parts", "if (b != a && turn <= kStraight)", "if (b != a)"),
+    surface("point_tree", "if (away[k] <= found.back().distance)", "if (2.0f * away[k] <= found.back().distance)"),
+    surface("point_tree", "node.end; ++i) {\n      const Found", "node.end - 1; ++i) {\n      const Found"),
+    # Kept surfaces.
+    kept("kept_surface", "found->second >= 0.0) continue;", "true) continue;"),
+    kept("kept_surface", "if (polygons > kSmallPart) return;", ""),
+    kept("kept_surface", "if (wrong) kept.corner_normal = {};", ""),
+    kept("kept_surface", "if (classified.role[p] == PartRole::kCrossSection) {", "if (false) {"),
+    kept("kept_weights", "share -= own;", ""),
+    kept("kept_weights", "chain.to = std::min(std::max(chain.to, kLever * chain.from), room);", ""),
+    kept("charts", " && polygons < kMostPolygons", ""),
+    kept("charts", "branch_of(other) == branch_of(static_cast<int32_t>(seed)) &&", ""),
+    kept("kept_uvs", "uv.x -= std::round(uv.x - first);", ""),
+    kept("upright", "away[up] = 0.0;", ""),
+    # Coverage.
+    coverage("covered *= part.supported();", ""),
+    coverage("covered_[i] = away <= kReach * radius ? 1 : 0;", "covered_[i] = 1;"),
+    coverage("if (covered < area) coverage", "if (false) coverage"),
+    coverage("return near.cost <= kReachOfOthers", "return true || near.cost <= kReachOfOthers"),
+    coverage("return a.second > b.second;", "return a.second < b.second;"),
+    coverage("wood[skipped.part] = skipped.wood ? 1 : 0;", "wood[skipped.part] = 0;"),
+    # Bending.
+    bending("cantilevers", "(3.0 * a**3 * b**3)", "(3.0 * a**6)"),
+    bending("cantilevers", "np.where(continues, half[self._before], 0.0)", "half[self._before]"),
+    bending("cantilevers", "np.minimum(1.0, most / np.maximum(size, 1e-30))[:, None]", "1.0"),
+    bending("cantilevers", "(moments * along).sum(axis=1)[:, None] * along", "0.0"),
+    bending("cantilevers", "np.where(turns_back, SLOWER, FASTER)", "FASTER"),
+    bending("cantilevers", "np.add.at(first, self.parents[rows], first[rows])", "pass"),
+    bending("cantilevers", "_product(_transposed(parent_turns), turns)", "turns"),
+    bending("load", "min(INTERCEPTED * depth * density, MOST_INTERCEPTED)", "INTERCEPTED * depth * density"),
+    bending("load", "[1.0 - second - third, second, third]", "[second, third, 1.0 - second - third]"),
+    bending("load", "np.abs(mesh.heights", "(mesh.heights"),
+    bending("load", "after[0] = np.searchsorted", "np.searchsorted"),
+    bending("load", "reached[limbs[bone]] += lengths[bone]", "pass"),
 )  # fmt: skip
 
 
@@ -163,7 +301,10 @@ class Tree:
     def run(self, tests, mutated=None):
         """(whether the tests pass, seconds)"""
         begun = time.monotonic()
-        passes = self._native(mutated) if tests == NATIVE else self._python(tests)
+        if isinstance(tests, Linked):
+            passes = self._linked(tests, mutated)
+        else:
+            passes = self._native(mutated) if tests == NATIVE else self._python(tests)
         return passes, time.monotonic() - begun
 
     def kills(self, mutant):
@@ -177,10 +318,10 @@ class Tree:
             path.write_text(text, encoding="utf-8")
         return not passes, seconds
 
-    def _python(self, tests):
+    def _python(self, tests, modules="build/python"):
         environment = {
             **os.environ,
-            "PYTHONPATH": "build/python",
+            "PYTHONPATH": modules,
             "PYTHONDONTWRITEBYTECODE": "1",
             "SNOWBOUGH_TEST_SEED": "1",
         }
@@ -198,6 +339,35 @@ class Tree:
         libraries = ["-lgmock", "-lgtest", "-lgtest_main", "-lz", "-pthread"]
         subprocess.run(["c++", *objects, "-o", "native_tests", *libraries], cwd=self.folder, check=True)
         return self._ends_well(["./native_tests"], os.environ)
+
+    def _linked(self, tests, mutated):
+        """Links the target of the release build with the mutated file, whose functions are taken before the others."""
+        flags = [
+            "-std=c++20",
+            "-O1",
+            "-w",
+            "-fPIC",
+            "-fvisibility=hidden",
+            "-ffp-contract=off",
+            "-I",
+            ".",
+            "-I",
+            "native",
+        ]
+        subprocess.run(["c++", *flags, "-c", mutated, "-o", "mutant.o"], cwd=self.folder, check=True)
+        build = ROOT / "build" / "release"
+        commands = subprocess.run(
+            ["ninja", "-C", build, "-t", "commands", tests.target], check=True, capture_output=True, text=True
+        ).stdout.splitlines()
+        link = shlex.split(next(part for part in commands[-1].split(" && ") if " -o " in part))
+        output = self.folder / "linked" / Path(link[link.index("-o") + 1]).name
+        output.parent.mkdir(exist_ok=True)
+        link[link.index("-o") + 1] = output
+        link[1:1] = [self.folder / "mutant.o", "-Wl,--allow-multiple-definition"]
+        subprocess.run(link, cwd=build, check=True)
+        if tests.target == MODULE:
+            return self._python(tests.arguments, str(output.parent))
+        return self._ends_well([output, *tests.arguments], os.environ)
 
     def _ends_well(self, command, environment):
         try:
@@ -231,9 +401,11 @@ def main():
     survived = 0
     with tempfile.TemporaryDirectory(prefix="snowbough-mutants-") as folder:
         tree = Tree(Path(folder))
-        for tests in dict.fromkeys(mutant.tests for mutant in chosen):
-            if not tree.run(tests)[0]:
-                sys.exit(f"mutants: {tests} fails without a mutant")
+        for tests, file in dict.fromkeys(
+            (m.tests, m.file if isinstance(m.tests, Linked) else None) for m in chosen
+        ):
+            if not tree.run(tests, file)[0]:
+                sys.exit(f"mutants: {tests} fails without a mutant in {file}")
         for mutant in chosen:
             killed, seconds = tree.kills(mutant)
             survived += not killed

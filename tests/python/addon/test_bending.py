@@ -73,6 +73,16 @@ def test_limbs_to_both_sides_bend_alike_and_leave_the_trunk_upright():
     assert np.abs(bent.vectors[-1][0]).max() < 1e-12
 
 
+def test_limbs_do_not_twist():
+    """A weight at the end of a branch bends its limb down, and would turn it about its own axis."""
+    heads, tails = [(0, 0, 0), (1, 0, 0)], [(1, 0, 0), (1, 0.5, 0)]
+    tree = Cantilevers(heads, tails, [-1, 0], np.full(2, RADIUS), np.full(2, RADIUS), [0, 1])
+    bent = tree.bend(np.array([0.0, 0.1]), tree.tails, DOWN, WOOD, UNBREAKABLE)
+    twist, sag, _turn = bent.vectors[-1][0]
+    assert sag > 1e-3
+    assert abs(twist) < 0.01 * sag
+
+
 def test_gravity_may_point_anywhere():
     upright = beam(8, along=(0.0, 0.0, 1.0))
     masses = np.full(8, 0.02)
