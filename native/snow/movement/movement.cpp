@@ -24,7 +24,7 @@ int64_t Movement::memory(const std::vector<const SceneObject*>& objects) {
   constexpr int64_t kPerPlace = 4;
   // See Masks, and Pressing::Pressed.
   constexpr int64_t kPerMasked = 3 * 4;
-  constexpr int64_t kPerPressed = 3 * 4 + 3 * 4 + 4;
+  constexpr int64_t kPerPressed = 3 * 4 + 3 * 4 + 2 * 4 + 1;
   const bool presses = std::any_of(objects.begin(), objects.end(), [](const SceneObject* object) {
     return object->press.kind != PressSettings::Kind::kNone;
   });
@@ -93,16 +93,17 @@ void Movement::after(const MovementSettings& settings, uint32_t step_number, dou
   for (MovingMap* map : moving) masks_.refuse(*map, *receivers_[map->object]);
   // Without duration nothing is pressed: objects are only put in their places.
   const int parts = dt > 0.0 ? pressing_.begin(moving) : 1;
-  double left = dt;
+  const double slope = std::tan(settings.repose.angle);
   for (int part = 1; part <= parts; ++part) {
     if (dt > 0.0) {
       pressing_.move_to(part);
-      for (MovingMap* map : moving) pressing_.press(*map, *receivers_[map->object]);
+      for (MovingMap* map : moving) pressing_.press(*map, *receivers_[map->object], slope);
     }
-    // A blade pushes a heap ahead, which must not grow into a wall meanwhile.
-    const double time = part == parts ? left : pressing_.has_ploughed() ? dt / parts : 0.0;
-    if (time > 0.0 || part == parts) rest(settings, time, moving);
-    left -= time;
+    if (part == parts) {
+      rest(settings, dt, false, moving);
+    } else if (pressing_.rests()) {
+      rest(settings, 0.0, true, moving);
+    }
   }
   pressing_.end();
   for (MovingMap* map : moving) {
@@ -113,8 +114,9 @@ void Movement::after(const MovementSettings& settings, uint32_t step_number, dou
   }
 }
 
-/// Lets snow come to rest for `dt` seconds, and collects what leaves the maps.
-void Movement::rest(const MovementSettings& settings, double dt,
+/// Lets snow come to rest for `dt` seconds, and collects what leaves the maps. `of_blades`: only
+/// what blades have just pushed, for some rounds.
+void Movement::rest(const MovementSettings& settings, double dt, bool of_blades,
                     const std::vector<MovingMap*>& maps) {
   if (!settings.repose.is_on()) return;
   std::vector<double> slid;
@@ -124,15 +126,16 @@ void Movement::rest(const MovementSettings& settings, double dt,
   for (MovingMap* map : maps) {
     slid.push_back(std::exchange(map->slid, 0.0));
     Repose& own = *receivers_[map->object];
-    const std::vector<float>* const stand = pressing_.stand(*map);
-    CoarseMap* const coarse = coarse_.choose(*map, stand != nullptr, *link_tables_, own);
+    CoarseMap* const coarse = coarse_.choose(*map, pressing_.is_pressed(*map), *link_tables_, own);
     if (coarse != last_[map->object]) targets_.forget(map->object);
     last_[map->object] = coarse;
     if (coarse != nullptr) coarser.push_back(coarse->begin(*map));
-    resting.push_back(coarse == nullptr ? Resting{map, &own, stand}
-                                        : Resting{&coarser.back(), &coarse->repose(), nullptr});
+    resting.push_back(coarse == nullptr ? Resting{map, &own, true}
+                                        : Resting{&coarser.back(), &coarse->repose(), false});
   }
-  if (dt > 0.0) run_repose(settings, static_cast<float>(dt), resting, maps);
+  if (dt > 0.0 || of_blades) {
+    run_repose(settings, static_cast<float>(dt), of_blades, resting, maps);
+  }
   for (size_t i = 0; i < maps.size(); ++i) {
     const Resting& own = resting[i];
     if (settings.landing.is_on) landing_.release(settings.landing, *own.map, *own.repose);
@@ -165,14 +168,17 @@ void Movement::load(size_t object, const ObjectState& state) {
   pressing_.load(object, state);
 }
 
-void Movement::run_repose(const MovementSettings& settings, float dt,
+void Movement::run_repose(const MovementSettings& settings, float dt, bool of_blades,
                           const std::vector<Resting>& maps, const std::vector<MovingMap*>& own) {
   const ReposeLimits limits{.slope = static_cast<float>(std::tan(settings.repose.angle)),
                             .cohesion = static_cast<float>(settings.repose.cohesion),
                             .is_granular = settings.repose.is_granular};
   std::vector<size_t> blocks(maps.size(), 0);
   base::for_each_item(maps.size(), 1, [&](size_t i) {
-    blocks[i] = maps[i].repose->choose_blocks(*maps[i].map->height, limits);
+    const Resting& map = maps[i];
+    blocks[i] = map.repose->choose_blocks(
+        *map.map->height, limits,
+        map.is_own ? pressing_.ploughed_blocks(*map.map) : std::vector<int32_t>(), of_blades);
   });
   // Large maps one by one, each on all cores; small ones side by side.
   const auto for_maps = [&](const auto& work) {
@@ -184,7 +190,7 @@ void Movement::run_repose(const MovementSettings& settings, float dt,
     base::for_each_item(small.size(), 1, [&](size_t i) { work(maps[small[i]], false); });
   };
   for_maps([&](const Resting& map, bool on_all_cores) {
-    map.repose->set_stand(map.stand);
+    if (map.is_own) pressing_.set_stand(*map.map, *map.repose);
     map.repose->set_up(*map.map->height, on_all_cores);
   });
   // Without landing a receiver's snow must not depend on that of others, so that machines can share

@@ -53,15 +53,16 @@ class Movement {
 
  private:
   std::vector<MovingMap*> shown(std::vector<MovingMap>& maps) const;
-  void rest(const MovementSettings& settings, double dt, const std::vector<MovingMap*>& maps);
   /// A map on which snow comes to rest: the receiver's own or a coarser one.
   struct Resting {
     MovingMap* map = nullptr;
     Repose* repose = nullptr;
-    const std::vector<float>* stand = nullptr;
+    bool is_own = true;
   };
-  void run_repose(const MovementSettings& settings, float dt, const std::vector<Resting>& maps,
-                  const std::vector<MovingMap*>& own);
+  void rest(const MovementSettings& settings, double dt, bool of_blades,
+            const std::vector<MovingMap*>& maps);
+  void run_repose(const MovementSettings& settings, float dt, bool of_blades,
+                  const std::vector<Resting>& maps, const std::vector<MovingMap*>& own);
 
   std::unique_ptr<ReposeLinkTables> link_tables_;
   OutletTargets targets_;

@@ -1,11 +1,13 @@
 #include "snow/movement/pressing.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <limits>
 
 #include "base/parallel_for.h"
+#include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
 #include "snow/movement/rays/map_point.h"
 
@@ -16,12 +18,19 @@ namespace {
 constexpr const char* kPackedPlane = "packed";
 constexpr const char* kPressedToPlane = "pressed_to";
 constexpr const char* kStandsPlane = "stands";
-/// Texels of a run.
-constexpr size_t kRun = 1024;
+/// Texels of a run, and runs of a long run.
+constexpr size_t kRun = 32;
+constexpr size_t kLongRun = 64;
 /// Snow thinner than this over an object is not touched, and snow that an object is less far above
 /// lies under it, in metres.
 constexpr double kTouch = 1e-6;
 constexpr double kUnder = 0.01;
+/// More than rounding of positions, in metres.
+constexpr double kRounding = 2e-4;
+/// The steepest heap that a blade pushes ahead, as a slope.
+constexpr double kSteepest = 6.0;
+/// Room above the thickest snow, in metres, for what is pushed.
+constexpr double kRoom = 0.1;
 /// Packed snow of less than this, in metres, does not stand.
 constexpr float kLeastPacked = 0.005f;
 /// By how much less walls stand per metre of loose snow on packed snow.
@@ -34,12 +43,23 @@ constexpr double kTexelsAPart = 2.0;
 constexpr double kSizeAPart = 0.05;
 constexpr double kLeastPart = 0.01;
 constexpr int kMostParts = 64;
+/// Parts after which snow that a blade has pushed moves on.
+constexpr int kPartsARest = 2;
 
 bool overlap(const Bounds& a, const Bounds& b, double margin) {
   for (int axis = 0; axis < 3; ++axis) {
     if (a.low[axis] - margin > b.high[axis] || b.low[axis] - margin > a.high[axis]) return false;
   }
   return true;
+}
+
+/// The largest magnitude; a maximum of floats would not vectorise.
+SNOWBOUGH_WIDE float thickest(const std::vector<float>& heights) {
+  uint32_t bits = 0;
+  for (const float height : heights) {
+    bits = std::max(bits, std::bit_cast<uint32_t>(height) & 0x7FFFFFFFu);
+  }
+  return std::bit_cast<float>(bits);
 }
 
 double size_of(const Bounds& bounds) {
@@ -66,7 +86,6 @@ void Pressing::lay_out(const std::vector<const SceneObject*>& objects) {
 
 void Pressing::forget_pose(size_t object) {
   pressed_[object].points.clear();
-  pressed_[object].runs.clear();
 }
 
 bool Pressing::is_on() const {
@@ -78,15 +97,15 @@ bool Pressing::is_on() const {
 int Pressing::begin(const std::vector<MovingMap*>& maps) {
   is_near_.assign(objects_.size(), 0);
   parts_ = 1;
+  any_blade_ = false;
   for (Pressed& own : pressed_) {
     own.under.clear();
-    own.deepest = 0.0;
+    own.columns.clear();
+    own.deepest = own.reach = 0.0;
   }
   if (!is_on()) return 1;
   for (const MovingMap* map : maps) {
-    float deepest = 0.0f;
-    for (const float height : *map->height) deepest = std::max(deepest, std::abs(height));
-    pressed_[map->object].deepest = static_cast<double>(deepest);
+    pressed_[map->object].deepest = static_cast<double>(thickest(*map->height));
   }
   for (size_t i = 0; i < objects_.size(); ++i) {
     const SceneObject& object = *objects_[i];
@@ -106,11 +125,16 @@ int Pressing::begin(const std::vector<MovingMap*>& maps) {
         continue;
       }
       is_near_[i] = 1;
+      any_blade_ = any_blade_ || object.press.kind == PressSettings::Kind::kPlough;
       find_points(map->object);
       // Between two parts a thin blade must not leave anything.
       const double most = presses ? kSizeAPart * size_of(object.bounds) : kLeastPart;
       const double part = std::max(kTexelsAPart * own.texel_size, most);
-      const double parts = std::ceil(presser.travel() / part);
+      // What moves over the snow counts: the top of a wheel is twice as fast as the wheel.
+      Bounds snow = receiver.bounds;
+      snow.low -= own.deepest + kUnder;
+      snow.high += own.deepest + kUnder;
+      const double parts = std::ceil(presser.travel(snow) / part);
       parts_ = std::max(parts_, static_cast<int>(std::min(parts, double{kMostParts})));
     }
   }
@@ -118,7 +142,12 @@ int Pressing::begin(const std::vector<MovingMap*>& maps) {
 }
 
 void Pressing::move_to(int part) {
-  has_ploughed_ = false;
+  // After a rest.
+  if (part == 1 || rests()) {
+    for (Pressed& own : pressed_) own.is_ploughed.clear();
+    has_ploughed_ = false;
+  }
+  part_ = part;
   base::for_each_item(objects_.size(), 1, [&](size_t i) {
     if (is_near_[i] != 0) pressers_[i]->move_to(part, parts_);
   });
@@ -142,7 +171,8 @@ void Pressing::find_points(size_t object) {
   own.texel_size = std::sqrt(area / static_cast<double>(std::max<size_t>(table.texel.size(), 1)));
   own.points.resize(table.texel.size());
   own.runs.assign((own.points.size() + kRun - 1) / kRun, {});
-  base::for_each_item(own.runs.size(), 4, [&](size_t run) {
+  own.long_runs.assign((own.runs.size() + kLongRun - 1) / kLongRun, {});
+  base::for_each_item(own.runs.size(), 128, [&](size_t run) {
     const size_t end = std::min((run + 1) * kRun, own.points.size());
     for (size_t i = run * kRun; i < end; ++i) {
       const int32_t triangle = table.triangle[i];
@@ -154,28 +184,91 @@ void Pressing::find_points(size_t object) {
       own.runs[run].include(point);
     }
   });
+  for (size_t run = 0; run < own.runs.size(); ++run) {
+    own.long_runs[run / kLongRun].include(own.runs[run]);
+  }
 }
 
-/// Texels whose snow may reach into a box; bare ones within it, too, onto which none may be pushed.
-std::vector<int32_t> Pressing::texels_near(const Pressed& own, const PressedMap& map,
-                                           const Bounds& box) const {
-  const double margin = own.deepest + kUnder;
-  std::vector<int32_t> near;
+/// Finds the texels that snow up to `reach` thick would let an object touch in this step.
+void Pressing::find_columns(size_t presser, const PressedMap& map) {
+  Pressed& own = pressed_[map.number];
+  const Bounds& box = pressers_[presser]->swept();
+  const double margin = own.reach + kUnder;
+  const auto may_touch = [&](size_t i) {
+    const auto up = std::min(static_cast<double>(std::abs(map.bare->up[i])), 1.0);
+    const double aside = own.reach * std::sqrt(1.0 - up * up) + kUnder;
+    const glm::dvec3 most(aside, aside, margin);
+    const glm::dvec3 point(own.points[i]);
+    return overlap({point - most, point + most}, box, 0.0);
+  };
+  std::vector<Columns>& all = own.columns[presser];
   for (size_t run = 0; run < own.runs.size(); ++run) {
+    if (run % kLongRun == 0 && !overlap(own.long_runs[run / kLongRun], box, margin)) {
+      run += kLongRun - 1;
+      continue;
+    }
     if (!overlap(own.runs[run], box, margin)) continue;
+    Columns columns;
     const size_t end = std::min((run + 1) * kRun, own.points.size());
     for (size_t i = run * kRun; i < end; ++i) {
       const auto texel = static_cast<int32_t>(i);
-      const glm::dvec3 point(own.points[i]);
-      const auto thickness = static_cast<double>(std::abs(map.height_at(texel)));
-      if (!overlap({point, point}, box, thickness + kUnder)) continue;
-      if (map.is_ground(texel)) near.push_back(texel);
+      if (may_touch(i) && map.is_ground(texel)) columns.columns.push_back({texel});
     }
+    if (!columns.columns.empty()) all.push_back(std::move(columns));
   }
-  return near;
+  base::for_each_item(all.size(), 8, [&](size_t i) {
+    for (Column& column : all[i].columns) {
+      const glm::dvec3 normal = texel_now(*map.object, column.texel).normal;
+      const double length = glm::length(normal);
+      if (length > 0.0) column.normal = normal / length;
+      const glm::dvec3 point = map.point(column.texel);
+      all[i].box.include(point - column.normal * margin);
+      all[i].box.include(point + column.normal * margin);
+    }
+  });
 }
 
-void Pressing::press(MovingMap& map, Repose& repose) {
+/// The texels whose snow an object touches, or nearly, ascending.
+std::vector<Pressing::Touched> Pressing::touched_by(size_t presser, const PressedMap& map) {
+  Pressed& own = pressed_[map.number];
+  const Presser& tool = *pressers_[presser];
+  if (own.columns.empty() || own.deepest > own.reach) {
+    // With room for what is pushed.
+    own.reach = 2.0 * own.deepest + kRoom;
+    own.columns.assign(objects_.size(), {});
+  }
+  if (own.columns[presser].empty()) find_columns(presser, map);
+  const std::vector<Columns>& all = own.columns[presser];
+  // What lies just under a broom is of no interest before the snow comes to rest.
+  const bool needs_covered =
+      objects_[presser]->press.kind != PressSettings::Kind::kClear || part_ == parts_ || any_blade_;
+  std::vector<std::vector<Touched>> found(all.size());
+  base::for_each_item(found.size(), 8, [&](size_t i) {
+    if (!tool.may_reach(all[i].box)) return;
+    for (const auto& [texel, up] : all[i].columns) {
+      const auto thickness = static_cast<double>(std::abs(map.height_at(texel)));
+      const double most = needs_covered ? thickness + kUnder : thickness - kTouch;
+      if (!(most > 0.0)) continue;
+      const glm::dvec3 point = map.point(texel);
+      const glm::dvec3 normal = up * map.side(texel);
+      const glm::dvec3 top = point + normal * most;
+      // With room for rounding, and for where rays begin.
+      const Bounds column{glm::min(point, top) - kRounding, glm::max(point, top) + kRounding};
+      if (!tool.may_reach(column)) continue;
+      const Clearance clearance = tool.clearance(point, normal, most);
+      if (!(clearance.metres < most)) continue;
+      const glm::dvec3 way(clearance.moves.x, clearance.moves.y, 0.0);
+      found[i].push_back({texel, clearance.metres, way});
+    }
+  });
+  std::vector<Touched> touched;
+  for (const std::vector<Touched>& some : found) {
+    touched.insert(touched.end(), some.begin(), some.end());
+  }
+  return touched;
+}
+
+void Pressing::press(MovingMap& map, Repose& repose, double slope) {
   Pressed& own = pressed_[map.object];
   own.under.clear();
   for (size_t i = 0; i < objects_.size(); ++i) {
@@ -184,58 +277,55 @@ void Pressing::press(MovingMap& map, Repose& repose) {
       continue;
     }
     const Repose::BareTexels& bare = repose.bare_texels();
-    PressedMap pressed{objects_[map.object], &repose.links(), &bare, &own.points, map.height};
-    press_with(i, map, pressed);
+    PressedMap pressed{map.object, objects_[map.object], &repose.links(),
+                       &bare,      &own.points,          map.height};
+    press_with(i, map, pressed, slope);
   }
   std::sort(own.under.begin(), own.under.end());
   own.under.erase(std::unique(own.under.begin(), own.under.end()), own.under.end());
 }
 
-void Pressing::press_with(size_t presser, MovingMap& map, PressedMap& pressed) {
+void Pressing::press_with(size_t presser, MovingMap& map, PressedMap& pressed, double slope) {
   Pressed& own = pressed_[map.object];
-  const std::vector<int32_t> near = texels_near(own, pressed, pressers_[presser]->bounds());
-  std::vector<Touched> all(near.size());
-  base::for_each_item(near.size(), 64, [&](size_t i) {
-    const int32_t texel = near[i];
-    const glm::dvec3 normal = texel_now(*pressed.object, texel).normal * pressed.side(texel);
-    const double length = glm::length(normal);
-    all[i].texel = texel;
-    all[i].clearance = std::numeric_limits<double>::infinity();
-    if (!(length > 0.0)) return;
-    const auto thickness = static_cast<double>(std::abs(pressed.height_at(texel)));
-    Bounds column;
-    column.include(pressed.point(texel));
-    column.include(pressed.point(texel) + normal * ((thickness + kUnder) / length));
-    if (!overlap(column, pressers_[presser]->bounds(), kTouch)) return;
-    const Clearance found = pressers_[presser]->clearance(pressed.point(texel), normal / length);
-    all[i].clearance = found.metres;
-    all[i].way = glm::dvec3(found.moves.x, found.moves.y, 0.0);
-  });
-  std::vector<int32_t> covered;
-  std::vector<Touched> touched;
-  for (const Touched& one : all) {
-    const auto thickness = static_cast<double>(std::abs(pressed.height_at(one.texel)));
-    if (one.clearance < thickness + kUnder) covered.push_back(one.texel);
-    if (one.clearance < thickness - kTouch) touched.push_back(one);
-  }
-  own.under.insert(own.under.end(), covered.begin(), covered.end());
   const PressSettings& settings = objects_[presser]->press;
+  std::vector<Touched> touched = touched_by(presser, pressed);
+  std::vector<int32_t> covered;
+  for (const Touched& one : touched) covered.push_back(one.texel);
+  own.under.insert(own.under.end(), covered.begin(), covered.end());
+  std::erase_if(touched, [&](const Touched& one) {
+    const auto thickness = static_cast<double>(std::abs(pressed.height_at(one.texel)));
+    return !(one.clearance < thickness - kTouch);
+  });
   std::vector<PushedSnow> pushed;
   sink(settings, touched, map, pressed, pushed);
   if (pushed.empty()) return;
-  has_ploughed_ = has_ploughed_ || settings.kind == PressSettings::Kind::kPlough;
+  const bool ploughs = settings.kind == PressSettings::Kind::kPlough;
+  if (ploughs && own.is_ploughed.empty()) own.is_ploughed.assign(pressed.links->block_count(), 0);
+  has_ploughed_ = has_ploughed_ || ploughs;
+  const auto note = [&](int32_t texel) {
+    if (!ploughs) return;
+    own.is_ploughed[static_cast<size_t>(pressed.links->block_of(pressed.place(texel)))] = 1;
+  };
+  for (const PushedSnow& snow : pushed) note(snow.texel);
   int64_t kept = 0;
-  for (const auto& [texel, units] :
-       spread_pushed(pressed, covered, pushed, settings.rim_width, kept)) {
-    float& height = pressed.height_at(texel);
-    const double side = pressed.side(texel);
-    const double thickness = static_cast<double>(std::abs(height)) +
-                             static_cast<double>(units) * kPushUnit / pressed.area(texel);
-    height = static_cast<float>(side * thickness);
+  for (const int32_t texel : spread_pushed(pressed, covered, pushed, settings.rim_width,
+                                           ploughs ? std::min(slope, kSteepest) : 0.0, kept)) {
+    const auto thickness = static_cast<double>(std::abs(pressed.height_at(texel)));
     own.deepest = std::max(own.deepest, thickness);
+    note(texel);
   }
   // Snow with nowhere to go is pressed.
   map.pressed += static_cast<double>(kept) * kPushUnit;
+}
+
+/// Finds the blocks with packed snow, after it has been loaded.
+void Pressing::find_packed(Pressed& own, const SceneObject& object, const ReposeLinks& links) {
+  if (!own.has_packed.empty()) return;
+  own.has_packed.assign(links.block_count(), 0);
+  for (size_t i = 0; i < own.packed.size(); ++i) {
+    if (own.packed[i] == 0.0f) continue;
+    own.has_packed[static_cast<size_t>(links.block_of(object.table->texel[i]))] = 1;
+  }
 }
 
 /// Lowers the snow at the touched texels; `pushed`: what moves on.
@@ -248,6 +338,7 @@ void Pressing::sink(const PressSettings& settings, const std::vector<Touched>& t
       plane->assign(own.points.size(), 0.0f);
     }
   }
+  find_packed(own, *pressed.object, *pressed.links);
   const double ratio = std::max(settings.packed_density / kFreshDensity, 1.0);
   for (const Touched& one : touched) {
     const auto i = static_cast<size_t>(one.texel);
@@ -275,27 +366,70 @@ void Pressing::sink(const PressSettings& settings, const std::vector<Touched>& t
         own.packed[i] += static_cast<float>(packed / pressed.area(one.texel));
         own.pressed_to[i] = now;
         own.stands[i] = static_cast<float>(settings.walls_stand);
+        own.has_packed[static_cast<size_t>(pressed.links->block_of(pressed.place(one.texel)))] = 1;
       }
     }
     if (!presses && now == 0.0f && !own.packed.empty()) own.packed[i] = own.pressed_to[i] = 0.0f;
   }
 }
 
-const std::vector<float>* Pressing::stand(const MovingMap& map) {
+bool Pressing::rests() const {
+  return part_ == parts_ || (has_ploughed_ && part_ % kPartsARest == 0);
+}
+
+std::vector<int32_t> Pressing::ploughed_blocks(const MovingMap& map) const {
+  const std::vector<uint8_t>& is_ploughed = pressed_[map.object].is_ploughed;
+  std::vector<int32_t> blocks;
+  for (size_t b = 0; b < is_ploughed.size(); ++b) {
+    if (is_ploughed[b] != 0) blocks.push_back(static_cast<int32_t>(b));
+  }
+  return blocks;
+}
+
+void Pressing::set_stand(const MovingMap& map, Repose& repose) {
   Pressed& own = pressed_[map.object];
-  if (own.packed.empty() && own.under.empty()) return nullptr;
+  if (own.packed.empty() && own.under.empty() && own.stand.empty()) return;
   const std::vector<int32_t>& places = objects_[map.object]->table->texel;
-  own.plane.assign(map.height->size(), 0.0f);
-  for (size_t i = 0; i < own.packed.size(); ++i) {
-    if (own.packed[i] < kLeastPacked) continue;
-    const auto place = static_cast<size_t>(places[i]);
-    const float loose = std::max(std::abs((*map.height)[place]) - own.pressed_to[i], 0.0f);
-    own.plane[place] = std::max(own.stands[i] - kRefill * loose, 0.0f);
+  const ReposeLinks& links = repose.links();
+  const auto place_of = [&](int32_t texel) {
+    return static_cast<size_t>(places[static_cast<size_t>(texel)]);
+  };
+  std::vector<uint8_t> changes(links.block_count(), 0);
+  if (own.stand.empty()) {
+    own.stand.assign(map.height->size(), 0.0f);
+    own.is_under.assign(map.height->size(), 0);
+    own.stands_in = changes;
+    // Another state may have set another stand.
+    std::fill(changes.begin(), changes.end(), uint8_t{1});
   }
+  find_packed(own, *objects_[map.object], links);
+  std::vector<uint8_t> looks = own.stands_in;
+  for (size_t b = 0; b < own.has_packed.size(); ++b) looks[b] |= own.has_packed[b];
   for (const int32_t texel : own.under) {
-    own.plane[static_cast<size_t>(places[static_cast<size_t>(texel)])] = kBarrier;
+    own.is_under[place_of(texel)] = 1;
+    looks[static_cast<size_t>(links.block_of(static_cast<int32_t>(place_of(texel))))] = 1;
   }
-  return &own.plane;
+  base::for_each_item(looks.size(), 8, [&](size_t block) {
+    if (looks[block] == 0) return;
+    own.stands_in[block] = 0;
+    links.for_texels(static_cast<int32_t>(block), places, [&](int32_t texel, size_t) {
+      const auto i = static_cast<size_t>(texel);
+      const size_t place = place_of(texel);
+      float now = 0.0f;
+      if (!own.packed.empty() && own.packed[i] >= kLeastPacked) {
+        const float loose = std::max(std::abs((*map.height)[place]) - own.pressed_to[i], 0.0f);
+        now = std::max(own.stands[i] - kRefill * loose, 0.0f);
+      }
+      if (own.is_under[place] != 0) now = kBarrier;
+      if (now != own.stand[place]) changes[block] = 1;
+      if (now != 0.0f) own.stands_in[block] = 1;
+      own.stand[place] = now;
+    });
+  });
+  for (const int32_t texel : own.under) own.is_under[place_of(texel)] = 0;
+  const bool any = std::any_of(own.stands_in.begin(), own.stands_in.end(),
+                               [](uint8_t stands) { return stands != 0; });
+  repose.set_stand(any ? &own.stand : nullptr, changes);
 }
 
 void Pressing::end() {
@@ -350,6 +484,8 @@ void Pressing::load(size_t object, const ObjectState& state) {
   load_plane(kPackedPlane, own.packed);
   load_plane(kPressedToPlane, own.pressed_to);
   load_plane(kStandsPlane, own.stands);
+  own.stand.clear();
+  own.has_packed.clear();
   // A state with only some of them is of no use.
   if (own.pressed_to.size() != own.packed.size() || own.stands.size() != own.packed.size()) {
     own.packed.clear();

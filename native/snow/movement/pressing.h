@@ -28,15 +28,23 @@ class Pressing {
 
   /// Begins a step; returns into how many parts of equal time its motion is divided, at least 1.
   int begin(const std::vector<MovingMap*>& maps);
-  /// Whether a blade has pushed snow since the last call of move_to.
-  bool has_ploughed() const { return has_ploughed_; }
+  /// Whether snow should come to rest after this part: after the last one, and meanwhile ahead of
+  /// blades.
+  bool rests() const;
   /// Moves the objects to the end of a part, from 1.
   void move_to(int part);
-  /// Presses a map's snow.
-  void press(MovingMap& map, Repose& repose);
-  /// The height in metres to which snow stands at each place of the map: packed snow, and snow
-  /// under an object. Null if none does.
-  const std::vector<float>* stand(const MovingMap& map);
+  /// Presses a map's snow. `slope`: of repose.
+  void press(MovingMap& map, Repose& repose, double slope);
+  /// The blocks of a map that a blade has changed since the last rest, ascending.
+  std::vector<int32_t> ploughed_blocks(const MovingMap& map) const;
+  /// Whether some of a map's snow is packed or touches an object.
+  bool is_pressed(const MovingMap& map) const {
+    const Pressed& own = pressed_[map.object];
+    return !own.packed.empty() || !own.under.empty() || !own.is_ploughed.empty();
+  }
+  /// Sets the height to which snow stands at each place of the map: packed snow, and snow under an
+  /// object.
+  void set_stand(const MovingMap& map, Repose& repose);
   /// Ends the step.
   void end();
 
@@ -46,27 +54,47 @@ class Pressing {
   void load(size_t object, const ObjectState& state);
 
  private:
+  /// A texel onto which snow lies along its unit normal.
+  struct Column {
+    int32_t texel = 0;
+    glm::dvec3 normal{0.0};
+  };
+  /// Neighbouring ones, and a box around them up to the thickest snow.
+  struct Columns {
+    std::vector<Column> columns;
+    Bounds box;
+  };
   /// What a receiver keeps.
   struct Pressed {
-    /// World positions of the texels; and boxes around runs of them. Empty if not current.
+    /// World positions of the texels; boxes around runs of them; and around runs of these. Empty if
+    /// not current.
     std::vector<glm::vec3> points;
-    std::vector<Bounds> runs;
+    std::vector<Bounds> runs, long_runs;
+    /// By object: the texels that it may touch in this step; and up to which thickness.
+    std::vector<std::vector<Columns>> columns;
+    double reach = 0.0;
     /// Edge of a texel in metres, on average.
     double texel_size = 0.0;
     /// By texel, empty before anything was pressed: metres of fresh snow that were packed away; the
     /// thickness after that; and the height to which it stands.
     std::vector<float> packed, pressed_to, stands;
-    /// Texels under an object now, ascending.
+    /// Texels under an object now, ascending; and blocks with packed snow, and that a blade has
+    /// changed.
     std::vector<int32_t> under;
-    std::vector<float> plane;
+    std::vector<uint8_t> has_packed, is_ploughed;
+    /// By place: what set_stand has set, and whether it is under an object; and the blocks where it
+    /// is not 0. Empty before its first call.
+    std::vector<float> stand;
+    std::vector<uint8_t> is_under, stands_in;
     /// The thickest snow, in metres.
     double deepest = 0.0;
   };
   struct Touched;
   void find_points(size_t object);
-  std::vector<int32_t> texels_near(const Pressed& own, const PressedMap& map,
-                                   const Bounds& box) const;
-  void press_with(size_t presser, MovingMap& map, PressedMap& pressed);
+  static void find_packed(Pressed& own, const SceneObject& object, const ReposeLinks& links);
+  void find_columns(size_t presser, const PressedMap& map);
+  std::vector<Touched> touched_by(size_t presser, const PressedMap& map);
+  void press_with(size_t presser, MovingMap& map, PressedMap& pressed, double slope);
   void sink(const PressSettings& settings, const std::vector<Touched>& touched, MovingMap& map,
             PressedMap& pressed, std::vector<PushedSnow>& pushed);
 
@@ -78,7 +106,9 @@ class Pressing {
   std::vector<uint8_t> is_near_;
   /// By object that presses: positions of the last step; empty if it was not shown.
   std::vector<std::vector<glm::vec3>> last_;
+  int part_ = 1;
   int parts_ = 1;
+  bool any_blade_ = false;
   bool has_ploughed_ = false;
 };
 

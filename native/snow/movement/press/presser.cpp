@@ -1,6 +1,8 @@
 #include "snow/movement/press/presser.h"
 
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
+#include <limits>
 
 #include "snow/texels/open_sheets.h"
 
@@ -27,6 +29,7 @@ Presser::Presser(const SceneObject& object) : object_(&object) {
 }
 
 void Presser::begin(const std::vector<glm::vec3>& last) {
+  last_ = &last;
   motion_.emplace(last, object_->positions);
   motion_->pose(0.0, pose_);
   swept_ = bounds_of(pose_);
@@ -35,6 +38,22 @@ void Presser::begin(const std::vector<glm::vec3>& last) {
   const glm::dvec3 margin(0.5 * motion_->travel());
   swept_.low -= margin;
   swept_.high += margin;
+}
+
+double Presser::travel(const Bounds& box) const {
+  const std::vector<glm::vec3>& now = object_->positions;
+  if (last_->size() != now.size()) return 0.0;
+  const auto is_in = [&](const glm::dvec3& point) {
+    return glm::all(glm::greaterThanEqual(point, box.low)) &&
+           glm::all(glm::lessThanEqual(point, box.high));
+  };
+  double longest = 0.0;
+  for (size_t i = 0; i < now.size(); ++i) {
+    const glm::dvec3 from((*last_)[i]);
+    const glm::dvec3 to(now[i]);
+    if (is_in(from) || is_in(to)) longest = std::max(longest, glm::length(to - from));
+  }
+  return longest;
 }
 
 void Presser::move_to(int number, int count) {
@@ -52,11 +71,18 @@ void Presser::move_to(int number, int count) {
   } else {
     tree_->refit(pose_, triangles_);
   }
+  outline_.set(pose_, triangles_, bounds_);
 }
 
-Clearance Presser::clearance(const glm::dvec3& from, const glm::dvec3& direction) const {
+Clearance Presser::clearance(const glm::dvec3& from, const glm::dvec3& direction,
+                             double most) const {
+  const glm::dvec3 start = from - kBelow * direction;
+  // Only a point in the object's box may be inside, however far the first face is.
+  const bool may_be_inside = glm::all(glm::greaterThanEqual(start, bounds_.low)) &&
+                             glm::all(glm::lessThanEqual(start, bounds_.high));
   const base::TriangleTree::Hit hit =
-      tree_->first_along(0, from - kBelow * direction, direction, 0.0);
+      tree_->first_along(0, start, direction, 0.0,
+                         may_be_inside ? std::numeric_limits<double>::infinity() : most + kBelow);
   Clearance clearance;
   if (hit.triangle < 0) return clearance;
   const auto triangle = static_cast<size_t>(hit.triangle);

@@ -9,6 +9,7 @@
 
 #include "base/triangle_tree.h"
 #include "snow/movement/press/motion.h"
+#include "snow/movement/press/outline.h"
 #include "snow/scene/scene_object.h"
 
 namespace snowbough::snow {
@@ -29,7 +30,8 @@ class Presser {
   /// Begins a step, in which the object moves from `last` to its positions; both must stay until
   /// the step ends.
   void begin(const std::vector<glm::vec3>& last);
-  double travel() const { return motion_->travel(); }
+  /// The longest straight way in metres of a vertex that begins or ends it in a box.
+  double travel(const Bounds& box) const;
   /// A box around the object in the whole step, and at the last call of `move_to`.
   const Bounds& swept() const { return swept_; }
   const Bounds& bounds() const { return bounds_; }
@@ -37,8 +39,11 @@ class Presser {
   /// Moves it to part `number` of `count` of its way.
   void move_to(int number, int count);
 
-  /// From a point along the unit vector `direction`. Callable from several threads.
-  Clearance clearance(const glm::dvec3& from, const glm::dvec3& direction) const;
+  /// Whether any of the object may be in a box; false only if none is.
+  bool may_reach(const Bounds& box) const { return outline_.may_reach(box); }
+  /// From a point along the unit vector `direction`, if it is less than `most` metres. Callable
+  /// from several threads.
+  Clearance clearance(const glm::dvec3& from, const glm::dvec3& direction, double most) const;
 
  private:
   const SceneObject* object_;
@@ -46,7 +51,9 @@ class Presser {
   /// Per triangle: whether it belongs to a surface without an inside.
   std::vector<uint8_t> is_open_;
   std::optional<PresserMotion> motion_;
+  const std::vector<glm::vec3>* last_ = nullptr;
   std::unique_ptr<base::TriangleTree> tree_;
+  Outline outline_;
   /// The pose, and the one before in the same step.
   std::vector<glm::vec3> pose_, before_;
   Bounds swept_, bounds_;

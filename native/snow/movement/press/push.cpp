@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "shaders/lib/texel_repose.h"
+#include "snow/movement/press/pile.h"
 
 namespace snowbough::snow {
 namespace {
@@ -21,13 +22,6 @@ constexpr double kAhead = 0.9;
 constexpr double kBlade = 0.7;
 /// Largest radius of the spread, in texels.
 constexpr int32_t kMostSpread = 24;
-
-/// Units at a texel, and the way in which they were pushed.
-struct Heap {
-  int32_t texel = 0;
-  int64_t units = 0;
-  glm::dvec3 way{0.0};
-};
 
 /// Calls visit(neighbour) for the texels linked with one.
 template <typename Visit>
@@ -48,6 +42,7 @@ void for_linked(const PressedMap& map, int32_t texel, const Visit& visit) {
     }
   }
   const int32_t* const range = &links.end_begin[static_cast<size_t>(links.block_of(place))];
+  if (range[0] == range[1]) return;
   const auto last = links.ends.begin() + range[1];
   const auto is_before = [](const ReposeLinks::End& end, int32_t t) { return end.texel < t; };
   for (auto end = std::lower_bound(links.ends.begin() + range[0], last, texel, is_before);
@@ -69,22 +64,30 @@ class NearestFree {
         cost_(covered.size(), std::numeric_limits<double>::infinity()),
         goal_(covered.size(), -1),
         way_(covered.size(), glm::dvec3(0.0)) {
-    numbers_.assign(map.points->size(), -1);
+    first_ = covered.front();
+    numbers_.assign(static_cast<size_t>(covered.back() - first_ + 1), -1);
     for (size_t i = 0; i < covered.size(); ++i) {
-      numbers_[static_cast<size_t>(covered[i])] = static_cast<int32_t>(i);
+      numbers_[static_cast<size_t>(covered[i] - first_)] = static_cast<int32_t>(i);
     }
-    for (const PushedSnow& snow : pushed) way_[static_cast<size_t>(number(snow.texel))] = snow.way;
+    std::vector<uint8_t> is_pushed(covered.size(), 0);
+    for (const PushedSnow& snow : pushed) {
+      const auto own = static_cast<size_t>(number(snow.texel));
+      way_[own] = snow.way;
+      is_pushed[own] = 1;
+    }
     for (size_t i = 0; i < covered.size(); ++i) {
       for_linked(map, covered[i], [&](int32_t free) {
         if (number(free) < 0 && map.is_ground(free)) offer(i, free, 0.0, free);
       });
     }
-    while (!open_.empty()) {
+    // Other covered texels need no goal.
+    for (size_t left = pushed.size(); left > 0 && !open_.empty();) {
       const double cost = open_.top().first;
       const int32_t texel = open_.top().second;
       open_.pop();
       const auto own = static_cast<size_t>(number(texel));
       if (cost > cost_[own]) continue;
+      left -= is_pushed[own];
       for_linked(map, texel, [&](int32_t other) {
         const int32_t inner = number(other);
         if (inner >= 0) offer(static_cast<size_t>(inner), texel, cost, goal_[own]);
@@ -97,7 +100,10 @@ class NearestFree {
 
  private:
   /// Place in `covered`, -1: none.
-  int32_t number(int32_t texel) const { return numbers_[static_cast<size_t>(texel)]; }
+  int32_t number(int32_t texel) const {
+    const auto i = static_cast<size_t>(texel - first_);
+    return texel < first_ || i >= numbers_.size() ? -1 : numbers_[i];
+  }
   /// A way from a covered texel over a neighbour from which the goal costs `cost`.
   void offer(size_t from, int32_t over, double cost, int32_t goal) {
     const glm::dvec3 step = map_.point(over) - map_.point(covered_[from]);
@@ -111,6 +117,7 @@ class NearestFree {
   using Entry = std::pair<double, int32_t>;
   const PressedMap& map_;
   const std::vector<int32_t>& covered_;
+  int32_t first_ = 0;
   std::vector<int32_t> numbers_;
   std::vector<double> cost_;
   std::vector<int32_t> goal_;
@@ -119,30 +126,30 @@ class NearestFree {
 };
 
 /// Sums the units of each texel, ascending.
-std::vector<Heap> summed(std::vector<Heap> heaps) {
+std::vector<PushedSnow> summed(std::vector<PushedSnow> heaps) {
   std::stable_sort(heaps.begin(), heaps.end(),
-                   [](const Heap& a, const Heap& b) { return a.texel < b.texel; });
-  std::vector<Heap> sums;
-  for (const Heap& heap : heaps) {
+                   [](const PushedSnow& a, const PushedSnow& b) { return a.texel < b.texel; });
+  std::vector<PushedSnow> sums;
+  for (const PushedSnow& heap : heaps) {
     if (sums.empty() || sums.back().texel != heap.texel) {
       sums.push_back({heap.texel, 0, glm::dvec3(0.0)});
     }
     sums.back().units += heap.units;
     sums.back().way += static_cast<double>(heap.units) * heap.way;
   }
-  for (Heap& sum : sums) sum.way /= static_cast<double>(std::max<int64_t>(sum.units, 1));
+  for (PushedSnow& sum : sums) sum.way /= static_cast<double>(std::max<int64_t>(sum.units, 1));
   return sums;
 }
 
 /// The part of a map on which heaps spread.
 class Window {
  public:
-  Window(const PressedMap& map, const std::vector<int32_t>& covered, const std::vector<Heap>& heaps,
-         double reach)
+  Window(const PressedMap& map, const std::vector<int32_t>& covered,
+         const std::vector<PushedSnow>& heaps, double reach)
       : map_(map), side_(map.links->resolution) {
     glm::ivec2 low(side_);
     glm::ivec2 high(-1);
-    for (const Heap& heap : heaps) {
+    for (const PushedSnow& heap : heaps) {
       const int32_t margin = std::min(texels(heap.texel, reach), 2 * kMostSpread);
       const glm::ivec2 at(map.place(heap.texel) % side_, map.place(heap.texel) / side_);
       low = glm::min(low, at - margin);
@@ -160,7 +167,7 @@ class Window {
 
   /// Spreads a heap over the free texels within a radius on the map and on the surface, in whole
   /// units; the remainder stays in the middle. `units`: by cell of the window.
-  void spread(const Heap& heap, double radius, bool ahead_only, std::vector<int64_t>& units) {
+  void spread(const PushedSnow& heap, double radius, bool ahead_only, std::vector<int64_t>& units) {
     const int32_t reach = std::min(texels(heap.texel, radius), kMostSpread);
     const double range = std::min(radius, reach * size_of_texel(heap.texel));
     const glm::ivec2 centre(map_.place(heap.texel) % side_, map_.place(heap.texel) / side_);
@@ -234,12 +241,18 @@ bool PressedMap::is_ground(int32_t texel) const {
   return area(texel) > 0.0 && !shared::is_wall(static_cast<float>(up));
 }
 
-std::vector<std::pair<int32_t, int64_t>> spread_pushed(const PressedMap& map,
-                                                       const std::vector<int32_t>& covered,
-                                                       const std::vector<PushedSnow>& pushed,
-                                                       double radius, int64_t& kept) {
+void PressedMap::add(int32_t texel, int64_t units) const {
+  float& own = height_at(texel);
+  const double thickness =
+      static_cast<double>(std::abs(own)) + static_cast<double>(units) * kPushUnit / area(texel);
+  own = static_cast<float>(side(texel) * thickness);
+}
+
+std::vector<int32_t> spread_pushed(const PressedMap& map, const std::vector<int32_t>& covered,
+                                   const std::vector<PushedSnow>& pushed, double radius,
+                                   double slope, int64_t& kept) {
   const NearestFree nearest(map, covered, pushed);
-  std::vector<Heap> heaps;
+  std::vector<PushedSnow> heaps;
   double fastest = 0.0;
   for (const PushedSnow& snow : pushed) {
     const int32_t goal = nearest.of(snow.texel);
@@ -251,16 +264,25 @@ std::vector<std::pair<int32_t, int64_t>> spread_pushed(const PressedMap& map,
     fastest = std::max(fastest, glm::length(snow.way));
   }
   heaps = summed(std::move(heaps));
-  std::vector<std::pair<int32_t, int64_t>> gains;
+  std::vector<int32_t> gains;
+  if (slope > 0.0) {
+    pile_ahead(map, CoveredTexels(covered), heaps, radius, slope, gains);
+    return gains;
+  }
   if (radius <= 0.0) {
-    for (const Heap& heap : heaps) gains.emplace_back(heap.texel, heap.units);
+    for (const PushedSnow& heap : heaps) {
+      map.add(heap.texel, heap.units);
+      gains.push_back(heap.texel);
+    }
     return gains;
   }
   Window window(map, covered, heaps, radius);
   std::vector<int64_t> units(window.cells(), 0);
-  for (const Heap& heap : heaps) window.spread(heap, radius, fastest > kBlade, units);
+  for (const PushedSnow& heap : heaps) window.spread(heap, radius, fastest > kBlade, units);
   for (size_t cell = 0; cell < units.size(); ++cell) {
-    if (units[cell] > 0) gains.emplace_back(window.texel(cell), units[cell]);
+    if (units[cell] <= 0) continue;
+    gains.push_back(window.texel(cell));
+    map.add(gains.back(), units[cell]);
   }
   return gains;
 }

@@ -13,6 +13,8 @@ namespace snowbough::snow {
 
 /// A receiver while objects press its snow. Texels are indices in its table.
 struct PressedMap {
+  /// Of the object.
+  size_t number = 0;
   const SceneObject* object = nullptr;
   const ReposeLinks* links = nullptr;
   const Repose::BareTexels* bare = nullptr;
@@ -35,6 +37,8 @@ struct PressedMap {
   }
   /// Whether snow can lie on a texel.
   bool is_ground(int32_t texel) const;
+  /// Adds units of kPushUnit.
+  void add(int32_t texel, int64_t units) const;
 };
 
 /// Volume in m3 of the unit in which snow is pushed: 2^-44.
@@ -48,15 +52,14 @@ struct PushedSnow {
   glm::dvec3 way{0.0};
 };
 
-/// Where pushed snow goes. Each texel's snow goes to the nearest texel that the object does not
-/// cover, along the links of the surface, with a shorter way along the object's motion than against
-/// it: a foot pushes to all sides, a blade ahead. Then it spreads over `radius` metres, never under
-/// the object. Returns texels and units. `covered`: the texels under the object,
-/// ascending, with those of `pushed`, ascending, among them. `kept`: units for which there is no
-/// other place.
-std::vector<std::pair<int32_t, int64_t>> spread_pushed(const PressedMap& map,
-                                                       const std::vector<int32_t>& covered,
-                                                       const std::vector<PushedSnow>& pushed,
-                                                       double radius, int64_t& kept);
+/// Moves pushed snow. Each texel's snow goes to the nearest texel that the object does not cover,
+/// along the links of the surface, with a shorter way along the object's motion than against it: a
+/// foot pushes to all sides, a blade ahead. Then it spreads over `radius` metres; or, if `slope` is
+/// over 0, it piles up (pile_ahead). Never under the object.
+/// Returns the texels that received any. `covered`: the texels under the object, ascending, with
+/// those of `pushed`, ascending, among them. `kept`: units for which there is no other place.
+std::vector<int32_t> spread_pushed(const PressedMap& map, const std::vector<int32_t>& covered,
+                                   const std::vector<PushedSnow>& pushed, double radius,
+                                   double slope, int64_t& kept);
 
 }  // namespace snowbough::snow

@@ -95,7 +95,7 @@ void Repose::list_active_links() {
   for (const int32_t block : noted_) {
     is_noted_[static_cast<size_t>(block)] = 0;
     ReposeTile* const tile = tiles_[static_cast<size_t>(block)].get();
-    if (tile == nullptr) continue;
+    if (tile == nullptr || !runs(block, 0)) continue;
     const uint32_t rows = tile->links.active_rows_at_seams.exchange(0, std::memory_order_relaxed);
     if (rows == 0) continue;
     const int32_t* ends = &links_->end_begin[static_cast<size_t>(block)];

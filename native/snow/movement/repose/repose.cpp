@@ -14,6 +14,9 @@ namespace {
 constexpr int kRounds = 8;
 /// Work limits of a step, in rounds of one block: per block of the map, and per map.
 constexpr int kMostRounds = 800;
+/// Rounds of a part of a step ahead of a blade, and at a time.
+constexpr int kBladeRounds = 8;
+constexpr int kBladeRoundsAtOnce = 4;
 constexpr double kRoundsABlock = 40.0;
 constexpr double kRoundsAMap = 24000.0;
 /// Duration in seconds of a step with these limits, and the factor for the longest steps.
@@ -68,7 +71,7 @@ Repose::Blocks Repose::near(const Blocks& blocks) const {
 
 double Repose::run(std::vector<float>& height, float dt, bool lists_releases) {
   if (chosen_.empty()) return 0.0;
-  empty_over_outlets();
+  if (!is_partial_) empty_over_outlets();
   run_rounds(std::clamp(dt / kUsualStep, 1.0f, kMostWorkFactor));
   const float walls_keep = std::exp2(-dt / shared::kWallHalfLife);
   std::vector<Written> written(chosen_.size());
@@ -80,9 +83,7 @@ double Repose::run(std::vector<float>& height, float dt, bool lists_releases) {
     has_changed_ = has_changed_ || own.has_changed;
   }
   if (lists_releases) collect_releases(written);
-  for (const int32_t block : chosen_) {
-    stored_tiles_[static_cast<size_t>(block)] = std::move(tiles_[static_cast<size_t>(block)]);
-  }
+  tiles_.swap(stored_tiles_);
   return fallen * static_cast<double>(surface_.unit());
 }
 
@@ -161,12 +162,12 @@ void Repose::empty_over_outlets() {
 }
 
 /// Runs the rounds of blocks that do not touch each other; returns their number.
-double Repose::run_colour(const Blocks& blocks, int first_round) {
+double Repose::run_colour(const Blocks& blocks, int first_round, int rounds_at_once) {
   std::vector<TileRounds> done(blocks.size());
   for_each(blocks.size(), [&](size_t i) {
     link_tile(blocks[i]);
     done[i] = run_tile_rounds(tiles_, blocks[i], links_->blocks_a_side,
-                              rims_[static_cast<size_t>(blocks[i])], first_round, kRounds);
+                              rims_[static_cast<size_t>(blocks[i])], first_round, rounds_at_once);
   });
   double rounds = 0.0;
   for (size_t i = 0; i < blocks.size(); ++i) {
@@ -179,29 +180,40 @@ double Repose::run_colour(const Blocks& blocks, int first_round) {
   return rounds;
 }
 
+/// Ahead of a blade snow need not rest before the blade does.
+bool Repose::runs(int32_t block, int round) const {
+  const bool is_ahead = !blades_.empty() && blades_[static_cast<size_t>(block)] != 0;
+  return is_ahead ? round < kBladeRounds : !is_partial_;
+}
+
 void Repose::run_rounds(float work_factor) {
   for (Flow& link : across_) {
     link.flow = 0.0f;
     link.is_listed = false;
   }
   listed_.clear();
-  for (const int32_t block : chosen_) note_active(block);
+  for (const int32_t block : chosen_) {
+    if (runs(block, 0)) note_active(block);
+  }
   seams_are_pending_ = true;
   double work = static_cast<double>(work_factor) *
                 (kRoundsAMap + kRoundsABlock * static_cast<double>(links_->block_count()));
-  const int most = static_cast<int>(static_cast<float>(kMostRounds) * work_factor);
+  const int most =
+      is_partial_ ? kBladeRounds : static_cast<int>(static_cast<float>(kMostRounds) * work_factor);
   int round = 0;
   int round_across = 0;
-  for (bool continues = true; continues && round < most && work > 0.0; round += kRounds) {
+  int at_once = kRounds;
+  for (bool continues = true; continues && round < most && work > 0.0; round += at_once) {
     continues = false;
+    at_once = !blades_.empty() && round < kBladeRounds ? kBladeRoundsAtOnce : kRounds;
     for (int32_t i = 0; i < 4; ++i) {
       // Heaps of grains would show which blocks are always first.
       const int32_t colour = limits_.is_granular && round / kRounds % 2 == 1 ? 3 - i : i;
       const Blocks blocks = blocks_of_colour(colour, [&](int32_t block) {
-        return tiles_[static_cast<size_t>(block)]->links.is_active();
+        return runs(block, round) && tiles_[static_cast<size_t>(block)]->links.is_active();
       });
       if (!blocks.empty()) {
-        const double rounds = run_colour(blocks, round);
+        const double rounds = run_colour(blocks, round, at_once);
         rounds_ += rounds;
         work -= rounds;
         continues = true;

@@ -65,14 +65,18 @@ class Repose {
   /// Releases memory that the next step would reuse.
   void forget_tiles();
 
-  /// Selects the blocks in which snow may move, by their heights; returns their number.
-  size_t choose_blocks(const std::vector<float>& height, const ReposeLimits& limits);
+  /// Selects the blocks in which snow may move, by their heights; returns their number. `blades`:
+  /// blocks, ascending, in which objects have just pushed snow ahead; it moves there for a few
+  /// rounds. `only_there`: it moves nowhere else, and none is cut above outlets.
+  size_t choose_blocks(const std::vector<float>& height, const ReposeLimits& limits,
+                       const std::vector<int32_t>& blades = {}, bool only_there = false);
 
   /// Sets the height in metres to which snow stands at each place whatever its slope, until the
-  /// next call; null: nowhere.
-  void set_stand(const std::vector<float>* stand) {
-    relinks_ = stand != nullptr || stand_ != nullptr;
+  /// next call; null: nowhere. `changed`: by block, whether any place has another height than in
+  /// the last call; empty: none has.
+  void set_stand(const std::vector<float>* stand, const std::vector<uint8_t>& changed) {
     stand_ = stand;
+    restands_ = changed;
   }
 
   /// Prepares those blocks. `on_all_cores`: share the work of this call and of `run` among threads.
@@ -184,11 +188,13 @@ class Repose {
   BlockRect rect_of(int32_t block) const;
   float highest_in(int32_t block, const std::vector<float>& height) const;
   bool rests(int32_t block, const std::vector<float>& height);
+  bool begin_choice(const std::vector<float>& height, const ReposeLimits& limits);
   const BlockSlack& slack_of(int32_t block);
   void reuse_tiles(Marks& changes);
   bool cover_tile(int32_t block, const std::vector<float>& height);
   void set_up_ends(int32_t block);
   bool fill_rooms(int32_t block);
+  bool clear_rooms(int32_t block);
   float room_above(int32_t texel, size_t cell, ReposeTile& tile);
   glm::dvec3 point_on(const ReposeLinks::Point& at, const std::vector<glm::vec3>& positions) const;
   glm::dvec3 world_point(const ReposeLinks::Point& at) const {
@@ -207,6 +213,7 @@ class Repose {
   void for_across(int32_t block, const Visit& visit);
   bool lower_across(Marks& active);
   void note_active(int32_t block);
+  bool runs(int32_t block, int round) const;
   void list_active_links();
   bool flow_along(int32_t number, float momentum);
   bool flow_across(float momentum);
@@ -225,7 +232,7 @@ class Repose {
   float stands(int32_t a, int32_t b) const;
   void empty_over_outlets();
   void run_rounds(float work_factor);
-  double run_colour(const Blocks& blocks, int first_round);
+  double run_colour(const Blocks& blocks, int first_round, int rounds_at_once);
   Written write_block(int32_t block, float walls_keep, std::vector<float>& height) const;
 
   const std::shared_ptr<const TexelTable>& shared_table() const {
@@ -247,8 +254,8 @@ class Repose {
   bool has_changed_ = false;
   double rounds_ = 0.0;
   const std::vector<float>* stand_ = nullptr;
-  /// Whether all links need new limits.
-  bool relinks_ = false;
+  /// By block: whether `stand_` has changed; empty: nowhere.
+  Marks restands_;
   /// Whether snow may flow across seams.
   bool seams_are_pending_ = false;
   ReposeLimits limits_;
@@ -258,7 +265,11 @@ class Repose {
   std::vector<float> highest_;
   /// Blocks in which snow may not rest, with their neighbours.
   Blocks chosen_;
-  /// Tiles of the chosen blocks during a run; all existing tiles between runs.
+  /// By block: whether a blade has pushed snow there; empty: nowhere. And whether only those run.
+  Marks blades_;
+  bool is_partial_ = false;
+  /// Tiles of the chosen blocks during a run (all existing ones during a partial run); all existing
+  /// tiles between runs.
   ReposeTiles tiles_;
   ReposeTiles stored_tiles_;
   /// By block, in the run before.

@@ -106,10 +106,12 @@ void Repose::forget_tiles() {
   was_chosen_.assign(was_chosen_.size(), 0);
 }
 
-size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimits& limits) {
-  has_changed_ = false;
+/// Returns false if no snow lies on the map.
+bool Repose::begin_choice(const std::vector<float>& height, const ReposeLimits& limits) {
+  has_changed_ = is_partial_ = false;
   rounds_ = 0.0;
   chosen_.clear();
+  blades_.clear();
   releases_.clear();
   if (limits != limits_) {
     // Curvatures are only needed with cohesion.
@@ -124,10 +126,27 @@ size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimit
   }
   if (!has_pose_) {
     const bool is_bare = std::all_of(height.begin(), height.end(), [](float h) { return h == 0; });
-    if (is_bare) return 0;
+    if (is_bare) return false;
     update_pose();
   }
   highest_.resize(slack_.size());
+  return true;
+}
+
+size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimits& limits,
+                             const std::vector<int32_t>& blades, bool only_there) {
+  const bool has_snow = begin_choice(height, limits);
+  if (!has_snow || (only_there && blades.empty())) return 0;
+  is_partial_ = only_there;
+  if (!blades.empty()) blades_.assign(slack_.size(), 0);
+  for (const int32_t block : blades) blades_[static_cast<size_t>(block)] = 1;
+  if (is_partial_) {
+    chosen_ = near(blades);
+    for (const int32_t block : near(chosen_)) {
+      highest_[static_cast<size_t>(block)] = highest_in(block, height);
+    }
+    return chosen_.size();
+  }
   base::for_each_item(slack_.size(), 64,
                       [&](size_t b) { highest_[b] = highest_in(static_cast<int32_t>(b), height); });
   Marks are_doubtful(slack_.size(), 0);
@@ -219,6 +238,16 @@ void Repose::set_up_ends(int32_t block) {
 /// Provides the tiles of the chosen blocks, reusing those of the last run; marks the blocks that
 /// were added or removed.
 void Repose::reuse_tiles(Marks& changes) {
+  if (is_partial_) {
+    tiles_.swap(stored_tiles_);
+    for (const int32_t block : chosen_) {
+      std::unique_ptr<ReposeTile>& tile = tiles_[static_cast<size_t>(block)];
+      if (tile != nullptr) continue;
+      tile = std::make_unique_for_overwrite<ReposeTile>();
+      was_chosen_[static_cast<size_t>(block)] = changes[static_cast<size_t>(block)] = 1;
+    }
+    return;
+  }
   Marks is_chosen(links_->block_count(), 0);
   for (const int32_t block : chosen_) is_chosen[static_cast<size_t>(block)] = 1;
   for (size_t b = 0; b < is_chosen.size(); ++b) changes[b] = is_chosen[b] ^ was_chosen_[b];
@@ -333,6 +362,15 @@ bool Repose::fill_rooms(int32_t block) {
   return changes;
 }
 
+/// Marks no texel as full; returns whether any was.
+bool Repose::clear_rooms(int32_t block) {
+  TileSnow& snow = tiles_[static_cast<size_t>(block)]->snow;
+  if (!snow.any_full) return false;
+  for (uint8_t& kind : snow.kind) kind &= static_cast<uint8_t>(~kFull);
+  snow.any_full = false;
+  return true;
+}
+
 /// The vertical distance from a texel to the first surface above, 0 within a body.
 float Repose::room_above(int32_t texel, size_t cell, ReposeTile& tile) {
   const float reach = 0.5f * std::sqrt(tile.ground.area[cell]);
@@ -400,12 +438,14 @@ void Repose::set_up(const std::vector<float>& height, bool on_all_cores) {
   on_all_cores_ = on_all_cores;
   Marks changes(links_->block_count(), 0);
   reuse_tiles(changes);
-  if (relinks_) std::fill(changes.begin(), changes.end(), uint8_t{1});
+  for (size_t b = 0; b < restands_.size(); ++b) changes[b] |= restands_[b];
   for_blocks(chosen_, [&](int32_t b) {
     if (cover_tile(b, height)) changes[static_cast<size_t>(b)] = 1;
   });
   for_blocks(chosen_, [&](int32_t b) {
-    if (rays_ != nullptr && fill_rooms(b)) changes[static_cast<size_t>(b)] = 1;
+    if (is_partial_ ? clear_rooms(b) : rays_ != nullptr && fill_rooms(b)) {
+      changes[static_cast<size_t>(b)] = 1;
+    }
   });
   Blocks changed;
   for (size_t b = 0; b < changes.size(); ++b) {
