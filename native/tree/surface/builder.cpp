@@ -108,7 +108,7 @@ Surface join_limbs(const LimbPlan& plan, std::vector<LimbPart> parts, int thread
 Surface build_surface(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
                       const SurfaceScale& scale, const SurfaceOptions& options,
                       const std::vector<uint8_t>& narrowing_steps, int threads) {
-  LimbPlan plan{skeleton, paths, scale, options, surface_parents(skeleton, paths), {}, {}};
+  LimbPlan plan{skeleton, paths, scale, options, surface_parents(skeleton, paths, scale), {}, {}};
   plan.children.resize(paths.size());
   plan.sibling.resize(paths.size(), 0);
   for (size_t b = 0; b < paths.size(); ++b) {

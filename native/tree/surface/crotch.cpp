@@ -9,8 +9,11 @@ namespace snowbough::tree {
 namespace {
 
 /// Least radius of a second stem, as a fraction of its parent's, and cosine of its largest angle.
-constexpr double kLeastRadius = 0.3;
+constexpr double kLeastRadius = 0.5;
 const double kLeastCosine = std::sqrt(0.5);
+/// The same as a fraction of the tree's height: where the tree fills a picture of a thousand
+/// pixels, the crotch of a thinner limb is two pixels wide.
+constexpr double kLeastStem = 1e-3;
 /// Greatest length of a crotch along the parent, and distance between samples, in the child's
 /// radii.
 constexpr double kLongest = 8.0;
@@ -69,10 +72,12 @@ double mix(double a, double b, double t) {
 
 }  // namespace
 
-std::optional<Crotch> find_crotch(const PathSearch& search, double attach, const LimbPath& child) {
+std::optional<Crotch> find_crotch(const PathSearch& search, double attach, const LimbPath& child,
+                                  const SurfaceScale& scale) {
   const LimbPath& parent = search.path();
   const double thick = radius_at(parent, attach);
   const double farthest = std::min(child.length(), kFarthest * thick);
+  const double least = std::max(kLeastRadius * thick, kLeastStem * scale.height);
   std::vector<Sample> samples{sample_at(search, child, 0.0)};
   if (samples[0].apart >= 0.0) return std::nullopt;
   double own = radius_at(child, 0.0);
@@ -82,10 +87,10 @@ std::optional<Crotch> find_crotch(const PathSearch& search, double attach, const
     const double radius = radius_at(child, before);
     own = std::max(own, radius);
     // A limb may begin without width.
-    const double step = kStep * std::max(radius, kLeastRadius * thick);
+    const double step = kStep * std::max(radius, least);
     samples.push_back(sample_at(search, child, std::min(before + step, farthest)));
   }
-  if (own < kLeastRadius * thick) return std::nullopt;
+  if (own < least) return std::nullopt;
 
   Crotch crotch;
   crotch.child_end = samples.back().child;
@@ -124,7 +129,8 @@ std::optional<Crotch> find_crotch(const PathSearch& search, double attach, const
   return crotch;
 }
 
-std::vector<int32_t> surface_parents(const Skeleton& skeleton, const std::vector<LimbPath>& paths) {
+std::vector<int32_t> surface_parents(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
+                                     const SurfaceScale& scale) {
   /// A child that separates from its parent at `end` metres along its own path.
   struct Stem {
     int32_t branch = -1;
@@ -141,7 +147,7 @@ std::vector<int32_t> surface_parents(const Skeleton& skeleton, const std::vector
     const glm::dvec3 attach(skeleton.branches[b].attach_point);
     std::optional<PathSearch>& search = searches[parent];
     if (!search) search.emplace(paths[parent]);
-    const auto crotch = find_crotch(*search, search->nearest_length(attach), paths[b]);
+    const auto crotch = find_crotch(*search, search->nearest_length(attach), paths[b], scale);
     if (!crotch) continue;
     double latest = crotch->child_end;
     for (const Stem& other : stems[parent]) {
@@ -149,7 +155,7 @@ std::vector<int32_t> surface_parents(const Skeleton& skeleton, const std::vector
       if (glm::distance(path.points.front(), attach) > kLongest * radius_at(path, 0.0)) continue;
       std::optional<PathSearch>& beside = searches[other.branch];
       if (!beside) beside.emplace(path);
-      const auto between = find_crotch(*beside, beside->nearest_length(attach), paths[b]);
+      const auto between = find_crotch(*beside, beside->nearest_length(attach), paths[b], scale);
       // The other stem must have left their parent by then.
       if (between && between->child_end > kLater * latest && between->parent_end > other.end) {
         latest = between->child_end;

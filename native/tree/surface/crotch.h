@@ -17,7 +17,7 @@ struct Crotch {
   double parent_heel = 0.0, parent_end = 0.0;
 };
 
-/// The crotch between a limb and a child that leaves it as a second stem: with at least 0.3 of its
+/// The crotch between a limb and a child that leaves it as a second stem: with at least half of its
 /// radius, at less than 45 degrees. None for other children, and for one that does not leave its
 /// parent.
 ///
@@ -25,11 +25,13 @@ struct Crotch {
 /// they are one limb.
 /// @param search  of the parent's path.
 /// @param attach  arc length of the child's attach point on the parent's path.
-std::optional<Crotch> find_crotch(const PathSearch& search, double attach, const LimbPath& child);
+std::optional<Crotch> find_crotch(const PathSearch& search, double attach, const LimbPath& child,
+                                  const SurfaceScale& scale);
 
 /// Per branch: the limb that it leaves on the surface, or -1. Of several stems that separate from
 /// one parent, one that stays within another longer than within their parent leaves that one; all
 /// other branches leave their parent in the skeleton.
-std::vector<int32_t> surface_parents(const Skeleton& skeleton, const std::vector<LimbPath>& paths);
+std::vector<int32_t> surface_parents(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
+                                     const SurfaceScale& scale);
 
 }  // namespace snowbough::tree

@@ -153,8 +153,8 @@ bool is_shortcut(const LimbPath& child, const Hole& hole, size_t first, size_t j
 
 /// Gives a second stem the stretch of its parent along which both separate. False for others.
 bool leave_as_stem(const PathSearch& search, double attach, const LimbPath& child,
-                   int narrowing_steps, Exit& exit) {
-  const std::optional<Crotch> crotch = find_crotch(search, attach, child);
+                   const SurfaceScale& scale, int narrowing_steps, Exit& exit) {
+  const std::optional<Crotch> crotch = find_crotch(search, attach, child, scale);
   const double length = crotch ? crotch->parent_end - crotch->parent_heel : 0.0;
   if (!crotch) return false;
   const double middle = 0.5 * (crotch->parent_heel + crotch->parent_end);
@@ -275,7 +275,7 @@ Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
   exit.request.direction = glm::normalize(off);
 
   if (narrowing_steps <= kStemSteps &&
-      leave_as_stem(search, attach, child, narrowing_steps, exit)) {
+      leave_as_stem(search, attach, child, scale, narrowing_steps, exit)) {
     return exit;
   }
   const double side = 2.0 * kSideDistance * corner_at(parent, exit.request.position);

@@ -27,9 +27,9 @@ Branch stem(float radius, double angle, double around = 0.0) {
 
 std::optional<Crotch> crotch_of(const Branch& child) {
   const Skeleton skeleton = make_skeleton({trunk(0.2f), child});
-  const std::vector<LimbPath> paths =
-      limb_paths(skeleton, limb_widths(skeleton, {}), surface_scale(skeleton));
-  return find_crotch(PathSearch(paths[0]), 5.0, paths[1]);
+  const SurfaceScale scale = surface_scale(skeleton);
+  const std::vector<LimbPath> paths = limb_paths(skeleton, limb_widths(skeleton, {}), scale);
+  return find_crotch(PathSearch(paths[0]), 5.0, paths[1], scale);
 }
 
 /// Area of a mesh in the plane through `centre`, of all that is nearer to it than `reach`.
@@ -136,9 +136,9 @@ TEST(Crotch, IsNotOfAChildThatStaysInsideItsParent) {
 TEST(Crotch, OfThreeStemsTheNearestTwoSeparateLast) {
   const Skeleton skeleton = make_skeleton({trunk(0.2f), stem(0.18f, 20.0), stem(0.18f, 20.0, 40.0),
                                            stem(0.18f, 20.0, 180.0), stem(0.05f, 20.0, 30.0)});
-  const std::vector<LimbPath> paths =
-      limb_paths(skeleton, limb_widths(skeleton, {}), surface_scale(skeleton));
-  EXPECT_EQ(surface_parents(skeleton, paths), (std::vector<int32_t>{-1, 0, 1, 0, 0}));
+  const SurfaceScale scale = surface_scale(skeleton);
+  const std::vector<LimbPath> paths = limb_paths(skeleton, limb_widths(skeleton, {}), scale);
+  EXPECT_EQ(surface_parents(skeleton, paths, scale), (std::vector<int32_t>{-1, 0, 1, 0, 0}));
 }
 
 TEST(Crotch, KeepsBothLimbsWidthAtAllLevels) {
