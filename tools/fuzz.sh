@@ -4,9 +4,10 @@
 #
 #   tools/fuzz.sh [MINUTES [NAME...]]     MINUTES for each fuzzer (default 1); NAME: obj, mtl, ..., module (default: all)
 #
-# Installs Debian's Clang if it is missing. Found inputs stay in build/fuzz/inputs. An input that fails is saved in
-# build/fuzz/failed, and `build/fuzz/tests/fuzz/fuzz_NAME FILE` repeats it: add it to tests/fuzz/corpus/NAME with the fix.
-# Prints a line per fuzzer; SNOWBOUGH_FUZZ_REPORT=FILE also writes them as JUnit. The exit status is 1 if any failed.
+# As many run at once as there are cores. Installs Debian's Clang if it is missing. Found inputs stay in
+# build/fuzz/inputs. An input that fails is saved in build/fuzz/failed, and `build/fuzz/tests/fuzz/fuzz_NAME FILE` repeats
+# it: add it to tests/fuzz/corpus/NAME with the fix. Prints a line per fuzzer; SNOWBOUGH_FUZZ_REPORT=FILE also writes them
+# as JUnit. The exit status is 1 if any failed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 minutes="${1:-1}"
@@ -40,19 +41,32 @@ run_reader() {
     "build/fuzz/inputs/$1" "tests/fuzz/corpus/$1"
 }
 
+# Runs a fuzzer and prints its line; its exit status goes to a file.
+run_one() {
+  local log="build/fuzz/$1.log" started=$SECONDS status=0 count took
+  if [ "$1" = module ]; then run_module >"$log" 2>&1 || status=$?; else run_reader "$1" >"$log" 2>&1 || status=$?; fi
+  count=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
+  took=$((SECONDS - started))
+  printf 'fuzz: %-12s %9s executions %7s per second  %s\n' "$1" "${count:-0}" \
+    "$((${count:-0} / (took > 0 ? took : 1)))" "$([ $status -eq 0 ] && echo 'nothing found' || echo "FAILED, see $log")"
+  echo $status >"build/fuzz/$1.exit"
+}
+
+# One on each core.
+for name in "$@"; do
+  rm -f "build/fuzz/$name.exit"
+  while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do wait -n || true; done
+  run_one "$name" &
+done
+wait
+
 failed=0
 cases=
 for name in "$@"; do
-  log="build/fuzz/$name.log"
-  started=$SECONDS
-  status=0
-  if [ "$name" = module ]; then run_module >"$log" 2>&1 || status=$?; else run_reader "$name" >"$log" 2>&1 || status=$?; fi
-  count=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
-  took=$((SECONDS - started))
-  printf 'fuzz: %-12s %9s executions %7s per second  %s\n' "$name" "${count:-0}" \
-    "$((${count:-0} / (took > 0 ? took : 1)))" "$([ $status -eq 0 ] && echo 'nothing found' || echo "FAILED, see $log")"
-  if [ $status -ne 0 ]; then failed=1; fi
-  cases+="<testcase classname=\"fuzz\" name=\"$name\">$([ $status -eq 0 ] || echo "<failure message=\"see $log\"/>")</testcase>"
+  status=$(cat "build/fuzz/$name.exit" 2>/dev/null || echo 1)
+  if [ "$status" -ne 0 ]; then failed=1; fi
+  cases+="<testcase classname=\"fuzz\" name=\"$name\">"
+  cases+="$([ "$status" -eq 0 ] || echo "<failure message=\"see build/fuzz/$name.log\"/>")</testcase>"
 done
 if [ -n "${SNOWBOUGH_FUZZ_REPORT:-}" ]; then
   echo "<testsuite name=\"fuzz\">$cases</testsuite>" >"$SNOWBOUGH_FUZZ_REPORT"

@@ -24,7 +24,7 @@ fi
 git ls-files 'native/*.cpp' 'native/*.h' 'tests/*.cpp' 'tests/*.h' 'benchmarks/*.cpp' 'benchmarks/*.h' |
   xargs clang-format --dry-run -Werror
 if command -v shellcheck >/dev/null; then
-  git ls-files '*.sh' .ci/run | xargs shellcheck --severity warning
+  git ls-files '*.sh' '.ci/*' | xargs shellcheck --severity warning
 fi
 if command -v actionlint >/dev/null; then
   actionlint

@@ -27,6 +27,16 @@ def test_start_depth_lies_there_before_the_first_frame(native, tmp_path):
     assert s.open_ground(s.height(native, tmp_path, "Ground", 2)) == pytest.approx(0.3, rel=2e-3)
 
 
+def test_a_first_frame_below_0_is_refused_and_not_taken_for_0(tmp_path):
+    s.receive(s.square("Ground"))
+    own = s.settings(tmp_path)
+    own.frame_start = -5
+    with pytest.raises(RuntimeError, match="The first frame is -5: image sequences start at frame 0 or later"):
+        s.bake()
+    own.frame_start = 0
+    s.bake()
+
+
 def test_a_keyframed_rate_shapes_the_fall(native, tmp_path):
     s.receive(s.square("Ground"))
     own = s.settings(tmp_path, (1, 4))

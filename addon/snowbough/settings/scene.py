@@ -46,7 +46,6 @@ def _own_frame(which, default):
         name=f"Own {which} Frame",
         description=f"{which} frame if Scene Range is off (frames)",
         default=default,
-        min=0,
         options={"HIDDEN"},
     )
 
@@ -113,15 +112,13 @@ class SnowboughSceneSettings(SnowProperties, SurfaceProperties, MapSwitches, bpy
     own_frame_end: _own_frame("Last", default=250)
     frame_start: IntProperty(
         name="First Frame",
-        description="First frame of the shot. Start Depth is the depth before its own snow falls (frames)",
-        min=0,
+        description="First frame of the shot, from 0 on. Start Depth is the depth before its own snow falls (frames)",
         get=_range_getter("frame_start"),
         set=_range_setter("frame_start"),
     )
     frame_end: IntProperty(
         name="Last Frame",
         description="Last frame of the shot, where the snow reaches End Depth (frames)",
-        min=0,
         get=_range_getter("frame_end"),
         set=_range_setter("frame_end"),
     )

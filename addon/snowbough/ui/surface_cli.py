@@ -9,6 +9,7 @@ from functools import partial
 
 import bpy
 
+from ..bake import plan
 from ..bake.cli import exit_code
 from ..bake.outcome import one_line
 from ..base import native
@@ -30,8 +31,8 @@ def run(args):
     scene = bpy.context.scene
     if args.detail:
         scene.snowbough.surface_detail = args.detail
-    names = {name.strip() for name in (args.objects or "").split(",") if name.strip()}
     try:
+        names = set(plan.parse_names(args.objects))
         module, tasks = native.load(), surface_preview.tasks(scene, names)
         if not tasks:
             raise ValueError(
