@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import snowbough_native as native
 from checkpoints import restore, save
-from snow_meshes import STAYS, grid
+from snow_meshes import STAYS, grid, turned_over
 
 FRAME = 1.0 / 24.0
 DOWN = (0.0, 0.0, -1.0)
@@ -116,6 +116,17 @@ def test_snow_shrinks_with_a_mask_that_decreases():
     fall(sim, mesh, 1, depth=0.0)
     assert sim.statistics()["held_volume"] == pytest.approx(0.02, rel=1e-4)
     assert_nothing_is_lost(sim)
+
+
+def test_snow_on_the_back_shrinks_with_a_mask_and_stays_there():
+    mesh = turned_over(sheet())
+    sim = simulation(mesh)
+    fall(sim, mesh)
+    before = sim.height("ground")
+    assert before.min() < -0.07
+    sim.set_mask("ground", corners(mesh, 0.25))
+    sim.step({}, 0.0, DOWN, FRAME)
+    assert sim.height("ground") == pytest.approx(0.25 * before, abs=1e-6)
 
 
 @both_engines
