@@ -17,11 +17,7 @@ std::string gl_string(GLenum name) {
 
 GpuInfo read_info(const std::string& device) {
   GpuInfo info{gl_string(GL_VENDOR), gl_string(GL_RENDERER), gl_string(GL_VERSION), device};
-  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &info.max_texture_size);
   glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &info.max_array_layers);
-  GLint viewport[2] = {0, 0};
-  glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
-  info.max_viewport = std::min(viewport[0], viewport[1]);
   GLint64 bytes = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
   info.max_storage_buffer_bytes = bytes;

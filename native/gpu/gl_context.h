@@ -13,9 +13,7 @@ struct GpuInfo {
   std::string version;
   /// How the display was found, e.g. "EGL device 0 (/dev/dri/renderD128)" or "EGL surfaceless".
   std::string device;
-  int32_t max_texture_size = 0;
   int32_t max_array_layers = 0;
-  int32_t max_viewport = 0;
   int64_t max_storage_buffer_bytes = 0;
 };
 

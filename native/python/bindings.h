@@ -40,8 +40,6 @@ void bind_tree(pybind11::module_& module);
 void bind_tree_uvs(pybind11::module_& module);
 /// kept_weights, layout_kept_uvs.
 void bind_kept(pybind11::module_& module);
-/// gpu_info, Gpu, shader_source.
-void bind_gpu(pybind11::module_& module);
 /// Engine.
 void bind_engine(pybind11::module_& module);
 /// SnowSimulation.
@@ -54,7 +52,7 @@ void bind_surface(pybind11::module_& module);
 void bind_render(pybind11::module_& module);
 /// read_exr, write_exr, encode_png, write_png.
 void bind_image(pybind11::module_& module);
-/// texel_table, output_map.
+/// texel_table.
 void bind_maps(pybind11::module_& module);
 
 }  // namespace snowbough::python

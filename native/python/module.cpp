@@ -35,7 +35,6 @@ PYBIND11_MODULE(SNOWBOUGH_MODULE, module) {
   snowbough::python::bind_tree(module);
   snowbough::python::bind_tree_uvs(module);
   snowbough::python::bind_kept(module);
-  snowbough::python::bind_gpu(module);
   snowbough::python::bind_engine(module);
   snowbough::python::bind_snow(module);
   snowbough::python::bind_snow_state(module);

@@ -143,7 +143,6 @@ class Calls:
             "write_checkpoint": (n.write_checkpoint, {"path": path, "state": state, "description": "x"}),
             "read_checkpoint": (n.read_checkpoint, {"path": path, "receivers": {"ground": 64}}),
             "snapshot.output": (self.snapshot.output, {}),
-            "output_map": (n.output_map, {**mesh, "positions": POINTS, "height": HEIGHT, "blur_radius": 0.05}),
             "texel_table": (n.texel_table, {**mesh, "resolution": 64}),
             "point_normals": (n.point_normals, {"points": POINTS, "triangles": TRIANGLES}),
             "wanted_surface_points": (n.wanted_surface_points, {"triangles": TRIANGLES, "positions": POINTS,
@@ -165,7 +164,6 @@ class Calls:
                                                     "max_influences": 4}),
             "reduce_bones": (n.reduce_bones, {"mesh": self.mesh, "max_bones": 10, "max_bone_level": -1}),
             "layout_leaf_uvs": (n.layout_leaf_uvs, {"skeleton": self.skeleton, "resolution": 256}),
-            "shader_source": (n.shader_source, {"name": "occlusion.vert.glsl", "defines": []}),
         }  # fmt: skip
 
     def make_one(self, pick):

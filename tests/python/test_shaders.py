@@ -10,7 +10,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-import snowbough_native
+import snowbough_testing
 
 FOLDER = Path(__file__).resolve().parents[2] / "shaders"
 # Folders of the passes that run the shaders.
@@ -37,7 +37,7 @@ def programs():
 
 def choices(file):
     """For each switch in the text that a shader compiles: the defines that set it, one of which is taken."""
-    text = snowbough_native.shader_source(file)
+    text = snowbough_testing.shader_source(file)
     switches = set(re.findall(r"^\s*#\s*if(?:n?def)\s+(\w+)", text, re.MULTILINE))
     assert not re.search(r"^\s*#\s*(?:el)?if\b", text, re.MULTILINE), (
         "switches are asked for by #ifdef and #ifndef"
@@ -77,7 +77,7 @@ def complaints_of(sources, folder):
 @pytest.mark.parametrize("variant", variants(), ids=name_of)
 def test_a_variant_compiles_and_its_stages_fit_together(variant, tmp_path):
     files, defines = variant
-    sources = {file.removesuffix(".glsl"): snowbough_native.shader_source(file, defines) for file in files}
+    sources = {file.removesuffix(".glsl"): snowbough_testing.shader_source(file, defines) for file in files}
     assert complaints_of(sources, tmp_path) == []
 
 
@@ -101,7 +101,7 @@ def reads_of_write_only(source):
 
 def test_no_shader_reads_a_writeonly_buffer():
     read = {
-        file: reads_of_write_only(snowbough_native.shader_source(file, defines))
+        file: reads_of_write_only(snowbough_testing.shader_source(file, defines))
         for files, defines in variants()
         for file in files
     }
@@ -123,7 +123,7 @@ def test_no_atomic_function_chooses_its_target_in_an_index():
         (file, match[0])
         for files, defines in variants()
         for file in files
-        if (match := choice.search(snowbough_native.shader_source(file, defines)))
+        if (match := choice.search(snowbough_testing.shader_source(file, defines)))
     ]
     assert found == []
 
@@ -133,7 +133,7 @@ def test_no_stage_has_more_storage_blocks_than_drivers_are_asked_for():
     header = (FOLDER.parent / "native" / "render" / "renderer.h").read_text()
     most = int(re.search(r"kStorageBlocks = (\d+);", header)[1])
     used = [
-        (len(set(re.findall(r"\bbuffer\s+(\w+)\s*\{", snowbough_native.shader_source(file, defines)))), file)
+        (len(set(re.findall(r"\bbuffer\s+(\w+)\s*\{", snowbough_testing.shader_source(file, defines)))), file)
         for files, defines in variants()
         for file in files
     ]
@@ -190,12 +190,12 @@ void main() {
 
 
 def test_the_rule_of_the_snow_surface_compiles_as_glsl(tmp_path):
-    source = snowbough_native.shader_source("snow_surface.h") + USES_THE_RULE
+    source = snowbough_testing.shader_source("snow_surface.h") + USES_THE_RULE
     assert complaints_of({"snow_surface.comp": source}, tmp_path) == []
 
 
 def test_the_noise_of_the_snow_surface_compiles_as_glsl(tmp_path):
-    source = snowbough_native.shader_source("snow_noise.h") + (
+    source = snowbough_testing.shader_source("snow_noise.h") + (
         "layout(local_size_x = 8) in;\n"
         "layout(std430, binding = 0) buffer Values { float values[]; };\n"
         "void main() { values[0] = layered_noise(vec3(0.3), vec3(3.0, 1.4, 0.6), 0.5); }\n"

@@ -1,16 +1,23 @@
-// The Python module snowbough_testing: native measurements that only tests and benchmarks need.
+// The Python module snowbough_testing: native functions that only tests and benchmarks need.
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
 #include <cstdint>
 #include <cstring>
 #include <glm/vec3.hpp>
 #include <numeric>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "gpu/shader_source.h"
 #include "python/numpy_arrays.h"
 #include "python/released_gil.h"
+#include "python/snow/map_topology.h"
+#include "snow/output/cpu_filter.h"
+#include "snow/seams/seam_table.h"
+#include "snow/texels/texel_table.h"
 #include "support/chart_measure.h"
 #include "tree/crossings/whole.h"
 #include "tree/mesh/mesh_check.h"
@@ -62,9 +69,38 @@ py::dict measure_uv_layout(const InputArray<float>& uv, const InputArray<float>&
   return result;
 }
 
+py::tuple output_map(const InputArray<int32_t>& triangles, const InputArray<float>& uv,
+                     const InputArray<float>& positions, const InputArray<float>& height,
+                     float blur_radius) {
+  const auto resolution = static_cast<int32_t>(height.shape(0));
+  snow::MapTopology topology = map_topology(triangles, uv, resolution);
+  const auto points = rows_from_numpy<glm::vec3, float, 3>(positions, "positions");
+  topology.vertex_count = static_cast<int32_t>(points.size());
+  const snow::TexelTable table = snow::build_texel_table(topology);
+  const snow::SeamTable seams = snow::build_seam_table(topology, table, points);
+  // Clears texels outside the surface.
+  std::vector<float> owned(static_cast<size_t>(height.size()), 0.0f);
+  for (const int32_t texel : table.texel) owned[texel] = height.data()[texel];
+  snow::MapOutput output =
+      snow::CpuFilter(table, seams, {blur_radius})
+          .run(std::move(owned),
+               {.metrics = snow::surface_metrics(topology, points), .maps = {.normal = true}});
+  std::vector<float> normal(3 * output.normal.size());
+  std::memcpy(normal.data(), output.normal.data(), normal.size() * sizeof(float));
+  return py::make_tuple(to_numpy<float>(std::move(output.height), {resolution, resolution}),
+                        to_numpy<float>(std::move(normal), {resolution, resolution, 3}));
+}
+
 }  // namespace
 
 PYBIND11_MODULE(snowbough_testing, module) {
+  module.def("output_map", &output_map, py::arg("triangles"), py::arg("uv"), py::arg("positions"),
+             py::arg("height"), py::arg("blur_radius") = 0.0f,
+             "(height, normal): the output of a stored map (resolution, resolution) in metres.");
+  module.def(
+      "shader_source", &gpu::shader_source, py::arg("name"),
+      py::arg("defines") = std::vector<std::string>{},
+      "A shader's source for the GL compiler, with its #version, defines and includes inserted.");
   module.def(
       "crossing_quads",
       [](const InputArray<float>& vertices, const InputArray<int32_t>& quads) {

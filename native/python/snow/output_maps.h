@@ -13,7 +13,7 @@ namespace snowbough::python {
 
 /// All maps on request, except those that `given` holds as False. @throws TypeError for other
 /// names.
-inline snow::MapRequest map_request(const pybind11::kwargs& given = {}) {
+inline snow::MapRequest map_request(const pybind11::kwargs& given) {
   snow::MapRequest request;
   pybind11::ssize_t known = 0;
   for (const snow::MapKind& kind : snow::kMapsOnRequest) {

@@ -180,18 +180,6 @@ def test_a_vertex_far_from_everything_ends_no_renderer(value):
 
 
 @pytest.mark.parametrize("value", NOT_NUMBERS)
-def test_output_map_takes_numbers_only(value):
-    p, t, uv = GROUND
-    height = np.zeros((64, 64), np.float32)
-    with pytest.raises(ValueError, match="height: row 32"):
-        native.output_map(t, uv, p, with_number(height, value))
-    with pytest.raises(ValueError, match="positions: row 2"):
-        native.output_map(t, uv, with_number(p, value), height)
-    with pytest.raises(ValueError, match="blur_radius"):
-        native.output_map(t, uv, p, height, blur_radius=value)
-
-
-@pytest.mark.parametrize("value", NOT_NUMBERS)
 def test_a_rest_pose_takes_numbers_only(value):
     with native.SnowSimulation(engine="CPU") as simulation:
         with pytest.raises(ValueError, match="'ground': rest: row 2"):

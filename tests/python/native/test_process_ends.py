@@ -43,7 +43,7 @@ def test_a_forked_process_refuses_opengl_and_ends():
         "renderer = native.Renderer()\n"
         "def work():\n"
         "    for call in (lambda: live.step({}, 0.01), lambda: renderer.render(native.Camera()),\n"
-        "                 lambda: simulation('GL'), native.gpu_info):\n"
+        "                 lambda: simulation('GL'), lambda: native.Engine('GL').info):\n"
         "        try:\n"
         "            call()\n"
         "        except RuntimeError as error:\n"

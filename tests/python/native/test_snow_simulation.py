@@ -160,14 +160,6 @@ def test_closing_and_collecting_release():
         sim.step({}, 0.1)
 
 
-def test_gpu_info_names_the_driver():
-    info = native.gpu_info()
-    assert info["vendor"] and info["renderer"] and info["version"] and info["device"]
-    assert info["max_texture_size"] >= 8192
-    with pytest.raises(RuntimeError, match="no such device"):
-        native.gpu_info("no such device")
-
-
 def test_bad_input_is_refused_by_name():
     positions, triangles, uv = grid()
     with simulation() as sim:

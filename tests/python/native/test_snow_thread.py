@@ -128,7 +128,7 @@ def test_simulations_on_several_threads_give_the_same_bits():
 @on_linux
 def test_the_environment_chooses_the_device_and_an_unknown_one_is_an_error():
     module = Path(native.__file__).parent
-    code = "import snowbough_native as n; n.gpu_info()"
+    code = "import snowbough_native as n; n.Engine('GL').info"
     environment = {**os.environ, "PYTHONPATH": str(module), "SNOWBOUGH_EGL_DEVICE": "no such device"}
     failed = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
     assert failed.returncode != 0 and "RuntimeError" in failed.stderr and "no such device" in failed.stderr
@@ -138,29 +138,30 @@ def test_the_environment_chooses_the_device_and_an_unknown_one_is_an_error():
 
 
 @on_linux
-def test_a_simulation_takes_over_the_context_of_a_gpu_that_is_held():
+def test_a_simulation_takes_over_the_context_of_an_engine_that_is_held():
     def tasks():
         return set(os.listdir("/proc/self/task"))
 
     positions, triangles, uv = grid()
-    gpu = native.Gpu()
-    assert gpu.info["renderer"]  # waits until the context's own threads are there
+    engine = native.Engine("GL")
+    assert engine.info["driver"]  # waits until the context's own threads are there
     held = tasks()
     sim = native.SnowSimulation(pixel_size=0.05)
     assert tasks() == held
-    gpu.close()
+    engine.close()
     sim.add_object("it", triangles, uv, resolution=64)
     sim.step({"it": positions}, 0.1)
     assert sim.height("it").max() > 0.0
     sim.close()
     assert tasks() < held
     with pytest.raises(RuntimeError, match="closed"):
-        _ = gpu.info
+        _ = engine.info
 
 
 def test_a_gpu_that_is_not_there_is_told_of_when_it_is_asked():
-    with native.Gpu("no such device") as gpu, pytest.raises(RuntimeError, match="no such device"):
-        _ = gpu.info
+    with native.Engine("GL", device="no such device") as engine:
+        with pytest.raises(RuntimeError, match="no such device"):
+            _ = engine.info
 
 
 def test_a_simulation_without_a_gpu_says_so_at_once_or_when_it_is_needed():
@@ -177,9 +178,9 @@ def test_a_simulation_without_a_gpu_says_so_at_once_or_when_it_is_needed():
 def test_a_gpu_that_nobody_holds_any_more_is_released():
     before = set(os.listdir("/proc/self/task"))
     for _ in range(3):
-        with native.Gpu() as gpu:
-            assert gpu.info == native.gpu_info()
-        native.Gpu()
+        with native.Engine("GL") as engine:
+            assert engine.info == native.Engine("GL").info
+        native.Engine("GL")
         gc.collect()
         assert set(os.listdir("/proc/self/task")) == before
 
