@@ -202,3 +202,25 @@ def instance_geometry(tree, obj):
     info.inputs["Object"].default_value = obj
     info.inputs["As Instance"].default_value = True
     return info.outputs["Geometry"]
+
+
+def issues(addon, severity):
+    """The texts of the bake's check of the scene."""
+    found = addon("bake.preflight").check(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+    return "\n".join(issue.text for issue in found if issue.severity == severity)
+
+
+def write_library(path, name):
+    """Writes a square of that name into a file of its own, and removes it from the scene."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    obj = square(name)
+    bpy.data.libraries.write(str(path), {obj})
+    bpy.data.objects.remove(obj)
+
+
+def link(library, name):
+    """Links an object of a .blend into the scene."""
+    with bpy.data.libraries.load(str(library), link=True, relative=True) as (_, linked):
+        linked.objects = [name]
+    bpy.context.scene.collection.objects.link(linked.objects[0])
+    return linked.objects[0]

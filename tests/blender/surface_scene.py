@@ -43,6 +43,11 @@ def inner(points, share=0.6):
     return points[(np.abs(points[:, :2] - (low + high) / 2) < share * (high - low) / 2).all(axis=1)]
 
 
+def level(points):
+    """Median height of level snow away from rims: points are denser towards rims, where snow is lower."""
+    return float(np.median(inner(points)[:, 2]))
+
+
 def box(name, size=1.0, z=0.0):
     """A cube that stands at height z, with each face in a separate cell of the map."""
     h = size / 2
