@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/parallel_for.h"
+#include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
 #include "snow/movement/rays/map_point.h"
 
@@ -21,26 +22,45 @@ constexpr double kTexelsADepth = 24.0;
 constexpr int32_t kMostSide = 16;
 constexpr size_t kRun = 4096;
 
+/// Sums of the squares and of the cubes of thicknesses.
+struct PowerSums {
+  double squares = 0.0, cubes = 0.0;
+};
+
+/// Those of a row, in as many parts as a wide register holds.
+SNOWBOUGH_WIDE PowerSums add_powers(const float* height, size_t count) {
+  constexpr size_t kLanes = 16;
+  float squares[kLanes] = {};
+  float cubes[kLanes] = {};
+  const size_t whole = count / kLanes * kLanes;
+  for (size_t i = 0; i < whole; i += kLanes) {
+    for (size_t k = 0; k < kLanes; ++k) {
+      const float square = height[i + k] * height[i + k];
+      squares[k] += square;
+      cubes[k] += square * std::abs(height[i + k]);
+    }
+  }
+  for (size_t i = whole; i < count; ++i) {
+    squares[0] += height[i] * height[i];
+    cubes[0] += height[i] * height[i] * std::abs(height[i]);
+  }
+  PowerSums sums;
+  for (size_t k = 0; k < kLanes; ++k) {
+    sums.squares += static_cast<double>(squares[k]);
+    sums.cubes += static_cast<double>(cubes[k]);
+  }
+  return sums;
+}
+
 /// The depth of a map's thickest snow, in metres: the mean weighted by its square, which a single
 /// high texel does not change.
 double thickest(const std::vector<float>& height, int32_t side) {
-  struct Sums {
-    double squares = 0.0, cubes = 0.0;
-  };
-  std::vector<Sums> rows(static_cast<size_t>(side));
-  base::for_each_item(rows.size(), 64, [&](size_t row) {
-    const float* const own = &height[row * rows.size()];
-    float squares = 0.0f;
-    float cubes = 0.0f;
-    for (size_t i = 0; i < rows.size(); ++i) {
-      const float square = own[i] * own[i];
-      squares += square;
-      cubes += square * std::abs(own[i]);
-    }
-    rows[row] = {static_cast<double>(squares), static_cast<double>(cubes)};
+  std::vector<PowerSums> rows(static_cast<size_t>(side));
+  base::for_each_item(rows.size(), 128, [&](size_t row) {
+    rows[row] = add_powers(&height[row * rows.size()], rows.size());
   });
-  Sums all;
-  for (const Sums& row : rows) {
+  PowerSums all;
+  for (const PowerSums& row : rows) {
     all.squares += row.squares;
     all.cubes += row.cubes;
   }

@@ -276,7 +276,7 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
     cell.outwards += weight * exit.outwards;
   };
   for (const Repose::Release& release : repose.take_releases()) add(release);
-  repose.bare_texels();
+  if (!map.slid_from.empty()) repose.bare_texels();
   std::vector<double> over(map.slid_from.empty() ? 0 : repose.outlet_count(), 0.0);
   std::vector<int32_t> texel_over(over.size(), -1);
   for (const auto& [place, volume] : map.slid_from) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "base/parallel_for.h"
@@ -10,7 +11,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// Maps with more active blocks than this share them among threads; others use one thread each.
+/// Maps with more active blocks than this may share them among threads; others use one thread each.
 constexpr size_t kManyBlocks = 16;
 /// Names of planes in checkpoints.
 constexpr const char* kMaskPlane = "mask";
@@ -180,12 +181,16 @@ void Movement::run_repose(const MovementSettings& settings, float dt, bool of_bl
         *map.map->height, limits,
         map.is_own ? pressing_.ploughed_blocks(*map.map) : std::vector<int32_t>(), of_blades);
   });
-  // Large maps one by one, each on all cores; small ones side by side.
+  // Large maps one by one, each on all cores; small ones, and those that are a small part of all,
+  // side by side.
+  const size_t all = std::accumulate(blocks.begin(), blocks.end(), size_t{0});
+  const size_t many =
+      std::max(kManyBlocks, all / (2 * static_cast<size_t>(base::default_threads())));
   const auto for_maps = [&](const auto& work) {
     std::vector<size_t> small;
     for (size_t i = 0; i < maps.size(); ++i) {
-      if (blocks[i] > kManyBlocks) work(maps[i], true);
-      if (blocks[i] > 0 && blocks[i] <= kManyBlocks) small.push_back(i);
+      if (blocks[i] > many) work(maps[i], true);
+      if (blocks[i] > 0 && blocks[i] <= many) small.push_back(i);
     }
     base::for_each_item(small.size(), 1, [&](size_t i) { work(maps[small[i]], false); });
   };

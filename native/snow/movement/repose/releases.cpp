@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "base/parallel_for.h"
 #include "shaders/lib/texel_repose.h"
 #include "snow/movement/repose/repose.h"
-#include "snow/movement/repose/tiles_around.h"
 
 namespace snowbough::snow {
 namespace {
@@ -22,8 +22,7 @@ constexpr int32_t kNoWay = std::numeric_limits<int32_t>::min();
 int32_t Repose::next_cell(int32_t cell) const {
   const int32_t block = cell / kTileCells;
   const int32_t inner = cell % kTileCells;
-  const TilesAround around(tiles_, links_->blocks_a_side, block);
-  const ReposeTile& tile = *around.at(0, 0);
+  const ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
   const auto own = static_cast<size_t>(inner);
   const float top = tile.snow.top[own];
   float steepest = 0.0f;
@@ -36,20 +35,28 @@ int32_t Repose::next_cell(int32_t cell) const {
   };
   const int32_t column = inner % kReposeBlock;
   const int32_t row = inner / kReposeBlock;
+  const int32_t side = links_->blocks_a_side;
   for (int32_t k = 0; k < kForwardLinks; ++k) {
     for (const int32_t sign : {1, -1}) {
       const int32_t x = column + sign * kForwardColumn[k];
       const int32_t y = row + sign * kForwardRow[k];
-      const int32_t dx = x < 0 ? -1 : x / kReposeBlock;
-      const int32_t dy = y < 0 ? -1 : y / kReposeBlock;
-      const ReposeTile* const other = around.at(dx, dy);
-      if (other == nullptr) continue;
+      const ReposeTile* other = &tile;
+      int32_t other_block = block;
+      if (((x | y) & ~(kReposeBlock - 1)) != 0) {
+        const int32_t dx = x < 0 ? -1 : x / kReposeBlock;
+        const int32_t dy = y < 0 ? -1 : y / kReposeBlock;
+        const int32_t beside = block % side + dx;
+        other_block = block + dy * side + dx;
+        if (beside < 0 || beside >= side || other_block < 0 || other_block >= side * side) continue;
+        other = tiles_[static_cast<size_t>(other_block)].get();
+        if (other == nullptr) continue;
+      }
       const int32_t at = (y & (kReposeBlock - 1)) * kReposeBlock + (x & (kReposeBlock - 1));
       const ReposeTile& giver = sign > 0 ? tile : *other;
       if (!giver.links.has_limits) continue;
       consider(top - other->snow.top[static_cast<size_t>(at)],
                giver.links.limit[static_cast<size_t>(k)][sign > 0 ? own : static_cast<size_t>(at)],
-               (block + dy * links_->blocks_a_side + dx) * kTileCells + at);
+               other_block * kTileCells + at);
     }
   }
   const std::vector<RimLink>& rims = rims_[static_cast<size_t>(block)];
@@ -75,37 +82,47 @@ int32_t Repose::next_cell(int32_t cell) const {
   return next;
 }
 
-/// Where ways over cells end, each cell looked at once.
-struct Repose::CellWays {
-  const Repose& repose;
-  std::vector<std::unique_ptr<std::array<int32_t, kTileCells>>> end;
+Repose::CellWays::Block& Repose::CellWays::block_of(int32_t cell) {
+  auto& block = blocks[static_cast<size_t>(cell / kTileCells)];
+  if (block == nullptr) block = std::make_unique_for_overwrite<Block>();
+  if (std::exchange(block->run, run) != run) {
+    block->end.fill(kNoWay);
+    block->units.fill(0.0);
+  }
+  return *block;
+}
 
-  explicit CellWays(const Repose& own) : repose(own), end(own.tiles_.size()) {}
-  int32_t& end_of(int32_t cell) {
-    auto& block = end[static_cast<size_t>(cell / kTileCells)];
-    if (block == nullptr) {
-      block = std::make_unique<std::array<int32_t, kTileCells>>();
-      block->fill(kNoWay);
+void Repose::CellWays::begin(size_t count) {
+  ++run;
+  blocks.resize(count);
+  ends.clear();
+}
+
+/// -1 - outlet, or the last cell. Surfaces only fall along a way, so that it ends.
+int32_t Repose::CellWays::find(const Repose& repose, int32_t cell) {
+  const auto end_of = [&](int32_t own) -> int32_t& {
+    return block_of(own).end[static_cast<size_t>(own % kTileCells)];
+  };
+  passed.clear();
+  while (end_of(cell) == kNoWay) {
+    passed.push_back(cell);
+    const int32_t next = repose.next_cell(cell);
+    if (next < 0 || next == cell) {
+      end_of(cell) = next;
+      break;
     }
-    return (*block)[static_cast<size_t>(cell % kTileCells)];
+    cell = next;
   }
-  /// -1 - outlet, or the last cell. Surfaces only fall along a way, so that it ends.
-  int32_t find(int32_t cell) {
-    std::vector<int32_t> passed;
-    while (end_of(cell) == kNoWay) {
-      passed.push_back(cell);
-      const int32_t next = repose.next_cell(cell);
-      if (next < 0 || next == cell) {
-        end_of(cell) = next;
-        break;
-      }
-      cell = next;
-    }
-    const int32_t found = end_of(cell);
-    for (const int32_t own : passed) end_of(own) = found;
-    return found;
-  }
-};
+  const int32_t found = end_of(cell);
+  for (const int32_t own : passed) end_of(own) = found;
+  return found;
+}
+
+void Repose::CellWays::add(int32_t end, double units) {
+  double& sum = block_of(end).units[static_cast<size_t>(end % kTileCells)];
+  if (sum == 0.0) ends.push_back(end);
+  sum += units;
+}
 
 const Repose::BareTexels& Repose::bare_texels() {
   if (!has_pose_) update_pose();
@@ -230,24 +247,27 @@ void Repose::collect_releases(const std::vector<Written>& written) {
       fallen[static_cast<size_t>(rim.number)] += rim.fallen;
     }
   }
-  CellWays ways(*this);
+  ways_.begin(tiles_.size());
   for (const int32_t block : chosen_) {
     for (const auto& [cell, units] : tiles_[static_cast<size_t>(block)]->outlets.cuts) {
-      const int32_t end = ways.find(block * kTileCells + cell);
+      const int32_t end = ways_.find(*this, block * kTileCells + cell);
       if (end < 0) {
         fallen[static_cast<size_t>(-1 - end)] += static_cast<double>(units);
-        continue;
+      } else {
+        ways_.add(end, static_cast<double>(units));
       }
-      const int32_t side = links_->blocks_a_side;
-      const int32_t last = end % kTileCells;
-      const int32_t column = end / kTileCells % side * kReposeBlock + last % kReposeBlock;
-      const int32_t row = end / kTileCells / side * kReposeBlock + last / kReposeBlock;
-      const bool is_wall =
-          tiles_[static_cast<size_t>(end / kTileCells)]->snow.is_wall(static_cast<size_t>(last));
-      releases_.push_back({is_wall ? Release::kOffWall : Release::kInHollow,
-                           texel_at(table(), row * links_->resolution + column),
-                           static_cast<double>(units) * unit});
     }
+  }
+  for (const int32_t end : ways_.ends) {
+    const int32_t side = links_->blocks_a_side;
+    const int32_t last = end % kTileCells;
+    const int32_t column = end / kTileCells % side * kReposeBlock + last % kReposeBlock;
+    const int32_t row = end / kTileCells / side * kReposeBlock + last / kReposeBlock;
+    const bool is_wall =
+        tiles_[static_cast<size_t>(end / kTileCells)]->snow.is_wall(static_cast<size_t>(last));
+    releases_.push_back({is_wall ? Release::kOffWall : Release::kInHollow,
+                         texel_at(table(), row * links_->resolution + column),
+                         ways_.block_of(end).units[static_cast<size_t>(last)] * unit});
   }
   for (size_t i = 0; i < fallen.size(); ++i) {
     if (fallen[i] > 0.0) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -221,7 +222,26 @@ class Repose {
   // releases.cpp
   int32_t next_down(int32_t texel) const;
   void collect_releases(const std::vector<Written>& written);
-  struct CellWays;
+  /// Where ways over cells end, each cell looked at once in a run, and the units that have gone
+  /// each way.
+  struct CellWays {
+    struct Block {
+      /// The run for which it was filled.
+      uint64_t run = 0;
+      std::array<int32_t, kTileCells> end;
+      std::array<double, kTileCells> units;
+    };
+    uint64_t run = 0;
+    std::vector<std::unique_ptr<Block>> blocks;
+    std::vector<int32_t> passed;
+    /// Cells to which units have gone.
+    std::vector<int32_t> ends;
+
+    void begin(size_t count);
+    Block& block_of(int32_t cell);
+    int32_t find(const Repose& repose, int32_t cell);
+    void add(int32_t end, double units);
+  };
   int32_t next_cell(int32_t cell) const;
 
   // repose.cpp
@@ -277,6 +297,7 @@ class Repose {
   /// By block.
   std::vector<std::vector<RimLink>> rims_;
   std::vector<Release> releases_;
+  CellWays ways_;
   bool has_bare_ = false;
   BareTexels bare_;
   /// By texel, in the current pose: the last texel of its way, and -1 - its outlet, or the last

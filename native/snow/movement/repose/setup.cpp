@@ -104,6 +104,7 @@ const BlockSlack& Repose::slack_of(int32_t block) {
 void Repose::forget_tiles() {
   for (std::unique_ptr<ReposeTile>& tile : stored_tiles_) tile.reset();
   was_chosen_.assign(was_chosen_.size(), 0);
+  ways_.blocks.clear();
 }
 
 /// Returns false if no snow lies on the map.
