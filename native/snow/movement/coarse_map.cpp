@@ -171,14 +171,20 @@ MovingMap CoarseMap::begin(const MovingMap& map) {
   moved.object = map.object;
   moved.height = &height_;
   moved.places = &places_;
-  std::vector<float> slid(map.slid_from.empty() ? 0 : squares.size(), 0.0f);
-  for (const auto& [place, volume] : map.slid_from) {
-    const auto texel = static_cast<size_t>(texel_at(*object_->table, place));
-    slid[static_cast<size_t>(texels_.parent[texel])] += volume;
-  }
-  for (size_t i = 0; i < slid.size(); ++i) {
-    if (slid[i] > 0.0f) moved.slid_from.emplace_back(squares[i], slid[i]);
-  }
+  const auto join = [&](const std::vector<std::pair<int32_t, float>>& parts) {
+    std::vector<std::pair<int32_t, float>> joined;
+    std::vector<float> sum(parts.empty() ? 0 : squares.size(), 0.0f);
+    for (const auto& [place, volume] : parts) {
+      const auto texel = static_cast<size_t>(texel_at(*object_->table, place));
+      sum[static_cast<size_t>(texels_.parent[texel])] += volume;
+    }
+    for (size_t i = 0; i < sum.size(); ++i) {
+      if (sum[i] > 0.0f) joined.emplace_back(squares[i], sum[i]);
+    }
+    return joined;
+  };
+  moved.slid_from = join(map.slid_from);
+  moved.shed_from = join(map.shed_from);
   return moved;
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/parallel_for.h"
 #include "shaders/lib/texel_repose.h"
+#include "snow/movement/hashed.h"
 
 namespace snowbough::snow {
 namespace {
@@ -16,27 +17,14 @@ constexpr double kGravity = 9.81;
 constexpr int kRays = 6;
 /// Snow starts this far outside the edge, in metres, so that it misses the wall below.
 constexpr double kOutside = 0.01;
+/// Snow that its surface lets go starts this far below it, in metres.
+constexpr double kBelowSurface = 1e-3;
 /// A thrown path consists of this many straight pieces of equal time until kThrownSeconds, then it
 /// runs almost straight down.
 constexpr int kPieces = 6;
 constexpr double kThrownSeconds = 0.9;
 /// Largest radius of that disc, in texels.
 constexpr int32_t kMostTexels = 24;
-
-/// A uniform number from 0 to 1 from a cell, a step and a ray (a counter-based hash: finaliser of
-/// splitmix64, G. Steele, D. Lea, C. Flood, Fast splittable pseudorandom number generators, 2014).
-double hashed(const std::array<int64_t, 3>& key, uint32_t step, int ray, uint64_t salt) {
-  uint64_t h = salt * 0x9E3779B97F4A7C15u + step;
-  const auto mix = [&](uint64_t value) {
-    h ^= value + 0x9E3779B97F4A7C15u;
-    h = (h ^ (h >> 30)) * 0xBF58476D1CE4E5B9u;
-    h = (h ^ (h >> 27)) * 0x94D049BB133111EBu;
-    h ^= h >> 31;
-  };
-  for (const int64_t part : key) mix(static_cast<uint64_t>(part));
-  mix(static_cast<uint64_t>(ray));
-  return static_cast<double>(h >> 11) * 0x1p-53;
-}
 
 int64_t units_of(double volume) {
   return std::llround(volume / kLandingUnit);
@@ -262,8 +250,10 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
     } else {
       const TexelNow texel = texel_now(object, repose.table(), release.texel);
       exit.point = texel.point;
+      if (release.outlet == Repose::Release::kThrough) exit.point.z -= kBelowSurface;
       const double flat = glm::length(glm::dvec2(texel.normal));
-      if (flat > 0.0) exit.outwards = glm::dvec2(texel.normal) / flat;
+      if (flat > 0.0 && release.outlet == Repose::Release::kOffWall)
+        exit.outwards = glm::dvec2(texel.normal) / flat;
     }
     for (int axis = 0; axis < 3; ++axis) {
       exit.key[static_cast<size_t>(axis)] =
@@ -276,8 +266,9 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
     cell.outwards += weight * exit.outwards;
   };
   for (const Repose::Release& release : repose.take_releases()) add(release);
-  if (!map.slid_from.empty()) repose.bare_texels();
-  std::vector<double> over(map.slid_from.empty() ? 0 : repose.outlet_count(), 0.0);
+  const bool any_slid = !map.slid_from.empty() || !map.shed_from.empty();
+  if (any_slid) repose.bare_texels();
+  std::vector<double> over(any_slid ? repose.outlet_count() : 0, 0.0);
   std::vector<int32_t> texel_over(over.size(), -1);
   for (const auto& [place, volume] : map.slid_from) {
     const int32_t texel = repose.bare_texels().texel_of[static_cast<size_t>(place)];
@@ -297,6 +288,21 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
       height = height < 0.0f ? -now : now;
       map.slid -= kept;
       map.has_changed = true;
+    } else {
+      add(release);
+    }
+  }
+  for (const auto& [place, volume] : map.shed_from) {
+    const int32_t texel = repose.bare_texels().texel_of[static_cast<size_t>(place)];
+    Repose::Release release = repose.way_down(texel);
+    release.volume = static_cast<double>(volume);
+    slid += release.volume;
+    if (release.outlet >= 0) {
+      over[static_cast<size_t>(release.outlet)] += release.volume;
+      texel_over[static_cast<size_t>(release.outlet)] = release.texel;
+    } else if (release.outlet == Repose::Release::kInHollow) {
+      // A level leaf or a bowl does not keep it.
+      add({Repose::Release::kThrough, texel, release.volume});
     } else {
       add(release);
     }

@@ -47,6 +47,7 @@ void Movement::lay_out(const std::vector<const SceneObject*>& objects) {
   receivers_.clear();
   targets_.lay_out(objects);
   masks_.lay_out(objects);
+  shedding_.lay_out(objects);
   pressing_.lay_out(objects);
   landing_.lay_out(targets_.rays());
   coarse_.lay_out(objects, targets_.rays());
@@ -91,7 +92,10 @@ void Movement::after(const MovementSettings& settings, uint32_t step_number, dou
                      std::vector<MovingMap>& maps) {
   const std::vector<MovingMap*> moving = shown(maps);
   rounds_ = 0.0;
-  for (MovingMap* map : moving) masks_.refuse(*map, *receivers_[map->object]);
+  for (MovingMap* map : moving) {
+    masks_.refuse(*map, *receivers_[map->object]);
+    shedding_.shed(step_number, dt, *map, *receivers_[map->object]);
+  }
   // Without duration nothing is pressed: objects are only put in their places.
   const int parts = dt > 0.0 ? pressing_.begin(moving) : 1;
   const double slope = std::tan(settings.repose.angle);
@@ -143,6 +147,7 @@ void Movement::rest(const MovementSettings& settings, double dt, bool of_blades,
     if (own.map != maps[i]) last_[maps[i]->object]->end(*own.map, *maps[i]);
     maps[i]->slid += slid[i];
     maps[i]->slid_from.clear();
+    maps[i]->shed_from.clear();
   }
 }
 

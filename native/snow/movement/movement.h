@@ -10,6 +10,7 @@
 #include "snow/movement/outlet_targets.h"
 #include "snow/movement/pressing.h"
 #include "snow/movement/repose/repose.h"
+#include "snow/movement/shedding.h"
 
 namespace snowbough::snow {
 
@@ -35,7 +36,7 @@ class Movement {
   /// Whether any snow lands in the next step. `dt`: its duration in seconds.
   bool has_arrivals(double dt) const { return landing_.has_arrivals(dt); }
   /// Whether the next step needs `before` and `after` even if no snow lands or moves by itself.
-  bool acts_always() const { return masks_.is_on() || pressing_.is_on(); }
+  bool acts_always() const { return masks_.is_on() || pressing_.is_on() || shedding_.is_on(); }
   void before(const MovementSettings& settings, double dt, std::vector<MovingMap>& maps);
   /// A longer step may run more rounds until all snow rests; without duration only what stability
   /// has released moves.
@@ -71,6 +72,7 @@ class Movement {
   std::vector<CoarseMap*> last_;
   double rounds_ = 0.0;
   Masks masks_;
+  Shedding shedding_;
   Pressing pressing_;
   Landing landing_;
   /// By object; null for objects that do not receive.

@@ -16,6 +16,8 @@ struct MovingMap {
   /// What stability let slide in this step: row * resolution + column, and volume in m3. Only if
   /// the step records it.
   std::vector<std::pair<int32_t, float>> slid_from = {};
+  /// What leaves and boughs have let go, likewise.
+  std::vector<std::pair<int32_t, float>> shed_from = {};
   /// For a coarser map than the receiver's own (CoarseMap): by its texels, a place on that; else
   /// null.
   const std::vector<int32_t>* places = nullptr;

@@ -129,6 +129,8 @@ void OutletTargets::raise(size_t object, Repose& repose,
   base::for_each_item(blocks.size(), 1, [&](size_t i) {
     const float widest = kDepthsOfGap * repose.highest_near(blocks[i]);
     for (RimLink& rim : repose.outlets_of(blocks[i])) {
+      // Of an earlier step, in which snow lay here.
+      rim.top = rim.bare;
       if (!(rim.limit < kNoLink) || !repose.holds_snow(blocks[i], rim)) continue;
       const Repose::Outlet outlet = repose.outlet(rim);
       OutletTarget& target = targets[static_cast<size_t>(rim.number)];

@@ -45,6 +45,8 @@ struct ObjectDescription {
   /// the positions of each step; negative, or empty: flat.
   std::vector<int32_t> shading;
   Sides sides = Sides::kAuto;
+  /// Time in seconds after which half of the snow has let go (movement/shedding.h); 0: it stays.
+  double shed_half_life = 0.0;
 };
 
 /// An object in a simulation.

@@ -112,8 +112,9 @@ class Repose {
   struct Release {
     static constexpr int32_t kOffWall = -1;
     static constexpr int32_t kInHollow = -2;
-    /// The outlet over which it fell, see RimLink::number; or one of these: it fell off a wall, or
-    /// found no way out of a hollow.
+    static constexpr int32_t kThrough = -3;
+    /// The outlet over which it fell, see RimLink::number; or one of these: it fell off a wall,
+    /// found no way out of a hollow, or falls through the surface that let it go.
     int32_t outlet = kOffWall;
     /// The outlet's texel, the wall's, or the hollow's lowest.
     int32_t texel = 0;
