@@ -110,6 +110,20 @@ void EngineScene::read_height(const std::string& receiver, std::vector<float>& h
   }
 }
 
+std::vector<float> EngineScene::water(const std::string& receiver) {
+  const auto side =
+      static_cast<size_t>(objects_.receiver(receiver)->description.topology.resolution);
+  std::vector<float> water;
+  if (is_current_) {
+    water = movement_.water(objects_.index_of(receiver));
+  } else if (const ObjectState* saved = pending(receiver)) {
+    const auto plane = saved->planes.find(kWaterPlane);
+    if (plane != saved->planes.end()) water = plane->second;
+  }
+  water.resize(side * side, 0.0f);
+  return water;
+}
+
 shared::ObjectSums EngineScene::read_sums(const std::string& receiver) {
   shared::ObjectSums sums{};
   if (is_current_) {

@@ -42,7 +42,8 @@ const SeamTable& ReceiverOutputs::seams(const std::shared_ptr<SceneObject>& rece
 }
 
 OutputSnapshot ReceiverOutputs::snapshot(const std::shared_ptr<SceneObject>& receiver,
-                                         const MapRequest& maps, std::vector<float> stored) {
+                                         const MapRequest& maps, std::vector<float> stored,
+                                         std::vector<float> wet) {
   const MapTopology& topology = receiver->description.topology;
   OutputSnapshot snapshot;
   snapshot.resolution_ = topology.resolution;
@@ -53,7 +54,8 @@ OutputSnapshot ReceiverOutputs::snapshot(const std::shared_ptr<SceneObject>& rec
   }
   snapshot.surface_.layers = receiver->layers;
   snapshot.surface_.maps = maps;
-  if (maps != MapRequest{}) {
+  snapshot.surface_.wet = std::move(wet);
+  if (maps.normal) {
     const std::vector<glm::vec3> positions(receiver->positions.begin(),
                                            receiver->positions.begin() + topology.vertex_count);
     snapshot.surface_.metrics = surface_metrics(topology, positions);

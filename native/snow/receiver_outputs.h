@@ -45,9 +45,9 @@ class ReceiverOutputs {
   /// its rest pose.
   void prepare(const std::shared_ptr<SceneObject>& receiver);
   const SeamTable& seams(const std::shared_ptr<SceneObject>& receiver);
-  /// `stored`: the heights, from `map_memory`.
+  /// `stored`: the heights, from `map_memory`; `wet`: see OutputSurface.
   OutputSnapshot snapshot(const std::shared_ptr<SceneObject>& receiver, const MapRequest& maps,
-                          std::vector<float> stored);
+                          std::vector<float> stored, std::vector<float> wet = {});
   MapMemory& map_memory() { return *map_memory_; }
   /// Call it when a receiver is replaced.
   void forget(const std::string& name) { filters_.forget(name); }

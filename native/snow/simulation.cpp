@@ -1,5 +1,6 @@
 #include "snow/simulation.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -47,6 +48,12 @@ double longest_fall(bool takes_time, double depth, double dt) {
   constexpr double kGrowthMeanwhile = 0.01;
   if (!takes_time) return 0.0;
   return depth > 0.0 ? kGrowthMeanwhile * dt / depth : std::numeric_limits<double>::infinity();
+}
+
+/// Water in metres as a part of what soaks in, 0 to 1.
+std::vector<float> wetness(std::vector<float> water, double soak) {
+  for (float& own : water) own = std::min(own / static_cast<float>(soak), 1.0f);
+  return water;
 }
 
 }  // namespace
@@ -97,11 +104,15 @@ void SnowSimulation::replace_object(ObjectDescription description) {
 }
 
 void SnowSimulation::step(const PositionMap& positions, double depth, const glm::dvec3& direction,
-                          double dt, const std::set<std::string>& hidden) {
+                          double dt, const std::set<std::string>& hidden, const glm::dvec3& sun) {
   const std::scoped_lock lock(mutex_);
   EngineScene& scene = this->scene();
-  if (!std::isfinite(depth) || depth < 0.0) {
-    throw std::invalid_argument("step: depth must be 0 metres or more");
+  if (!std::isfinite(depth)) {
+    throw std::invalid_argument("step: depth must be a finite number of metres");
+  }
+  const double shines = glm::length(sun);
+  if (!std::isfinite(shines)) {
+    throw std::invalid_argument("step: sun must be three finite numbers");
   }
   if (!std::isfinite(dt) || dt < 0.0) {
     throw std::invalid_argument("step: dt must be 0 seconds or more");
@@ -112,7 +123,7 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
                .pixel_size = settings_.pixel_size,
                .flutter = settings_.flutter,
                .noise_density = settings_.noise_density,
-               .depth = depth,
+               .depth = std::max(depth, 0.0),
                .seed = settings_.seed,
                .step_number = step_number_},
       .stability = {.max_depth = static_cast<float>(settings_.max_depth),
@@ -126,7 +137,17 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
                                .spread = settings_.spread,
                                .heap_grain = settings_.heap_grain,
                                .longest_fall = longest_fall(settings_.fall_time, depth, dt)},
-                   .max_depth = static_cast<float>(settings_.max_depth)},
+                   .max_depth = static_cast<float>(settings_.max_depth),
+                   .melt = {.depth = std::max(-depth, 0.0),
+                            .rain = settings_.rain * dt,
+                            .sun_share = shines > 0.0 ? settings_.sun_share : 0.0,
+                            .unevenness = settings_.unevenness,
+                            .density = settings_.density,
+                            .is_wet = settings_.wet,
+                            .soak = settings_.soak,
+                            .wet_spread = settings_.wet_spread,
+                            .drying = settings_.drying}},
+      .sun = shines > 0.0 ? sun / shines : glm::dvec3(0.0),
       .dt = dt,
       .tile_size = settings_.tile_size};
   objects_.set_positions(positions, hidden);
@@ -220,7 +241,10 @@ OutputSnapshot SnowSimulation::snapshot(const std::string& name, const MapReques
   const std::scoped_lock lock(mutex_);
   scene();
   const std::shared_ptr<SceneObject>& object = objects_.stepped_receiver(name);
-  return outputs_.snapshot(object, maps, stored_height(name));
+  std::vector<float> water;
+  if (settings_.wet && maps.wet) water = scene().water(name);
+  return outputs_.snapshot(object, maps, stored_height(name),
+                           wetness(std::move(water), settings_.soak));
 }
 
 std::shared_ptr<const gpu::ThreadTexture> SnowSimulation::live_output(const std::string& name) {

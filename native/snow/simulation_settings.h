@@ -20,6 +20,13 @@ struct SimulationSettings {
   double cohesion = 0.0;
   double adhesion = 0.0;
   double rising = 0.0;
+  double density = 100.0;
+  double sun_share = 0.7;
+  double unevenness = 0.25;
+  double rain = 0.0;
+  double soak = 0.002;
+  double wet_spread = 0.05;
+  double drying = 4.0;
   double blur_radius = 0.0;
   double throw_speed = 0.3;
   double spread = 0.12;
@@ -31,6 +38,8 @@ struct SimulationSettings {
   bool fall_time = true;
   /// Whether heaps are as round and as steep as those of sand: see ReposeLimits::is_granular.
   bool granular = false;
+  /// Whether to follow melted snow and rain as water: see MeltSettings.
+  bool wet = false;
   /// Largest edge of an occlusion tile in pixels: a power of two from 64 to 4096. It changes memory
   /// use and speed, never the result.
   int32_t tile_size = 2048;
@@ -112,6 +121,43 @@ inline constexpr NumberSetting kNumberSettings[] = {
      .meaning =
          "depth that comes from below onto open undersides, as a fraction of what falls onto "
          "level ground"},
+    {.name = "density",
+     .field = &SimulationSettings::density,
+     .least = 1.0,
+     .most = 20000.0,
+     .range = "1 to 20000 kg/m3",
+     .meaning = "density of the snow, which gives so much water"},
+    {.name = "sun_share",
+     .field = &SimulationSettings::sun_share,
+     .most = 1.0,
+     .range = "0 to 1",
+     .meaning = "part of the thaw of open ground that comes from the sun"},
+    {.name = "unevenness",
+     .field = &SimulationSettings::unevenness,
+     .most = 1.0,
+     .range = "0 to 1",
+     .meaning = "how uneven snow melts: in patches, and faster beside bare ground"},
+    {.name = "rain",
+     .field = &SimulationSettings::rain,
+     .most = 1.0,
+     .range = "0 to 1 metre per second",
+     .meaning = "water that falls on open ground, along the direction of the snow; it only wets"},
+    {.name = "soak",
+     .field = &SimulationSettings::soak,
+     .least = 1e-6,
+     .most = 1.0,
+     .range = "0.000001 to 1 metre",
+     .meaning = "water that a surface soaks up before more runs off"},
+    {.name = "wet_spread",
+     .field = &SimulationSettings::wet_spread,
+     .most = 10.0,
+     .range = "0 to 10 metres",
+     .meaning = "distance over which water soaks sideways in a second"},
+    {.name = "drying",
+     .field = &SimulationSettings::drying,
+     .least = kOverZero,
+     .range = "over 0 seconds",
+     .meaning = "half-life of water on bare ground in the sun"},
     {.name = "blur_radius",
      .field = &SimulationSettings::blur_radius,
      .range = "0 metres or more",

@@ -179,14 +179,15 @@ struct ObjectSums {
   /// Volume that came onto the map through the air.
   double landed;
   double total_landed;
-  /// Volume that masks have refused and objects have pressed or cleared away: in the last step all of it, of all steps
-  /// each kind.
+  /// Volume that masks have refused, that objects have pressed or cleared away, and that has melted: in the last step
+  /// all of it, of all steps each kind.
   double removed;
   double total_masked;
   double total_pressed;
   double total_cleared;
+  double total_melted;
 };
-SNOWBOUGH_SHARED_SIZE(ObjectSums, 128)
+SNOWBOUGH_SHARED_SIZE(ObjectSums, 136)
 
 const uint kReceives = 0x80000000u;
 const uint kTwoSided = 0x40000000u;

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ..cache.folder import checkpoints
 from ..cache.journal import packed
-from ..cache.ledger import COMMON
+from ..cache.ledger import COMMON, REMOVED
 from . import memory
 from .request import FrameResult
 from .simulation import driver_text, other_engine
@@ -19,7 +19,7 @@ class FrameWork:
 
     frame: int
     poses: list
-    """(scene.tracker.Changes, direction of the fall, [plan.Step, ...]) of each pose."""
+    """(scene.tracker.Changes, direction of the fall, further arguments of steps, [plan.Step, ...]) of each pose."""
     inputs: list
     """Fingerprints of the poses since the frame before (scene.inputs)."""
     depth: float
@@ -79,7 +79,7 @@ class FrameBaker:
         if not self._between_frames:
             raise RuntimeError("The previous frame failed: start the bake again")
         self._between_frames = False
-        for changes, direction, steps in work.poses:
+        for changes, direction, weather, steps in work.poses:
             self._registry.register_changes(changes.added)
             self._registry.set_effects(changes.masks, changes.pressers)
             self._positions.update(changes.moved)
@@ -90,6 +90,7 @@ class FrameBaker:
                     direction=direction,
                     dt=step.dt,
                     hidden=changes.hidden,
+                    **weather,
                 )
                 self._positions = {}
         self._follow_engine()
@@ -161,8 +162,8 @@ class FrameBaker:
                 "direction": list(work.poses[-1][1]),
                 "to_world": work.places[receiver.key].ravel().tolist(),
             }
-            # Only where masks or objects have removed snow.
-            for name in ("masked", "pressed", "cleared"):
+            # Only where masks, objects or thaw have removed snow.
+            for name in REMOVED:
                 if total[f"{name}_volume"] != 0.0:
                     entry[name] = float(total[f"{name}_volume"])
             if receiver.key in work.hidden:

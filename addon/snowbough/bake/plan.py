@@ -10,6 +10,8 @@ parts of the interval from f - 1 to f, the last of which is the pose of frame f.
 the shot, so all its snow falls on its own pose. The depths are differences of a running total that ends exactly at
 ``end_depth``, so rounding errors do not accumulate.
 
+**Thaw.** With an end depth below the start depth, frames lose snow instead, in one step for each pose.
+
 **How many directions.** With flutter, each step has another direction, and shadows are soft and even only with many
 directions. A shot gets at least ``directions``, distributed over its frames by their snow: a still gets all of them, a
 shot of 12 frames gets 5 on each of the first 8 frames and 6 on each of the last 4 (64 together), and a shot of 250
@@ -56,7 +58,7 @@ class Step:
     """The pose is that of time ``frame + subframe``."""
     subframe: float
     depth: float
-    """Metres on open, level ground."""
+    """Metres on open, level ground; negative for snow that thaws."""
     dt: float
     """Seconds."""
 
@@ -70,7 +72,7 @@ class Snowfall:
     preroll: float
     """Metres before the first frame's own snow."""
     depths: tuple
-    """Metres that each frame adds, first to last."""
+    """Metres that each frame adds, first to last; negative where snow thaws."""
     totals: tuple
     """Total metres after each frame, pre-roll included."""
     parts: tuple = ()
@@ -81,8 +83,8 @@ def plan_snowfall(frame_start, frame_end, start_depth, end_depth, rates, parts=(
     """Distributes ``end_depth - start_depth`` over the frames in proportion to ``rates``.
 
     rates: one number >= 0 for every frame from frame_start to frame_end. parts: of a continued shot, (last frame, depth
-    after it) of each part that was baked before. Raises ValueError for an empty range, an end depth below the start
-    depth, and wrong or missing rates.
+    after it) of each part that was baked before. Below the start depth, snow thaws. Raises ValueError for an empty
+    range, a negative depth, and wrong or missing rates.
     """
     count = frame_end - frame_start + 1
     if parts and len(rates) == count:
@@ -110,10 +112,9 @@ def plan_snowfall(frame_start, frame_end, start_depth, end_depth, rates, parts=(
         raise ValueError(f"The last frame ({frame_end}) is before the first ({frame_start})")
     if frame_start < 0:
         raise ValueError(f"The first frame is {frame_start}: image sequences start at frame 0 or later")
-    if not (0 <= start_depth <= end_depth):
+    if not (0 <= start_depth and 0 <= end_depth):
         raise ValueError(
-            f"The end depth ({end_depth:g} m) must be at least the start depth ({start_depth:g} m), "
-            "and both at least 0, because snow does not melt"
+            f"The start depth ({start_depth:g} m) and the end depth ({end_depth:g} m) must be at least 0"
         )
     if len(rates) != count:
         raise ValueError(f"{count} frames need {count} rates, got {len(rates)}")
@@ -121,7 +122,7 @@ def plan_snowfall(frame_start, frame_end, start_depth, end_depth, rates, parts=(
         if not (rate >= 0 and math.isfinite(rate)):
             raise ValueError(f"The rate at frame {frame} is {rate}: it must be a number from 0 up")
     falling = math.fsum(rates)
-    if falling == 0 and end_depth > start_depth:
+    if falling == 0 and end_depth != start_depth:
         raise ValueError(
             "The rate is 0 on every frame, so the end depth cannot be reached: raise the rate on a frame, or set the "
             "end depth to the start depth"
@@ -132,7 +133,8 @@ def plan_snowfall(frame_start, frame_end, start_depth, end_depth, rates, parts=(
         share = float(fallen) / falling if falling else 0.0
         totals.append(start_depth + (end_depth - start_depth) * share)
     totals[-1] = end_depth
-    depths = [max(0.0, after - before) for before, after in zip([start_depth] + totals, totals)]
+    least, most = (-math.inf, 0.0) if end_depth < start_depth else (0.0, math.inf)
+    depths = [min(max(least, after - before), most) for before, after in zip([start_depth] + totals, totals)]
     return Snowfall(frame_start, frame_end, start_depth, tuple(depths), tuple(totals))
 
 

@@ -158,6 +158,27 @@ def _settings(scene):
         displacement.require_frames(scene)
     except ValueError as error:
         yield Issue("ERROR", str(error))
+    for text in _without_effect(settings):
+        yield Issue("WARNING", text)
+
+
+def _without_effect(settings):
+    """Settings of thaw, water and dust that cannot work."""
+    thaws, stays = settings.end_depth < settings.start_depth, not memory.has_repose(settings.repose)
+    if settings.sun is not None and not thaws and not settings.wet:
+        yield "The Sun thaws nothing: set End Depth below Start Depth, or switch Wet Ground on"
+    elif settings.sun is not None and settings.sun.matrix_world.col[2].z <= 0.0:
+        yield f"The Sun '{settings.sun.name}' shines from below the horizon at the current frame: turn it"
+    if settings.wet and not thaws and settings.rain == 0.0:
+        yield "Wet Ground has no water: set Rain, or End Depth below Start Depth"
+    if settings.rain > 0.0 and not settings.wet:
+        yield "Rain wets nothing: switch Wet Ground on"
+    if settings.adhesion > 0.0 and not stays:
+        yield "Adhesion needs a Repose of 90°: below it, walls shed what sticks to them"
+    if settings.rising > 0.0 and settings.adhesion == 0.0:
+        yield "What is Rising sticks to no underside: set Adhesion"
+    if settings.granular and stays:
+        yield "Granular needs a Repose below 90°: at 90° nothing moves"
 
 
 def _cache(scene):

@@ -45,6 +45,14 @@ MAP_KINDS = (
         label="Normal Maps",
         description="Also write tangent-space normal maps of the snow",
     ),
+    MapKind(
+        "wet",
+        channels=1,
+        is_half=True,
+        setting="wet",
+        label="Wet Ground",
+        description="Follow melted snow and rain as water that soaks in, runs down, drips and dries, and write its map",
+    ),
 )
 BY_NAME = {kind.name: kind for kind in MAP_KINDS}
 ON_REQUEST = tuple(kind for kind in MAP_KINDS if kind.setting)

@@ -67,7 +67,11 @@ def is_whole(manifest, lines):
 
 
 # Later settings of the simulation, with the values that bakes from before them have.
-_LATER = {"adhesion": 0.0, "rising": 0.0, "granular": False}
+_LATER = {
+    **{"adhesion": 0.0, "rising": 0.0, "granular": False},
+    **{"density": 100.0, "sun_share": 0.7, "unevenness": 0.25},
+    **{"rain": 0.0, "soak": 0.002, "wet_spread": 0.05, "drying": 4.0},
+}
 
 
 def _with_later(settings):

@@ -74,6 +74,10 @@ class PreviewSettings:
             () if None in winds else tuple(zip(*winds)),
         )
 
+    @property
+    def thaws(self):
+        return self.snowfall.totals[-1] < self.snowfall.preroll
+
     def total(self, frame):
         """Snow depth in metres on open, level ground after a frame."""
         first, last = self.snowfall.frame_start, self.snowfall.frame_end
@@ -197,7 +201,8 @@ class Playback:
     def _step(self, pose, depth, dt):
         moved, self._moved = self._moved, {}
         direction = plan.fall_direction(pose.fall_angle, pose.bearing)
-        self.simulation.step(moved, depth=depth, direction=direction, dt=dt, hidden=self._hidden)
+        weather = {"sun": pose.sun} if any(pose.sun) else {}
+        self.simulation.step(moved, depth=depth, direction=direction, dt=dt, hidden=self._hidden, **weather)
 
     def _settle_pose(self, pose):
         """Applies the pose in a step without snow, if anything has moved."""
@@ -218,8 +223,8 @@ class Playback:
         for index, (frame, pose) in enumerate(poses):
             if index:
                 self._set_pose(pose)
-            depth, seconds = max(0.0, settings.total(frame) - before), max(0, frame - time) / settings.fps
-            share = depth / falling if falling > 0.0 else 0.0
+            depth, seconds = settings.total(frame) - before, max(0, frame - time) / settings.fps
+            share = max(0.0, depth / falling) if falling != 0.0 else 0.0
             count = max(1, round(steps * share))
             for _ in range(count):
                 self._step(pose, depth / count, seconds / count)
@@ -318,6 +323,8 @@ class Playback:
             for key, own in self.maps.items():
                 self.simulation.set_blur_radius(key, settings.blur_radius * own.baked_texel)
             changed = True
+        # Snow that thaws cannot be scaled.
+        self.stale |= settings.snowfall != before.snowfall and (settings.thaws or before.thaws)
         if settings.snowfall != before.snowfall and not self.stale:
             changed |= self._apply_depth(before)
         return changed
@@ -329,7 +336,7 @@ class Playback:
         pose = self._read(depsgraph, self.frame)
         if _same_scene(pose, self.pose):
             return False
-        turned = (pose.fall_angle, pose.bearing) != (self.pose.fall_angle, self.pose.bearing)
+        turned = pose.weather != self.pose.weather
         before = self.pose.objects
         masked = any(key in before and own.mask is not before[key].mask for key, own in pose.objects.items())
         self.pose = pose
@@ -377,7 +384,7 @@ def _automatic_limit(info):
 def _same_scene(one, other):
     """Whether the snow that fell on one pose also fits the other."""
     return (
-        (one.fall_angle, one.bearing) == (other.fall_angle, other.bearing)
+        one.weather == other.weather
         and one.objects.keys() == other.objects.keys()
         and all(obj.prints == other.objects[key].prints for key, obj in one.objects.items())
     )

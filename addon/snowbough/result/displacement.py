@@ -3,7 +3,7 @@
 
 ADAPTIVE  Cycles displaces the surface in the material and dices it to pixels.
 MODIFIER  Subdivision and Displace modifiers make geometry for every renderer and the viewport.
-SHELL     A snow surface, a separate object (see snow_surface). The receiver stays unchanged.
+SHELL     A snow surface, a separate object (see snow_surface). The receiver stays unchanged, except where it gets wet.
 NONE      Only the material shows snow.
 """
 
@@ -157,6 +157,8 @@ def apply(scene, receiver, mode):
     if mode == "SHELL":
         snow_material.remove(receiver)
         snow_surface.make(scene, receiver, materials)
+        if not snow_material.is_shared(obj) and snow_material.has_wet_maps(receiver):
+            snow_material.add(scene, receiver, displace=False, only_wet=True)
     else:
         snow_material.add(scene, receiver, displace=mode == "ADAPTIVE")
         if mode == "MODIFIER":

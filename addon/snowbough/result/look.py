@@ -30,6 +30,7 @@ class Look:
     adhesion: float = 0.0
     rising: float = 0.0
     granular: bool = False
+    density: float = 100.0
 
     def inputs(self):
         return {
@@ -51,6 +52,7 @@ class Look:
             "adhesion": self.adhesion,
             "rising": self.rising,
             "granular": self.granular,
+            "density": self.density,
             "surface_relief": self.relief / FRESH_RELIEF,
         }
 
@@ -60,15 +62,16 @@ class Look:
 # 34 degrees. Dust comes from the whole sky and sticks to all sides.
 # fmt: off
 LOOKS = {
-    "POWDER": Look((0.92, 0.94, 0.97), 0.006, 1.3, 0.35, 1.0, 0.4, 40.0, 0.002),
+    "POWDER": Look((0.92, 0.94, 0.97), 0.006, 1.3, 0.35, 1.0, 0.4, 40.0, 0.002, density=60.0),
     "FRESH": Look((0.90, 0.93, 0.96), 0.004, 1.0, 0.40, 0.6, 0.6, 65.0, 0.005),
-    "WET": Look((0.80, 0.86, 0.92), 0.003, 0.5, 0.60, 0.1, 0.4, 80.0, 0.012),
-    "OLD": Look((0.80, 0.82, 0.84), 0.005, 1.8, 0.25, 0.3, 1.0, 60.0, 0.004),
-    "SAND": Look((0.56, 0.42, 0.25), 0.002, 0.5, 0.0, 0.02, 0.15, 34.0, 0.0, capacity=10.0, granular=True),
+    "WET": Look((0.80, 0.86, 0.92), 0.003, 0.5, 0.60, 0.1, 0.4, 80.0, 0.012, density=300.0),
+    "OLD": Look((0.80, 0.82, 0.84), 0.005, 1.8, 0.25, 0.3, 1.0, 60.0, 0.004, density=350.0),
+    "SAND": Look((0.56, 0.42, 0.25), 0.002, 0.5, 0.0, 0.02, 0.15, 34.0, 0.0, capacity=10.0, granular=True,
+                 density=1600.0),
     "DUST": Look((0.33, 0.29, 0.24), 0.0015, 0.3, 0.0, 0.0, 0.1, 90.0, 0.0, capacity=0.004, flutter=90.0,
-                 adhesion=0.3, rising=0.1),
+                 adhesion=0.3, rising=0.1, density=600.0),
     "ASH": Look((0.15, 0.15, 0.155), 0.002, 0.6, 0.0, 0.0, 0.25, 35.0, 0.0, capacity=10.0, flutter=20.0,
-                granular=True),
+                granular=True, density=900.0),
 }
 # fmt: on
 

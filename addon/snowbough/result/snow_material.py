@@ -264,8 +264,13 @@ def _drop_copies(obj, record):
                     bpy.data.actions.remove(action)
 
 
-def add(scene, receiver, displace):
+def has_wet_maps(receiver):
+    return baked_images.load_sequence(receiver.folder, "wet") is not None
+
+
+def add(scene, receiver, displace, only_wet=False):
     """Adds snow to the receiver's materials, or updates it after a bake. displace: whether the material displaces.
+    only_wet: show where it is wet, and no snow.
 
     Raises ValueError for objects without a UV map. The object must not be shared, see is_shared().
     """
@@ -274,6 +279,10 @@ def add(scene, receiver, displace):
     if not uv_map:
         raise ValueError(f"{obj.name} has no UV map: add one, or use Add Snow to Selected, which adds it")
     maps = {kind.name: baked_images.load_sequence(receiver.folder, kind.name) for kind in MAP_KINDS}
+    if maps["wet"] is None:
+        del maps["wet"]
+    elif only_wet:
+        maps = {"wet": maps["wet"]}
     scale = 1.0 / metres_per_unit(scene) if displace else None
     metres = [abs(axis) * metres_per_unit(scene) for axis in obj.matrix_world.to_scale()]
     snowfall = read_snowfall(bpy.path.abspath(receiver.folder))

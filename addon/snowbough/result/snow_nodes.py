@@ -11,6 +11,7 @@ from ..base import compat_nodes
 from ..base.names import SNOW_GROUP
 from ..base.node_builder import NodeBuilder
 from .relief_nodes import add_lumps, add_relief, add_waves
+from .wet_nodes import add_wet
 
 # Light penetrates snow by some centimetres, red less than blue. Fresh snow has an albedo of about 0.9 and is nearly
 # white (S. G. Warren, Optical Properties of Snow, Reviews of Geophysics 20, 1982).
@@ -57,6 +58,7 @@ INPUTS = (
      "drifts grow (metres)"),
     ("Wind", "NodeSocketVector", (0.0, 0.0, 0.0), None, None, "Level direction of the wind on the object. Its length "
      "is the strength of ripples (0 to 1)"),
+    ("Wet", "NodeSocketFloat", 0.0, 0.0, 1.0, "Water in the surface: 0 is dry, 1 is soaked, dark and glossy"),
     ("Cover", "NodeSocketFloat", 1000.0, 0.0, 1000.0, "Height of the snow surface above the object. Where it is lower "
      "than Dusting, it shows as grains (metres)"),
 )  # fmt: skip
@@ -143,6 +145,7 @@ def _fill(tree):
     is_plain = builder.math("MAXIMUM", is_shadow, is_diffuse)
     shaded = builder.mixed(is_plain, glittering.outputs[0], plain)
     mixed = builder.mixed(coverage, inputs["Shader"], shaded)
+    mixed = add_wet(builder, mixed, inputs["Wet"], coverage)
     relief = add_relief(builder, inputs["Position"], thickness, inputs["Relief"])
     sign = builder.math("SIGN", inputs["Height"])
     displaced = builder.add(inputs["Height"], builder.multiply(relief, sign))

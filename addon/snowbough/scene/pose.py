@@ -197,6 +197,13 @@ class ScenePose:
     and block none."""
     reasons: dict = field(default_factory=dict)
     """Receiver's label -> reason why it is not shown, if it is in the scene."""
+    sun: tuple = (0.0, 0.0, 0.0)
+    """Direction of the light of the sun that thaws snow; zero without one."""
+
+    @property
+    def weather(self):
+        """Direction of the wind, and of the sun if there is one: numbers that the snow depends on."""
+        return (self.fall_angle, self.bearing, *(self.sun if any(self.sun) else ()))
 
     @property
     def known(self):

@@ -110,6 +110,14 @@ class _Group:
         return self.receiver is not None and self.receiver.enabled
 
 
+def _sunlight(depsgraph, lamp):
+    """Direction of the light of a sun lamp, or an object of another type that stands for one; zero without one."""
+    if lamp is None:
+        return (0.0, 0.0, 0.0)
+    shining = lamp.evaluated_get(depsgraph).matrix_world.to_3x3().col[2].normalized()
+    return tuple(-float(axis) for axis in shining)
+
+
 class SceneReader:
     """Reads the poses of one scene, and keeps what does not change between them.
 
@@ -160,6 +168,7 @@ class SceneReader:
             dict(self._refused),
             hidden,
             reasons,
+            _sunlight(depsgraph, settings.sun),
         )
 
     def _pose_or_refusal(self, key, group, frame):

@@ -80,7 +80,7 @@ class SceneTracker:
                 pressers[key] = self._pressers[key] = obj.press
         self._complete = True
         if name != self._pose_recorded:
-            sky = fingerprint(np.array([pose.fall_angle, pose.bearing], dtype=np.float64))
+            sky = fingerprint(np.array(pose.weather, dtype=np.float64))
             self.inputs.add(name, {**dict(_unique_labels(pose.objects)), SNOWFALL: (sky, "", "")})
             self._pose_recorded = name
         return Changes(

@@ -161,6 +161,14 @@ class SnowboughSceneSettings(SnowProperties, SurfaceProperties, MapSwitches, bpy
         default=True,
     )
 
+    sun: PointerProperty(
+        name="Sun",
+        description="Sun lamp whose light thaws snow and dries water. It may move during the shot. Without one, all "
+        "the thaw comes from the air",
+        type=bpy.types.Object,
+        poll=lambda self, lamp: lamp.type == "LIGHT" and lamp.data.type == "SUN",
+    )
+
     texel_size: FloatProperty(
         name="Texel Size",
         description="Texel size of receivers with automatic resolution. Smaller values give larger maps (metres)",

@@ -83,6 +83,69 @@ class SnowProperties:
         description="Heaps are round cones at exactly Repose, as of sand. Cohesion has no effect; bakes take longer",
         default=False,
     )
+    density: FloatProperty(
+        name="Density",
+        description="Density of the snow: fresh snow has 100, wet snow 300. Higher values give more water "
+        "(kilograms per cubic metre)",
+        default=100.0,
+        min=1.0,
+        max=20000.0,
+        soft_max=600.0,
+    )
+    sun_share: FloatProperty(
+        name="Sun Share",
+        description="Part of the thaw of open ground that comes from the sun, the rest from the air. Higher values "
+        "keep more snow in shade (0 to 1)",
+        default=0.7,
+        min=0.0,
+        max=1.0,
+    )
+    unevenness: FloatProperty(
+        name="Unevenness",
+        description="How uneven snow thaws: in patches, and faster beside bare ground. At 0 it vanishes everywhere at "
+        "once (0 to 1)",
+        default=0.25,
+        min=0.0,
+        max=1.0,
+    )
+    rain: FloatProperty(
+        name="Rain",
+        description="Water that falls on open ground in a second of the shot, along the direction of the snow. Higher "
+        "values wet faster (metres)",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        soft_max=0.005,
+        step=0.1,
+        precision=4,
+    )
+    soak: FloatProperty(
+        name="Soak",
+        description="Water that a surface takes up before more runs off. Higher values keep runs short (metres)",
+        default=0.002,
+        min=1e-6,
+        max=1.0,
+        soft_max=0.02,
+        step=0.1,
+        precision=4,
+    )
+    wet_spread: FloatProperty(
+        name="Wet Spread",
+        description="Distance over which water soaks sideways in a second of the shot. Higher values give softer wet "
+        "edges (metres)",
+        default=0.05,
+        min=0.0,
+        max=10.0,
+        soft_max=0.5,
+    )
+    drying: FloatProperty(
+        name="Drying",
+        description="Time of the shot in which half of the water on sunlit ground dries; shade takes three times as "
+        "long. Higher values keep it wet (seconds)",
+        default=4.0,
+        min=1e-3,
+        soft_max=120.0,
+    )
     landing: BoolProperty(
         name="Landing",
         description="Snow that slides or falls off lands on what lies below, and meets the snow of other receivers. "
@@ -150,6 +213,8 @@ STABILITY_ROWS = (
     ("granular",),
     ("landing",),
 )
+THAW_ROWS = (("sun_share", "unevenness", "density"),)
+WATER_ROWS = (("rain",), ("soak", "wet_spread", "drying"))
 ADVANCED_ROWS = (
     ("seed", "noise_density"),
     ("throw_speed", "spread"),
@@ -157,7 +222,8 @@ ADVANCED_ROWS = (
     ("mapping",),
 )
 
-SNOW_SETTINGS = tuple(SnowProperties.__annotations__)
+# With the switch of the map of water (base.map_kinds), which the simulation then follows.
+SNOW_SETTINGS = (*SnowProperties.__annotations__, "wet")
 
 
 def snow_of(settings):

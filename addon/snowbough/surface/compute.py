@@ -145,13 +145,15 @@ class Surface:
     def __init__(self, native, folder, style):
         self.inputs = inputs = SurfaceInputs(native, folder)
         last = len(inputs.frames) - 1
+        # Where snow thaws, edges of snow are those of the deepest frame.
+        fullest = max(range(last + 1), key=lambda index: (inputs.frames[index]["depth"], index))
         highest = inputs.highest()
         self.style = style
         self._native = native.SnowSurface(
             inputs.mesh.triangles,
             inputs.mesh.triangle_uv,
             inputs.world(last),
-            inputs.height(last),
+            inputs.height(fullest),
             highest,
             max(max(entry["depth"] for entry in inputs.frames), 1e-4),
             shading=inputs.mesh.smooth,

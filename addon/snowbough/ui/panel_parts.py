@@ -154,6 +154,23 @@ def setting_label(settings, name):
     return known.name if unit in ("", "°") else f"{known.name} ({unit})"
 
 
+# Water in millimetres that a day of one degree over zero melts out of snow (degree-day factor; R. Hock, Temperature
+# index melt modelling in mountain areas, Journal of Hydrology 282, 2003, has 2 to 6), and the example of the panel.
+DEGREE_DAY, MILD = 3.5, 5.0
+
+
+def draw_thaw(layout, context):
+    """How long nature takes for the thaw of the shot."""
+    settings = context.scene.snowbough
+    melted = settings.start_depth - settings.end_depth
+    if melted <= 0.0:
+        draw_text(layout.column(align=True), context, "Snow thaws if End Depth is below Start Depth", "INFO")
+        return
+    days = melted * settings.density / (DEGREE_DAY * MILD)
+    text = f"A thaw of {1000 * melted:.3g} mm takes about {days:.2g} days at {MILD:g} °C"
+    draw_text(layout.column(align=True), context, text, "INFO")
+
+
 def draw_mask(layout, entry):
     """The mask of one receiver."""
     column = layout.column()

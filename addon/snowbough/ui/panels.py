@@ -133,6 +133,17 @@ class SNOWBOUGH_PT_stability(_Settings, bpy.types.Panel):
     names = (*simulation.STABILITY_ROWS, ("blur_radius",))
 
 
+class SNOWBOUGH_PT_thaw(_Settings, bpy.types.Panel):
+    bl_label = "Thaw and Rain"
+    bl_options = {"DEFAULT_CLOSED"}
+    names = (("sun",), *simulation.THAW_ROWS, ("wet",), *simulation.WATER_ROWS)
+
+    def draw(self, context):
+        super().draw(context)
+        panel_parts.draw_thaw(self.layout, context)
+        self.layout.operator_menu_enum("snowbough.set_preset", "preset", icon="PRESET")
+
+
 class SNOWBOUGH_PT_cache(_Settings, bpy.types.Panel):
     bl_label = "Maps and Cache"
     bl_options = {"DEFAULT_CLOSED"}
@@ -273,6 +284,7 @@ class SNOWBOUGH_PT_pressing(bpy.types.Panel):
     def draw(self, context):
         self.layout.enabled = session.bake is None
         panel_parts.draw_pressing(self.layout, context.object.snowbough)
+        self.layout.operator_menu_enum("snowbough.set_preset", "preset", icon="PRESET")
 
 
 CLASSES = (
@@ -282,6 +294,7 @@ CLASSES = (
     SNOWBOUGH_PT_mask,
     SNOWBOUGH_PT_snowfall,
     SNOWBOUGH_PT_stability,
+    SNOWBOUGH_PT_thaw,
     SNOWBOUGH_PT_cache,
     SNOWBOUGH_PT_advanced,
     SNOWBOUGH_PT_preflight,

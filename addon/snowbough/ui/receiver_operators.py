@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators that add objects to the scene's list of receivers and remove them.
+"""Operators that add objects to the scene's list of receivers and remove them, and set presets.
 
 add_receivers also adds snow material and displacement. They show nothing until a bake refreshes them.
 """
 
 import bpy
+from bpy.props import EnumProperty
 
 from ..result import displacement
 from ..scene import receivers
+from ..scene.reader import SURFACE_TYPES
+from ..settings import presets
 from .editing_lock import NotWhileBaking
 
 
@@ -83,5 +86,26 @@ class SNOWBOUGH_OT_remove_receiver(NotWhileBaking, bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (SNOWBOUGH_OT_add_receivers, SNOWBOUGH_OT_remove_receiver)
+class SNOWBOUGH_OT_set_preset(NotWhileBaking, bpy.types.Operator):
+    """Set what happens to the snow of this shot"""
+
+    bl_idname = "snowbough.set_preset"
+    bl_label = "Preset"
+    bl_options = {"REGISTER", "UNDO"}
+
+    preset: EnumProperty(
+        name="Preset", description="What happens to the snow", items=presets.PRESETS, default="THAW"
+    )
+
+    def execute(self, context):
+        objects = [obj for obj in context.selected_objects if obj.type in SURFACE_TYPES]
+        try:
+            presets.apply(self.preset, context.scene, objects)
+        except ValueError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+CLASSES = (SNOWBOUGH_OT_add_receivers, SNOWBOUGH_OT_remove_receiver, SNOWBOUGH_OT_set_preset)
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

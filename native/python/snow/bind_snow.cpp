@@ -49,12 +49,14 @@ snow::SimulationSettings with_numbers(snow::SimulationSettings settings, const p
 
 Holder make_simulation(int64_t seed, const std::string& mapping, int32_t tile_size,
                        const std::string& device, const std::string& engine, bool wait_for_gpu,
-                       bool landing, bool fall_time, bool granular, const py::kwargs& numbers) {
+                       bool landing, bool fall_time, bool granular, bool wet,
+                       const py::kwargs& numbers) {
   const snow::SimulationSettings settings =
       with_numbers({.seed = static_cast<uint32_t>(seed),
                     .landing = landing,
                     .fall_time = fall_time,
                     .granular = granular,
+                    .wet = wet,
                     .tile_size = tile_size,
                     .engine = {snow::engine_kind(engine), snow::deposit_mapping(mapping), device},
                     .wait_for_gpu = wait_for_gpu},
@@ -90,7 +92,8 @@ void give_object(SnowSimulation& simulation, const std::string& name,
 }
 
 void step(SnowSimulation& simulation, const py::dict& positions, double depth,
-          const std::array<double, 3>& direction, double dt, const std::set<std::string>& hidden) {
+          const std::array<double, 3>& direction, double dt, const std::set<std::string>& hidden,
+          const std::array<double, 3>& sun) {
   std::vector<InputArray<float>> arrays;  // keeps converted copies alive
   snow::PositionMap map;
   for (const auto& [key, value] : positions) {
@@ -106,18 +109,21 @@ void step(SnowSimulation& simulation, const py::dict& positions, double depth,
     arrays.push_back(std::move(array));
   }
   const ReleasedGil release;
-  simulation.step(map, depth, {direction[0], direction[1], direction[2]}, dt, hidden);
+  simulation.step(map, depth, {direction[0], direction[1], direction[2]}, dt, hidden,
+                  {sun[0], sun[1], sun[2]});
 }
 
 /// Applies the given settings; the others stay.
 void change_settings(SnowSimulation& simulation, std::optional<int64_t> seed,
                      std::optional<bool> landing, std::optional<bool> fall_time,
-                     std::optional<bool> granular, const py::kwargs& numbers) {
+                     std::optional<bool> granular, std::optional<bool> wet,
+                     const py::kwargs& numbers) {
   snow::SimulationSettings settings = with_numbers(simulation.settings(), numbers, true);
   settings.seed = static_cast<uint32_t>(seed.value_or(settings.seed));
   settings.landing = landing.value_or(settings.landing);
   settings.fall_time = fall_time.value_or(settings.fall_time);
   settings.granular = granular.value_or(settings.granular);
+  settings.wet = wet.value_or(settings.wet);
   const ReleasedGil release;
   simulation.change_settings(settings);
 }
@@ -231,6 +237,7 @@ py::dict balance_dict(const snow::StatisticsPair& pair) {
   total["masked_volume"] = pair.total.masked_volume;
   total["pressed_volume"] = pair.total.pressed_volume;
   total["cleared_volume"] = pair.total.cleared_volume;
+  total["melted_volume"] = pair.total.melted_volume;
   dict["total"] = total;
   return dict;
 }
@@ -313,12 +320,13 @@ landing: snow that leaves a map falls onto what lies below, and meets the snow o
 False, or with repose at pi / 2: it is gone, and a receiver's snow depends on its own only.
 fall_time: whether a fall takes time, sqrt(2 H / g), but no longer than open snow needs to grow by
 1 cm. granular: whether heaps are round cones at the angle of repose, as of sand; rounds take longer.
+wet: whether melted snow and rain wet surfaces, see output.
 
 A context manager: leaving it closes the simulation.)";
   py::class_<SnowSimulation, Holder>(module, "SnowSimulation", simulation_doc.c_str())
       .def(py::init(&make_simulation), py::kw_only(), "seed"_a = 0, "mapping"_a = "COMPUTE",
            "tile_size"_a = 2048, "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true,
-           "landing"_a = true, "fall_time"_a = true, "granular"_a = false)
+           "landing"_a = true, "fall_time"_a = true, "granular"_a = false, "wet"_a = false)
       .def_property_readonly(
           "engine",
           [](SnowSimulation& simulation) {
@@ -357,12 +365,15 @@ receiver keeps its map wherever the new mesh has a surface in UV space; other sn
 counts as stretched_volume. Resolution and receive stay. Arguments as in add_object.)")
       .def("step", &step, "positions"_a, "depth"_a, "direction"_a = std::array<double, 3>{0, 0, -1},
            "dt"_a = 1.0 / 24.0, "hidden"_a = std::set<std::string>(),
+           "sun"_a = std::array<double, 3>{0, 0, 0},
            R"(Simulates one step of snowfall: depth in metres on open level ground, along direction,
 within dt seconds (0: nothing slides or moves). positions: {name: (N, 3) metres} of the objects
 that moved; each object must be given in its first step. hidden: names of objects that keep their
-snow, gain none and block none in this step.)")
+snow, gain none and block none in this step. A negative depth lets lying snow thaw by so much where
+the ground is open and level: sun is the direction of the sun's light, zero without sun.)")
       .def("change_settings", &change_settings, py::kw_only(), "seed"_a = py::none(),
            "landing"_a = py::none(), "fall_time"_a = py::none(), "granular"_a = py::none(),
+           "wet"_a = py::none(),
            R"(Applies other settings, except pixel_size and blur_radius, from the next step on, in
 the constructor's units; the snow and all settings that are not given stay. Raises ValueError for
 values out of range.)")

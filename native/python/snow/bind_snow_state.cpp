@@ -15,6 +15,9 @@ namespace py = pybind11;
 namespace snowbough::python {
 namespace {
 
+/// Sums of a state without thaw, and of states from before it.
+constexpr py::ssize_t kFirstSums = 16;
+
 using snow::SnowSimulation;
 
 py::dict to_dict(snow::SimulationState&& state) {
@@ -23,7 +26,9 @@ py::dict to_dict(snow::SimulationState&& state) {
     py::dict own;
     const py::ssize_t edge = object.resolution;
     own["height"] = to_numpy<float>(std::move(object.height), {edge, edge});
-    own["sums"] = copied_numpy(object.sums.data(), object.sums.size());
+    const bool has_thawed = object.sums.back() != 0.0;
+    own["sums"] =
+        copied_numpy(object.sums.data(), has_thawed ? object.sums.size() : size_t{kFirstSums});
     py::dict planes;
     for (auto& [name, plane] : object.planes) {
       planes[py::str(name)] = to_numpy<float>(std::move(plane), {edge, edge});
@@ -61,13 +66,14 @@ snow::ObjectState object_of(const std::string& name, const py::dict& own) {
   if (height.ndim() != 2 || height.shape(0) != height.shape(1)) {
     throw std::invalid_argument("state of '" + name + "': height must have shape (H, H)");
   }
-  if (sums.size() != static_cast<py::ssize_t>(object.sums.size())) {
-    throw std::invalid_argument("state of '" + name + "': sums must have " +
-                                std::to_string(object.sums.size()) + " values");
+  const auto most = static_cast<py::ssize_t>(object.sums.size());
+  if (sums.size() < kFirstSums || sums.size() > most) {
+    throw std::invalid_argument("state of '" + name + "': sums must have " + std::to_string(most) +
+                                " values");
   }
   object.resolution = static_cast<int32_t>(height.shape(0));
   object.height.assign(height.data(), height.data() + height.size());
-  std::memcpy(object.sums.data(), sums.data(), sizeof object.sums);
+  std::copy_n(sums.data(), sums.size(), object.sums.begin());
   if (own.contains("planes")) {
     for (const auto& [key, value] : py::cast<py::dict>(own["planes"])) {
       const auto plane = py::cast<InputArray<float>>(value);
@@ -149,7 +155,7 @@ void bind_snow_state(py::module_& module) {
   module.def(
       "simulation_state", &state_of, "simulation"_a,
       R"(The content of a checkpoint of a SnowSimulation, as plain arrays: {'step_number': int,
-'objects': {receiver: {'height': (H, H) float32 metres, 'sums': (16,) float64}}, 'landing': {'clock':
+'objects': {receiver: {'height': (H, H) float32 metres, 'sums': (16,), with thaw (17,) float64}}, 'landing': {'clock':
 time, 'air': [(time when it lands, receiver, row * resolution + column, on its back, volume)],
 'on_floors': volume, 'left': volume}}. Times are in microseconds, these volumes in units of
 2^-44 m3. With masks or objects that press snow, receivers have 'planes' {name: (H, H) float32}, and

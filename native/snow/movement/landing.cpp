@@ -30,20 +30,6 @@ int64_t units_of(double volume) {
   return std::llround(volume / kLandingUnit);
 }
 
-/// The first surface that holds snow on a piece of a path.
-SurfaceHit first_ground(const SceneRays& rays, const glm::dvec3& from, const glm::dvec3& direction,
-                        double length) {
-  // A ray that meets this many walls runs along one.
-  constexpr int kMostWalls = 16;
-  double least = 0.0;
-  for (int passed = 0; passed < kMostWalls; ++passed) {
-    const SurfaceHit hit = rays.first_along(from, direction, least, length);
-    if (hit.object < 0 || holds_snow(hit)) return hit;
-    least = hit.distance;
-  }
-  return {};
-}
-
 /// Adds snow to a map, each arrival spread over a disc.
 class Splat {
  public:

@@ -52,6 +52,9 @@ void Movement::lay_out(const std::vector<const SceneObject*>& objects) {
   landing_.lay_out(targets_.rays());
   coarse_.lay_out(objects, targets_.rays());
   last_.assign(objects.size(), nullptr);
+  thaw_.lay_out(objects);
+  water_.lay_out(targets_.rays());
+  sun = rain = {};
   link_tables_ = std::make_unique<ReposeLinkTables>();
   for (const SceneObject* object : objects) {
     receivers_.push_back(object->description.receive
@@ -63,6 +66,8 @@ void Movement::lay_out(const std::vector<const SceneObject*>& objects) {
 void Movement::forget_pose(size_t object) {
   pressing_.forget_pose(object);
   coarse_.forget_pose(object);
+  water_.forget_pose(object);
+  sun = rain = {};
   if (receivers_[object] != nullptr) receivers_[object]->forget_pose();
   targets_.forget_pose(object, [&](size_t near) {
     if (receivers_[near] != nullptr) receivers_[near]->forget_rooms();
@@ -80,6 +85,14 @@ std::vector<MovingMap*> Movement::shown(std::vector<MovingMap>& maps) const {
 }
 
 void Movement::before(const MovementSettings& settings, double dt, std::vector<MovingMap>& maps) {
+  for (MovingMap* map :
+       settings.melt.is_on() && dt > 0.0 ? shown(maps) : std::vector<MovingMap*>()) {
+    Repose& repose = *receivers_[map->object];
+    const std::vector<float> melted = thaw_.melt(settings.melt, sun.of(map->object), *map, repose);
+    if (!settings.melt.is_wet) continue;
+    water_.flow(settings.melt, dt, melted, sun.of(map->object), rain.of(map->object), *map, repose);
+  }
+  water_.drip(settings.landing.is_on);
   // Above hidden receivers snow stays in the air.
   for (MovingMap* map : shown(maps)) {
     masks_.begin(*map);
@@ -161,6 +174,9 @@ void Movement::save(size_t object, ObjectState& state) const {
     state.planes[kMaskPlane] = std::move(mask);
   }
   pressing_.save(object, state);
+  if (std::vector<float> water = water_.state(object); !water.empty()) {
+    state.planes[kWaterPlane] = std::move(water);
+  }
 }
 
 void Movement::load(const SimulationState& state) {
@@ -169,8 +185,12 @@ void Movement::load(const SimulationState& state) {
 }
 
 void Movement::load(size_t object, const ObjectState& state) {
-  const auto plane = state.planes.find(kMaskPlane);
-  masks_.set_state(object, plane != state.planes.end() ? &plane->second : nullptr);
+  const auto plane = [&](const char* name) {
+    const auto found = state.planes.find(name);
+    return found != state.planes.end() ? &found->second : nullptr;
+  };
+  masks_.set_state(object, plane(kMaskPlane));
+  water_.set_state(object, plane(kWaterPlane));
   pressing_.load(object, state);
 }
 

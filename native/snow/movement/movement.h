@@ -6,6 +6,8 @@
 #include "snow/movement/coarse_map.h"
 #include "snow/movement/landing.h"
 #include "snow/movement/masks.h"
+#include "snow/movement/melt/thaw.h"
+#include "snow/movement/melt/water.h"
 #include "snow/movement/moving_map.h"
 #include "snow/movement/outlet_targets.h"
 #include "snow/movement/pressing.h"
@@ -14,11 +16,27 @@
 
 namespace snowbough::snow {
 
+/// Name of the plane of water in checkpoints.
+inline constexpr const char* kWaterPlane = "water";
+
 struct MovementSettings {
   ReposeSettings repose;
   LandingSettings landing;
   /// Depth in metres that level ground holds; masks scale it.
   float max_depth = 1.0f;
+  MeltSettings melt;
+};
+
+/// What a step's sun, or rain, brings to each receiver's surface, relative to open level ground.
+struct LightMap {
+  /// The direction in which it was computed; 0: not yet, or for another pose.
+  glm::dvec3 direction{0.0};
+  /// By object and place on its map.
+  std::vector<std::vector<float>> light;
+
+  const std::vector<float>* of(size_t object) const {
+    return light.empty() || light[object].empty() ? nullptr : &light[object];
+  }
 };
 
 /// The passes that move lying snow, on the CPU's cores, for either engine: `before` a step's
@@ -45,6 +63,12 @@ class Movement {
 
   /// Number of rounds of repose in the last step, of blocks of kReposeBlock texels a side.
   double rounds() const { return rounds_; }
+  /// Maps of the sun's light and of the rain, which the engine computes before `before`.
+  LightMap sun, rain;
+  /// A receiver's water in metres (see Water), resolution x resolution; empty: none.
+  std::vector<float> water(size_t object) const { return water_.state(object); }
+  const Water::Balance& water_balance() const { return water_.balance(); }
+
   LandingState landing() const { return landing_.state(); }
   /// What the passes keep between steps: of the scene, and of a receiver.
   void save(SimulationState& state) const;
@@ -74,6 +98,8 @@ class Movement {
   Masks masks_;
   Shedding shedding_;
   Pressing pressing_;
+  Thaw thaw_;
+  Water water_;
   Landing landing_;
   /// By object; null for objects that do not receive.
   std::vector<std::unique_ptr<Repose>> receivers_;

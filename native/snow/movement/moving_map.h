@@ -24,14 +24,16 @@ struct MovingMap {
   /// Out: volume that left the map, and that landed on it, in m3.
   double slid = 0.0;
   double landed = 0.0;
-  /// Out: volume that a mask has refused, and that objects have pressed and cleared away, in m3.
+  /// Out: volume that a mask has refused, that objects have pressed and cleared away, and that has
+  /// melted, in m3.
   double masked = 0.0;
   double pressed = 0.0;
   double cleared = 0.0;
+  double melted = 0.0;
   /// Out: whether heights changed.
   bool has_changed = false;
 
-  double removed() const { return masked + pressed + cleared; }
+  double removed() const { return masked + pressed + cleared + melted; }
 };
 
 }  // namespace snowbough::snow

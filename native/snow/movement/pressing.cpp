@@ -218,7 +218,7 @@ void Pressing::find_columns(size_t presser, const PressedMap& map) {
   }
   base::for_each_item(all.size(), 8, [&](size_t i) {
     for (Column& column : all[i].columns) {
-      const glm::dvec3 normal = texel_now(*map.object, column.texel).normal;
+      const glm::dvec3 normal = texel_now(*map.object, *map.object->table, column.texel).normal;
       const double length = glm::length(normal);
       if (length > 0.0) column.normal = normal / length;
       const glm::dvec3 point = map.point(column.texel);

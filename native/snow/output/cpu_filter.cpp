@@ -67,6 +67,10 @@ MapOutput CpuFilter::run(std::vector<float> map, const OutputSurface& surface) {
   }
   MapOutput output;
   if (surface.maps.normal) output.normal = normal_map(table_, seams_, surface.metrics, map);
+  if (surface.maps.wet && !surface.wet.empty()) {
+    output.wet = surface.wet;
+    parts_.continuation.run(output.wet, filled_tiles(output.wet, table_.resolution));
+  }
   output.height = std::move(map);
   return output;
 }

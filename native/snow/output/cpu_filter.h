@@ -24,6 +24,8 @@ struct OutputSurface {
   /// See surface_metrics; empty if no maps are requested.
   std::vector<SurfaceMetric> metrics = {};
   MapRequest maps = {};
+  /// Water by place, see MapOutput::wet; empty: none is followed.
+  std::vector<float> wet = {};
 };
 
 /// Makes a receiver's output from its stored map: smooths it, converts the volume to heights on

@@ -9,6 +9,7 @@ namespace snowbough::snow {
 /// Maps that an output has only on request.
 struct MapRequest {
   bool normal = false;
+  bool wet = false;
   bool operator==(const MapRequest&) const = default;
 };
 
@@ -20,6 +21,8 @@ struct MapOutput {
   std::vector<float> height;
   /// Tangent space (see normals.h).
   std::vector<glm::vec3> normal;
+  /// Water as a part of what soaks in, 0 to 1; only of simulations that follow it.
+  std::vector<float> wet;
 };
 
 /// A map on request. Its name is its key in Python and begins the names of its files.
@@ -31,6 +34,7 @@ struct MapKind {
 
 inline constexpr MapKind kMapsOnRequest[] = {
     {"normal", &MapRequest::normal, &MapOutput::normal},
+    {"wet", &MapRequest::wet, &MapOutput::wet},
 };
 
 }  // namespace snowbough::snow

@@ -12,6 +12,7 @@ void add(SnowBalance& sum, const SnowBalance& other) {
   sum.masked_volume += other.masked_volume;
   sum.pressed_volume += other.pressed_volume;
   sum.cleared_volume += other.cleared_volume;
+  sum.melted_volume += other.melted_volume;
   sum.stretched_volume += other.stretched_volume;
   sum.visible_area += other.visible_area;
   sum.back_face_area += other.back_face_area;
@@ -40,7 +41,9 @@ StatisticsPair balance_of(const shared::ObjectSums& sums) {
   total.masked_volume = sums.total_masked;
   total.pressed_volume = sums.total_pressed;
   total.cleared_volume = sums.total_cleared;
-  total.removed_volume = sums.total_masked + sums.total_pressed + sums.total_cleared;
+  total.melted_volume = sums.total_melted;
+  total.removed_volume =
+      sums.total_masked + sums.total_pressed + sums.total_cleared + sums.total_melted;
   total.stretched_volume = sums.total_stretched;
   total.visible_area = sums.total_visible_area;
   // Back faces have no total: only the current value matters.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <span>
 #include <stdexcept>
 #include <string_view>
 
@@ -17,6 +18,9 @@ constexpr std::string_view kMagic{"SNOWBOUGH-STATE\n", 16};
 /// Of states without planes and pressers, and of those with any.
 constexpr uint32_t kVersion = 4;
 constexpr uint32_t kVersionWithPlanes = 5;
+/// With planes, and with the sums after the first kFirstSums of each object.
+constexpr uint32_t kVersionWithSums = 6;
+constexpr size_t kFirstSums = 16;
 constexpr int32_t kLargestResolution = 8192;
 /// Magic, version, length of the body, and its check sum.
 constexpr size_t kHeaderBytes = 16 + 4 + 8 + 4;
@@ -33,8 +37,7 @@ class Writer {
     number(static_cast<uint32_t>(value.size()));
     bytes_.append(value);
   }
-  template <size_t Count>
-  void doubles(const std::array<double, Count>& values) {
+  void doubles(std::span<const double> values) {
     for (const double value : values) number(std::bit_cast<uint64_t>(value));
   }
   void raw(std::string_view value) { bytes_.append(value); }
@@ -60,8 +63,7 @@ class Reader {
     return value;
   }
   std::string text() { return std::string(raw(number<uint32_t>())); }
-  template <size_t Count>
-  void doubles(std::array<double, Count>& values) {
+  void doubles(std::span<double> values) {
     for (double& value : values) value = std::bit_cast<double>(number<uint64_t>());
   }
   std::string_view raw(uint64_t count) {
@@ -130,8 +132,15 @@ void write_plane(Writer& body, const std::vector<float>& plane) {
 void write_object(Writer& body, const ObjectState& object) {
   body.text(object.name);
   body.number(static_cast<uint32_t>(object.resolution));
-  body.doubles(object.sums);
+  body.doubles(std::span(object.sums).first(kFirstSums));
   write_plane(body, object.height);
+}
+
+bool has_later_sums(const SimulationState& state) {
+  return std::any_of(state.objects.begin(), state.objects.end(), [](const ObjectState& object) {
+    return std::any_of(object.sums.begin() + kFirstSums, object.sums.end(),
+                       [](double sum) { return sum != 0.0; });
+  });
 }
 
 bool has_planes(const SimulationState& state) {
@@ -222,7 +231,7 @@ PackedObject read_object(Reader& reader) {
     throw std::runtime_error("one of its maps has an impossible size");
   }
   object.resolution = static_cast<int32_t>(resolution);
-  reader.doubles(object.sums);
+  reader.doubles(std::span(object.sums).first(kFirstSums));
   packed.heights = read_plane(reader, object);
   return packed;
 }
@@ -264,7 +273,7 @@ void read_planes(Reader& reader, std::vector<PackedObject>& objects, SimulationS
   }
 }
 
-Checkpoint parse(std::string_view body, bool with_planes,
+Checkpoint parse(std::string_view body, uint32_t version,
                  const std::function<void(const CheckpointOutline&)>& check) {
   Reader reader(body);
   Checkpoint checkpoint;
@@ -281,7 +290,11 @@ Checkpoint parse(std::string_view body, bool with_planes,
     outline.maps.emplace_back(object.name, object.resolution);
   }
   checkpoint.state.landing = read_landing(reader);
-  if (with_planes) read_planes(reader, objects, checkpoint.state);
+  if (version >= kVersionWithPlanes) read_planes(reader, objects, checkpoint.state);
+  for (PackedObject& packed : objects) {
+    if (version < kVersionWithSums) break;
+    reader.doubles(std::span(packed.object.sums).subspan(kFirstSums));
+  }
   if (!reader.at_end()) throw std::runtime_error("it has bytes after its end");
   if (check) check(outline);
   for (PackedObject& packed : objects) {
@@ -298,10 +311,10 @@ Checkpoint check_and_parse(std::string_view file,
   if (file.size() < kHeaderBytes) throw std::runtime_error("it is truncated");
   Reader header(file.substr(kMagic.size()));
   const auto version = header.number<uint32_t>();
-  if (version != kVersion && version != kVersionWithPlanes) {
+  if (version < kVersion || version > kVersionWithSums) {
     throw std::runtime_error("it has version " + std::to_string(version) +
                              ", this Snowbough reads versions " + std::to_string(kVersion) +
-                             " and " + std::to_string(kVersionWithPlanes) +
+                             " to " + std::to_string(kVersionWithSums) +
                              "; bake again from the first frame");
   }
   const auto bytes = header.number<uint64_t>();
@@ -314,7 +327,7 @@ Checkpoint check_and_parse(std::string_view file,
   if (body.size() > bytes || check_sum(body) != expected_sum) {
     throw std::runtime_error("it is damaged: the check sum does not match");
   }
-  return parse(body, version == kVersionWithPlanes, check);
+  return parse(body, version, check);
 }
 
 }  // namespace
@@ -341,11 +354,15 @@ void save_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
     write_object(body, object);
   }
   write_landing(body, checkpoint.state.landing);
-  const bool with_planes = has_planes(checkpoint.state);
+  const bool with_sums = has_later_sums(checkpoint.state);
+  const bool with_planes = with_sums || has_planes(checkpoint.state);
   if (with_planes) write_planes(body, checkpoint.state);
+  for (const ObjectState& object : checkpoint.state.objects) {
+    if (with_sums) body.doubles(std::span(object.sums).subspan(kFirstSums));
+  }
   Writer file;
   file.raw(kMagic);
-  file.number(with_planes ? kVersionWithPlanes : kVersion);
+  file.number(with_sums ? kVersionWithSums : with_planes ? kVersionWithPlanes : kVersion);
   file.number(static_cast<uint64_t>(body.bytes().size()));
   file.number(check_sum(body.bytes()));
   file.raw(body.bytes());

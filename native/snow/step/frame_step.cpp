@@ -1,6 +1,7 @@
 #include "snow/step/frame_step.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace snowbough::snow {
 namespace {
@@ -71,6 +72,67 @@ std::vector<TriangleRange> ranges_in(const std::vector<SceneObject*>& objects,
   return ranges;
 }
 
+/// Tiles with the receivers that are shown, and where all objects lie on the grid.
+struct Grid {
+  std::vector<PixelRect> rects;
+  std::vector<Tile> tiles;
+};
+
+Grid grid_of(const std::vector<SceneObject*>& objects, const shared::ProjectionFrame& frame,
+             int32_t tile_size) {
+  Grid grid;
+  std::vector<PixelRect> receivers;
+  for (const SceneObject* object : objects) {
+    grid.rects.push_back(pixels_of(object->bounds, frame));
+    if (object->description.receive && !object->hidden) receivers.push_back(grid.rects.back());
+  }
+  grid.tiles = make_tiles(receivers, tile_size);
+  return grid;
+}
+
+/// Computes what light, or rain, along `direction` brings to the receivers, unless it is known: as
+/// the deposit on maps of their own.
+void find_light(Engine& engine, const std::vector<SceneObject*>& objects, const Bounds& bounds,
+                const FrameStep& step, const glm::dvec3& direction, LightMap& map) {
+  if (!(direction.z < 0.0)) {
+    map = {};
+    return;
+  }
+  if (map.direction == direction) return;
+  map = {direction, std::vector<std::vector<float>>(objects.size())};
+  // A metre on open, level ground.
+  const shared::ProjectionFrame frame = make_projection_frame(
+      {.direction = direction, .pixel_size = step.fall.pixel_size, .depth = 1.0}, bounds);
+  const Grid grid = grid_of(objects, frame, step.tile_size);
+  std::vector<std::vector<float>> heights(objects.size());
+  std::vector<shared::ObjectSums> sums(objects.size());
+  for (size_t i = 0; i < objects.size(); ++i) {
+    if (!objects[i]->description.receive) continue;
+    engine.read_height(i, heights[i]);
+    sums[i] = engine.read_sums(i);
+    engine.write_height(i, std::vector<float>(heights[i].size(), 0.0f));
+  }
+  engine.set_up_triangles(frame);
+  engine.open_statistics();
+  engine.choose_texels();
+  for (const Tile& tile : grid.tiles) {
+    engine.render_occlusion(tile,
+                            ranges_in(objects, engine.layout(), grid.rects, tile.with_margin()));
+    engine.gather_deposit(tile, &tile == &grid.tiles.front());
+  }
+  if (!grid.tiles.empty()) {
+    engine.apply_stability({.max_depth = 1e6f, .half_life = 1e9f, .adhesion = 1.0f},
+                           static_cast<float>(shared::snow_depth(frame)), 0.0f);
+  }
+  for (size_t i = 0; i < objects.size(); ++i) {
+    if (!objects[i]->description.receive) continue;
+    engine.read_height(i, map.light[i]);
+    for (float& light : map.light[i]) light = std::abs(light);
+    engine.write_height(i, heights[i]);
+    engine.write_sums(i, sums[i]);
+  }
+}
+
 }  // namespace
 
 void run_step(Engine& engine, Movement& movement, const std::vector<SceneObject*>& objects,
@@ -83,16 +145,15 @@ void run_step(Engine& engine, Movement& movement, const std::vector<SceneObject*
   }
   const std::vector<KeptSnow> kept = keep_hidden(engine, objects);
   const shared::ProjectionFrame frame = make_projection_frame(step.fall, bounds);
-  std::vector<PixelRect> rects;
-  std::vector<PixelRect> receivers;
-  for (const SceneObject* object : objects) {
-    rects.push_back(pixels_of(object->bounds, frame));
-    if (object->description.receive && !object->hidden) {
-      receivers.push_back(rects.back());
-    }
+  const MeltSettings& melt = step.movement.melt;
+  const bool melts = melt.is_on() && step.dt > 0.0;
+  if (melts) {
+    find_light(engine, objects, bounds, step, step.sun, movement.sun);
+    const glm::dvec3 rain = melt.is_wet && melt.rain > 0.0 ? step.fall.direction : glm::dvec3(0.0);
+    find_light(engine, objects, bounds, step, rain, movement.rain);
   }
-  const std::vector<Tile> tiles =
-      step.fall.depth > 0.0 ? make_tiles(receivers, step.tile_size) : std::vector<Tile>{};
+  const auto [rects, tiles] =
+      step.fall.depth > 0.0 ? grid_of(objects, frame, step.tile_size) : Grid{};
 
   PassHasher hash(engine, objects, step.fall.step_number, hashes);
   hash.inputs(frame);
@@ -101,7 +162,7 @@ void run_step(Engine& engine, Movement& movement, const std::vector<SceneObject*
   engine.open_statistics();
   // What lands in a step without movement would not be shaped.
   const bool lands = step.moves_snow() && step.dt > 0.0 && movement.has_arrivals(step.dt);
-  if (lands || movement.acts_always()) {
+  if (lands || melts || movement.acts_always()) {
     engine.move_snow(
         [&](std::vector<MovingMap>& maps) { movement.before(step.movement, step.dt, maps); });
   }

@@ -14,6 +14,8 @@ struct FrameStep {
   FallSettings fall;
   StabilitySettings stability;
   MovementSettings movement;
+  /// Direction of the sun's light, of length 1; 0: none.
+  glm::dvec3 sun{0.0};
   /// Seconds.
   double dt = 0.0;
   /// Largest edge of a tile in pixels; changes no result.

@@ -134,7 +134,7 @@ def test_a_shot_of_one_frame_gets_the_end_depth():
     [
         ((5, 4, 0, 1, []), "before the first"),
         ((-1, 4, 0, 1, [1] * 6), "frame 0 or later"),
-        ((1, 2, 0.5, 0.1, [1, 1]), "does not melt"),
+        ((1, 2, 0.5, -0.1, [1, 1]), "must be at least 0"),
         ((1, 2, 0, 1, [1]), "2 frames need 2 rates"),
         ((1, 2, 0, 1, [1, -1]), "rate at frame 2"),
         ((1, 2, 0, 1, [0, 0]), "rate is 0 on every frame"),
@@ -219,3 +219,11 @@ def test_frames_that_are_added_to_a_shot_leave_the_depths_and_steps_of_the_other
 def test_a_shot_that_cannot_be_continued_is_refused_with_a_reason(last, end_depth, reason):
     with pytest.raises(ValueError, match=reason):
         plan.plan_snowfall(1, last, 0.0, end_depth, [1] * last, ((8, 0.2),))
+
+
+def test_an_end_depth_below_the_start_depth_thaws():
+    snowfall = plan.plan_snowfall(1, 4, 0.3, 0.1, [1, 0, 2, 1])
+    assert snowfall.depths == pytest.approx((-0.05, 0.0, -0.1, -0.05)) and snowfall.totals[-1] == 0.1
+    steps = [step for frame in range(1, 5) for step in plan.frame_steps(snowfall, frame, 24, 1, 64)]
+    assert [step.depth for step in steps] == pytest.approx([-0.05, 0.0, -0.1, -0.05])
+    assert plan.preroll_steps(snowfall, 24, 2.0, 64)[0].depth > 0.0

@@ -40,6 +40,7 @@ def test_what_decides_about_all_maps_is_part_of_the_shot():
         "directions": 64,
         "checkpoint_interval": 10,
         "write_normals": False,
+        "wet": False,
     }
 
 

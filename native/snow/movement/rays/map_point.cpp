@@ -81,6 +81,19 @@ bool holds_snow(const SurfaceHit& hit) {
   return (hit.is_open ? std::abs(hit.up) : hit.up) >= static_cast<double>(shared::kWallUp);
 }
 
+SurfaceHit first_ground(const SceneRays& rays, const glm::dvec3& from, const glm::dvec3& direction,
+                        double length) {
+  // A ray that meets this many walls runs along one.
+  constexpr int kMostWalls = 16;
+  double least = 0.0;
+  for (int passed = 0; passed < kMostWalls; ++passed) {
+    const SurfaceHit hit = rays.first_along(from, direction, least, length);
+    if (hit.object < 0 || holds_snow(hit)) return hit;
+    least = hit.distance;
+  }
+  return {};
+}
+
 TexelNow texel_now(const SceneObject& object, const TexelTable& table, int32_t texel) {
   const auto i = static_cast<size_t>(texel);
   TexelNow now;

@@ -28,6 +28,10 @@ MapPoint map_point(const SceneObject& object, const SurfaceHit& hit, double z);
 /// Whether snow comes to lie on a surface: it is no wall and no underside.
 bool holds_snow(const SurfaceHit& hit);
 
+/// The first surface that holds snow, within `length` metres from a point along a unit vector.
+SurfaceHit first_ground(const SceneRays& rays, const glm::dvec3& from, const glm::dvec3& direction,
+                        double length);
+
 /// A texel in the current pose, flat.
 struct TexelNow {
   glm::dvec3 point{0.0};

@@ -154,12 +154,10 @@ const Repose::BareTexels& Repose::bare_texels() {
   return bare_;
 }
 
-/// The next texel straight down the bare surface; or the end of the way: -1 - outlet, or the texel
-/// itself, if it is a wall or a hollow.
-int32_t Repose::next_down(int32_t texel) const {
+int32_t Repose::next_down(int32_t texel, bool over_walls) const {
   const BareTexels& bare = bare_;
   const auto own = static_cast<size_t>(texel);
-  if (shared::is_wall(bare.up[own])) return texel;
+  if (!over_walls && shared::is_wall(bare.up[own])) return texel;
   float steepest = 0.0f;
   int32_t next = texel;
   const auto consider = [&](float x, float y, float z, int32_t to) {
@@ -201,7 +199,7 @@ int32_t Repose::next_down(int32_t texel) const {
     }
     const ReposeLinks::Across& across = links_->across[link];
     const int32_t to = end->sign < 0 ? across.b : across.a;
-    if (shared::is_wall(bare.up[static_cast<size_t>(to)])) {
+    if (!over_walls && shared::is_wall(bare.up[static_cast<size_t>(to)])) {
       const glm::vec3 seam = surface_.point(across.seam);
       consider(seam.x, seam.y, seam.z, -1 - end->link);
     } else {

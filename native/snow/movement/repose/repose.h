@@ -138,6 +138,10 @@ class Repose {
   /// Where snow on a texel ends if it slides down the bare surface.
   Release way_down(int32_t texel);
 
+  /// The next texel straight down the bare surface; or the end of the way: -1 - outlet, or the texel
+  /// itself, if it is a hollow or, unless the way leads `over_walls`, a wall. After bare_texels.
+  int32_t next_down(int32_t texel, bool over_walls = false) const;
+
   /// Whether the last run changed heights.
   bool has_changed() const { return has_changed_; }
   /// Number of rounds that its blocks took together.
@@ -221,7 +225,6 @@ class Repose {
   bool flow_across(float momentum);
 
   // releases.cpp
-  int32_t next_down(int32_t texel) const;
   void collect_releases(const std::vector<Written>& written);
   /// Where ways over cells end, each cell looked at once in a run, and the units that have gone
   /// each way.

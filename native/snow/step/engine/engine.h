@@ -38,13 +38,15 @@ struct StabilitySettings {
   float least_up() const { return adhesion > 0.0f ? adhesion : -2.0f; }
 };
 
-/// Takes what masks and pressing objects have removed from a map out of its balance.
+/// Takes what masks, pressing objects and thaw have removed from a map out of its balance.
 inline void count_removed(const MovingMap& map, shared::ObjectSums& sums) {
-  sums.held -= map.removed();
+  // Stability, which sums what is held, finds the snow melted.
+  sums.held -= map.removed() - map.melted;
   sums.removed += map.removed();
   sums.total_masked += map.masked;
   sums.total_pressed += map.pressed;
   sums.total_cleared += map.cleared;
+  sums.total_melted += map.melted;
 }
 
 /// Total cost of a pass's calls.

@@ -1,0 +1,219 @@
+#include "snow/movement/melt/water.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+
+#include "base/parallel_for.h"
+#include "shaders/lib/texel_repose.h"
+
+namespace snowbough::snow {
+namespace {
+
+/// Density of water in kg/m3.
+constexpr double kWaterDensity = 1000.0;
+/// Fraction of a difference that a pair of texels exchanges in a round, and the most rounds a step.
+constexpr double kExchange = 0.2;
+constexpr int kMostRounds = 8;
+/// Metres from an edge at which drops fall.
+constexpr double kDropsOutside = 0.01;
+/// Drying under snow relative to bare ground in the open; and without sun.
+constexpr double kUnderSnow = 0.33;
+constexpr double kInShade = 0.3;
+/// Thinner water is dry, in metres.
+constexpr float kDry = 1e-7f;
+
+}  // namespace
+
+void Water::lay_out(const SceneRays& rays) {
+  rays_ = &rays;
+  surfaces_.assign(rays.objects().size(), {});
+  drips_.clear();
+  balance_ = {};
+}
+
+void Water::forget_pose(size_t object) {
+  surfaces_[object].next.clear();
+  // Drops may fall onto any object.
+  for (Surface& own : surfaces_) own.targets.clear();
+}
+
+void Water::find_ways(size_t object, Repose& repose) {
+  Surface& own = surfaces_[object];
+  if (!own.next.empty()) return;
+  const Repose::BareTexels& bare = repose.bare_texels();
+  const ReposeLinks& links = repose.links();
+  const size_t count = bare.x.size();
+  own.next.assign(count, kStays);
+  base::for_each_item(count, 1024, [&](size_t i) {
+    const auto texel = static_cast<int32_t>(i);
+    const int32_t next = repose.next_down(texel, true);
+    own.next[i] = next == texel ? kStays : next < 0 ? next - 1 : next;
+  });
+  // Texels without others above them first.
+  std::vector<int32_t> above(count, 0);
+  for (const int32_t next : own.next) {
+    if (next >= 0) ++above[static_cast<size_t>(next)];
+  }
+  own.order.clear();
+  for (size_t i = 0; i < count; ++i) {
+    if (above[i] == 0) own.order.push_back(static_cast<int32_t>(i));
+  }
+  for (size_t k = 0; k < own.order.size(); ++k) {
+    const int32_t next = own.next[static_cast<size_t>(own.order[k])];
+    if (next >= 0 && --above[static_cast<size_t>(next)] == 0) own.order.push_back(next);
+  }
+  if (!own.pairs.empty()) return;
+  for_each_place(*rays_->objects()[object]->table, [&](int32_t texel, int32_t column, int32_t row) {
+    const uint8_t forward = links.forward[static_cast<size_t>(links.cell_at(column, row))];
+    for (int32_t k = 0; k < 2; ++k) {
+      if ((forward >> k & 1) == 0) continue;
+      const int32_t place = (row + kForwardRow[k]) * links.resolution + column + kForwardColumn[k];
+      const int32_t other = bare.texel_of[static_cast<size_t>(place)];
+      if (other >= 0) own.pairs.emplace_back(texel, other);
+    }
+  });
+  for (const ReposeLinks::Across& across : links.across) own.pairs.push_back(across.ends());
+}
+
+/// Exchanges water between neighbours.
+void Water::soak_sideways(const MeltSettings& settings, double dt, Surface& own) const {
+  double area = 0.0;
+  for (const float texel : own.area) area += static_cast<double>(texel);
+  const double texel = area / static_cast<double>(own.area.size());
+  const double wanted = 0.5 * settings.wet_spread * settings.wet_spread * dt / texel;
+  const int rounds = std::min(static_cast<int>(std::ceil(wanted / kExchange)), kMostRounds);
+  if (!(texel > 0.0) || rounds == 0) return;
+  const auto part = static_cast<float>(std::min(wanted / rounds, kExchange));
+  std::vector<float> gain(own.depth.size());
+  for (int round = 0; round < rounds; ++round) {
+    std::fill(gain.begin(), gain.end(), 0.0f);
+    for (const auto& [first, second] : own.pairs) {
+      const auto a = static_cast<size_t>(first), b = static_cast<size_t>(second);
+      const float flow = part * (own.depth[a] - own.depth[b]) * std::min(own.area[a], own.area[b]);
+      gain[a] -= flow;
+      gain[b] += flow;
+    }
+    for (size_t i = 0; i < gain.size(); ++i) {
+      if (own.area[i] > 0.0f) own.depth[i] = std::max(own.depth[i] + gain[i] / own.area[i], 0.0f);
+    }
+  }
+}
+
+/// Where water that leaves over an outlet, or drips from a texel (-1 - texel), lands.
+MapPoint Water::below(size_t object, int32_t from, int32_t texel, Repose& repose) const {
+  glm::dvec3 point;
+  if (from >= 0) {
+    const Repose::Outlet outlet = repose.outlet({.number = from, .texel = texel});
+    point = outlet.point + glm::dvec3(outlet.outwards * kDropsOutside, 0.0);
+  } else {
+    const SceneObject& own = *rays_->objects()[object];
+    const TexelNow now = texel_now(own, *own.table, texel);
+    point = now.point + now.normal * kDropsOutside;
+  }
+  const SurfaceHit hit = first_ground(*rays_, point, {0.0, 0.0, -1.0}, 1e4);
+  if (hit.object < 0) return {};
+  return map_point(*rays_->objects()[static_cast<size_t>(hit.object)], hit, point.z - hit.distance);
+}
+
+void Water::run_down(const MeltSettings& settings, size_t object, Repose& repose) {
+  Surface& own = surfaces_[object];
+  const Repose::BareTexels& bare = repose.bare_texels();
+  const auto soak = static_cast<float>(settings.soak);
+  for (const int32_t texel : own.order) {
+    const auto i = static_cast<size_t>(texel);
+    const float over = own.depth[i] - soak;
+    if (!(over > 0.0f)) continue;
+    const int32_t next = own.next[i];
+    // On level ground, and in hollows, it stands.
+    if (next == kStays && !(bare.up[i] < shared::kWallUp)) continue;
+    const double volume = static_cast<double>(over) * static_cast<double>(own.area[i]);
+    own.depth[i] = soak;
+    if (next >= 0 && own.area[static_cast<size_t>(next)] > 0.0f) {
+      own.depth[static_cast<size_t>(next)] +=
+          static_cast<float>(volume / static_cast<double>(own.area[static_cast<size_t>(next)]));
+      continue;
+    }
+    const int32_t from = next <= -2 ? -2 - next : -1 - texel;
+    const auto [known, is_new] = own.targets.try_emplace(from);
+    if (is_new) known->second = below(object, from, texel, repose);
+    drips_.push_back({known->second.object, known->second.place, volume});
+  }
+}
+
+void Water::flow(const MeltSettings& settings, double dt, const std::vector<float>& melted,
+                 const std::vector<float>* sun, const std::vector<float>* rain,
+                 const MovingMap& map, Repose& repose) {
+  Surface& own = surfaces_[map.object];
+  const std::vector<int32_t>& places = rays_->objects()[map.object]->table->texel;
+  const bool rains = settings.rain > 0.0 && rain != nullptr;
+  own.area = repose.bare_texels().area;
+  if (own.depth.empty()) {
+    if (melted.empty() && !rains) return;
+    own.depth.assign(places.size(), 0.0f);
+  }
+  find_ways(map.object, repose);
+  const double water = settings.density / kWaterDensity;
+  for (size_t i = 0; i < places.size(); ++i) {
+    double come = melted.empty() ? 0.0 : static_cast<double>(melted[i]) * water;
+    if (rains) come += settings.rain * static_cast<double>((*rain)[static_cast<size_t>(places[i])]);
+    own.depth[i] += static_cast<float>(come);
+    balance_.come += come * static_cast<double>(own.area[i]);
+  }
+  run_down(settings, map.object, repose);
+  soak_sideways(settings, dt, own);
+  for (size_t i = 0; i < places.size(); ++i) {
+    if (own.depth[i] == 0.0f) continue;
+    const auto place = static_cast<size_t>(places[i]);
+    const double shines = sun != nullptr ? std::min(static_cast<double>((*sun)[place]), 1.0) : 0.0;
+    const double speed =
+        (*map.height)[place] != 0.0f ? kUnderSnow : kInShade + (1.0 - kInShade) * shines;
+    float left = own.depth[i] * static_cast<float>(std::exp2(-dt * speed / settings.drying));
+    if (left < kDry) left = 0.0f;
+    balance_.dried += static_cast<double>(own.depth[i] - left) * static_cast<double>(own.area[i]);
+    own.depth[i] = left;
+  }
+}
+
+void Water::drip(bool lands) {
+  for (const Drip& drop : drips_) {
+    Surface* const own =
+        lands && drop.object >= 0 ? &surfaces_[static_cast<size_t>(drop.object)] : nullptr;
+    const int32_t texel =
+        own == nullptr || drop.place < 0
+            ? -1
+            : texel_at(*rays_->objects()[static_cast<size_t>(drop.object)]->table, drop.place);
+    if (texel < 0 || own->area.empty() || !(own->area[static_cast<size_t>(texel)] > 0.0f)) {
+      balance_.left += drop.volume;
+      continue;
+    }
+    if (own->depth.empty()) own->depth.assign(own->area.size(), 0.0f);
+    own->depth[static_cast<size_t>(texel)] += static_cast<float>(
+        drop.volume / static_cast<double>(own->area[static_cast<size_t>(texel)]));
+  }
+  drips_.clear();
+}
+
+std::vector<float> Water::state(size_t object) const {
+  const Surface& own = surfaces_[object];
+  if (own.depth.empty()) return {};
+  const TexelTable& table = *rays_->objects()[object]->table;
+  const auto side = static_cast<size_t>(table.resolution);
+  std::vector<float> plane(side * side, 0.0f);
+  for (size_t i = 0; i < table.texel.size(); ++i) {
+    plane[static_cast<size_t>(table.texel[i])] = own.depth[i];
+  }
+  return plane;
+}
+
+void Water::set_state(size_t object, const std::vector<float>* plane) {
+  std::vector<float>& depth = surfaces_[object].depth;
+  depth.clear();
+  if (plane == nullptr) return;
+  for (const int32_t place : rays_->objects()[object]->table->texel) {
+    depth.push_back((*plane)[static_cast<size_t>(place)]);
+  }
+}
+
+}  // namespace snowbough::snow

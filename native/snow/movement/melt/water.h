@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "snow/movement/melt/thaw.h"
+#include "snow/movement/moving_map.h"
+#include "snow/movement/rays/map_point.h"
+#include "snow/movement/repose/repose.h"
+
+namespace snowbough::snow {
+
+/// Water on receivers, in metres of thickness per texel: melted snow and rain. A surface soaks it
+/// up and spreads it; what is more runs down the surface, on walls too, wets its whole way, and
+/// drips from edges onto what lies below. It dries, faster in the sun and slower under snow.
+class Water {
+ public:
+  /// `rays` must know the objects. Forgets the water.
+  void lay_out(const SceneRays& rays);
+  void forget_pose(size_t object);
+
+  /// A step of `dt` seconds on a map. `melted`: as from Thaw::melt. `sun`, `rain`: by place, light
+  /// and rain relative to open level ground; null: none.
+  void flow(const MeltSettings& settings, double dt, const std::vector<float>& melted,
+            const std::vector<float>* sun, const std::vector<float>* rain, const MovingMap& map,
+            Repose& repose);
+  /// Ends the step: lets drip what has left edges; if not `lands`, it is gone.
+  void drip(bool lands);
+
+  /// A receiver's water as a plane, resolution x resolution; empty: none.
+  std::vector<float> state(size_t object) const;
+  /// Null: none.
+  void set_state(size_t object, const std::vector<float>* plane);
+
+  /// m3 of water since lay_out: what has come, dried, and left the receivers.
+  struct Balance {
+    double come = 0.0, dried = 0.0, left = 0.0;
+  };
+  const Balance& balance() const { return balance_; }
+
+ private:
+  /// Ends of ways: a texel, from whose lower side water drips.
+  static constexpr int32_t kStays = -1;
+  struct Surface {
+    /// By texel, empty before there is any.
+    std::vector<float> depth;
+    /// Of the current pose; empty: not known. By texel: the next one down, kStays, or -2 - outlet;
+    /// the texels so that each comes before the next; and pairs of neighbours.
+    std::vector<int32_t> next, order;
+    std::vector<std::pair<int32_t, int32_t>> pairs;
+    /// By outlet, or -1 - texel of a wall's or an underside's lower edge, in this pose: where water
+    /// lands. Only looked up.
+    std::unordered_map<int32_t, MapPoint> targets;
+    /// By texel in m2, of the last step.
+    std::vector<float> area;
+  };
+  struct Drip {
+    int32_t object = -1, place = -1;
+    double volume = 0.0;
+  };
+  void find_ways(size_t object, Repose& repose);
+  void soak_sideways(const MeltSettings& settings, double dt, Surface& own) const;
+  void run_down(const MeltSettings& settings, size_t object, Repose& repose);
+  MapPoint below(size_t object, int32_t from, int32_t texel, Repose& repose) const;
+
+  const SceneRays* rays_ = nullptr;
+  std::vector<Surface> surfaces_;
+  std::vector<Drip> drips_;
+  Balance balance_;
+};
+
+}  // namespace snowbough::snow

@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Snow thaws in the air and in the sun, and its water wets what lies below."""
+
+import math
+
+import numpy as np
+import pytest
+import snowbough_native as native
+from checkpoints import restore, save
+from snow_meshes import box, grid
+from snow_rays import texel_points
+
+DT = 1.0 / 24.0
+SUN = (0.5, 0.0, -1.0)
+
+
+def simulation(**settings):
+    return native.SnowSimulation(
+        engine="CPU", **{"pixel_size": 0.02, "repose": math.pi / 2, "unevenness": 0.0, **settings}
+    )
+
+
+def ground(sim, size=2.0, resolution=128, depth=0.2, **step):
+    positions, triangles, uv = grid(size, size, 4)
+    sim.add_object("ground", triangles, uv, resolution=resolution)
+    sim.step({"ground": positions}, depth, **step)
+    return texel_points(native, positions, triangles, uv, resolution)
+
+
+def total(sim):
+    return sim.statistics()["total"]
+
+
+def balanced(sim):
+    now = total(sim)
+    gone = now["held_volume"] + now["slid_volume"] - now["landed_volume"] + now["removed_volume"]
+    return gone == pytest.approx(now["deposited_volume"], rel=1e-6)
+
+
+@pytest.mark.parametrize("sun", [(0, 0, 0), (0, 0, -1), SUN])
+def test_open_ground_loses_the_thaw(sun):
+    with simulation() as sim:
+        ground(sim)
+        for _ in range(10):
+            sim.step({}, -0.01, dt=DT, sun=sun)
+        now = total(sim)
+        assert now["melted_volume"] == pytest.approx(0.5 * now["deposited_volume"], rel=1e-6)
+        assert balanced(sim)
+        assert np.median(sim.height("ground")[10:-10, 10:-10]) == pytest.approx(0.1, rel=1e-5)
+
+
+def test_snow_melts_no_more_than_there_is():
+    with simulation() as sim:
+        ground(sim, depth=0.02)
+        sim.step({}, -0.05, dt=DT)
+        now = total(sim)
+        assert now["held_volume"] == 0.0
+        assert now["melted_volume"] == pytest.approx(now["deposited_volume"], rel=1e-6)
+
+
+def test_shade_melts_as_the_air_alone():
+    """A roof beside the ground's left half keeps the sun off it."""
+    share = 0.7
+    with simulation(sun_share=share, flutter=0.0) as sim:
+        points, _, places, _ = ground(sim)
+        positions, triangles, uv = grid(1.0, 2.0)
+        sim.add_object("roof", triangles, uv, receive=False)
+        # Its shadow covers x from -0.5 to 0.5.
+        sim.step({"roof": positions + np.float32([-0.5, 0.0, 1.0])}, -0.1, dt=DT, sun=SUN)
+        lost = 0.2 - sim.height("ground").ravel()[places]
+    shade, open_ground = lost[np.abs(points[:, 0]) < 0.4], lost[points[:, 0] > 0.6]
+    assert np.median(open_ground) == pytest.approx(0.1, rel=1e-3)
+    assert np.median(shade) / np.median(open_ground) == pytest.approx(1.0 - share, rel=2e-3)
+
+
+def test_slopes_that_face_the_sun_melt_faster():
+    with simulation(sun_share=1.0) as sim:
+        positions, triangles, uv = box()
+        sim.add_object("box", triangles, uv, resolution=128)
+        sim.step({"box": positions}, 0.1, direction=(0.0, 0.0, -1.0))
+        sim.step({}, -0.05, dt=DT, sun=(0.0, 0.0, -1.0))
+        assert sim.height("box").max() == pytest.approx(0.05, rel=1e-3)
+
+
+def test_uneven_thaw_leaves_patches():
+    covered = {}
+    for unevenness in (0.0, 0.25):
+        with simulation(unevenness=unevenness) as sim:
+            ground(sim, depth=0.05)
+            for _ in range(9):
+                sim.step({}, -0.005, dt=DT)
+            covered[unevenness] = np.mean(sim.height("ground")[10:-10, 10:-10] > 0.001)
+            assert balanced(sim)
+    assert covered[0.0] == 1.0
+    assert 0.2 < covered[0.25] < 0.8
+
+
+def test_the_sun_moves_no_snow_and_without_thaw_nothing_changes():
+    heights = []
+    for sun in ((0, 0, 0), SUN):
+        with simulation(repose=math.radians(50.0)) as sim:
+            ground(sim)
+            for _ in range(5):
+                sim.step({}, 0.01, dt=DT, sun=sun)
+            heights.append(sim.height("ground"))
+    assert (heights[0] == heights[1]).all()
+
+
+def test_a_thaw_goes_on_from_a_checkpoint_to_the_bit(tmp_path):
+    def scene():
+        sim = simulation(unevenness=0.3, wet=True, density=300.0, repose=math.radians(60.0))
+        positions, triangles, uv = box(0.6, 0.4)
+        sim.add_object("box", triangles, uv, resolution=128)
+        floor = grid(2.0, 2.0, 4)
+        sim.add_object("ground", floor[1], floor[2], resolution=128)
+        return sim, {"box": positions, "ground": floor[0]}
+
+    def thaw(sim, first, poses=None):
+        for step in range(first, 8):
+            sim.step(poses if poses and step == first else {}, -0.004, dt=DT, sun=SUN)
+
+    whole, poses = scene()
+    whole.step(poses, 0.05)
+    thaw(whole, 0)
+    part, poses = scene()
+    part.step(poses, 0.05)
+    for _ in range(3):
+        part.step({}, -0.004, dt=DT, sun=SUN)
+    save(part, tmp_path / "state")
+    later, poses = scene()
+    restore(later, tmp_path / "state")
+    thaw(later, 3, poses)
+    for name in poses:
+        assert (whole.height(name) == later.height(name)).all()
+        assert (whole.output(name)["wet"] == later.output(name)["wet"]).all()
+    assert whole.statistics()["total"] == later.statistics()["total"]
+    assert total(whole)["melted_volume"] > 0.0
+
+
+# -- water ------------------------------------------------------------------------------------------------------------
+
+
+def water(sim, name, soak=0.002):
+    return sim.output(name)["wet"] * soak
+
+
+def test_rain_wets_open_ground_and_keeps_off_what_is_sheltered():
+    with simulation(wet=True, drying=1e6, wet_spread=0.0, rain=0.0004 / DT) as sim:
+        points, _, places, _ = ground(sim, depth=0.0, dt=0.0)
+        positions, triangles, uv = grid(1.0, 1.0)
+        sim.add_object("roof", triangles, uv, receive=False)
+        for step in range(4):
+            sim.step({"roof": positions + np.float32([0, 0, 1])} if step == 0 else {}, 0.0, dt=DT)
+        wet = water(sim, "ground").ravel()[places]
+        assert total(sim)["deposited_volume"] == 0.0
+    distance = np.abs(points[:, :2]).max(axis=1)
+    assert np.median(wet[distance > 0.6]) == pytest.approx(0.0016, rel=1e-3)
+    assert wet[distance < 0.45].max() == 0.0
+
+
+def test_melted_snow_wets_by_its_density():
+    with simulation(wet=True, drying=1e6, wet_spread=0.0, density=100.0) as sim:
+        ground(sim, depth=0.1)
+        sim.step({}, -0.01, dt=DT)
+        assert np.median(water(sim, "ground")[20:-20, 20:-20]) == pytest.approx(0.001, rel=1e-3)
+
+
+def test_water_spreads_sideways_and_dries():
+    with simulation(wet=True, drying=1.0, wet_spread=0.1, rain=0.001 / DT) as sim:
+        points, _, places, _ = ground(sim, depth=0.0, dt=0.0)
+        positions, triangles, uv = grid(1.0, 2.0)
+        sim.add_object("roof", triangles, uv, receive=False)
+        sim.step({"roof": positions + np.float32([-0.5, 0, 1])}, 0.0, dt=DT)
+        sim.change_settings(rain=0.0)
+        before = water(sim, "ground").ravel()[places]
+        for _ in range(24):
+            sim.step({}, 0.0, dt=DT)
+        after = water(sim, "ground").ravel()[places]
+    beside = (points[:, 0] < -0.02) & (points[:, 0] > -0.08)
+    assert after[beside].mean() > 0.0 and before[beside].mean() < after[beside].mean()
+    assert after.sum() < 0.9 * before.sum()
+
+
+def test_water_runs_off_a_roof_and_drips_onto_the_ground():
+    """A steep board over the ground: the strip below its lower edge gets wetter than open ground."""
+    with simulation(
+        wet=True, drying=1e6, wet_spread=0.0, repose=math.radians(60.0), soak=0.0005, rain=0.0002 / DT
+    ) as sim:
+        points, _, places, _ = ground(sim, depth=0.0, dt=0.0)
+        positions, triangles, uv = grid(1.0, 1.0)
+        tilt = math.radians(40.0)
+        turned = positions @ np.float32(
+            [[math.cos(tilt), 0, -math.sin(tilt)], [0, 1, 0], [math.sin(tilt), 0, math.cos(tilt)]]
+        )
+        sim.add_object("board", triangles, uv, resolution=128)
+        poses = {"board": (turned + np.float32([0, 0, 0.8])).astype(np.float32)}
+        for step in range(6):
+            sim.step(poses if step == 0 else {}, 0.0, dt=DT)
+        board = water(sim, "board", 0.0005)
+        state = native.simulation_state(sim)["objects"]["ground"]["planes"]["water"].ravel()[places]
+    assert board.max() == pytest.approx(0.0005, rel=1e-3)
+    edge = 0.5 * math.cos(tilt)
+    below = (np.abs(np.abs(points[:, 0]) - edge) < 0.05) & (np.abs(points[:, 1]) < 0.4)
+    away = np.abs(points[:, 0]) > 0.8
+    assert state[below].max() > 3.0 * np.median(state[away])
+
+
+def test_dry_simulations_have_no_wet_map():
+    with simulation() as sim:
+        ground(sim)
+        assert "wet" not in sim.output("ground")
+
+
+def test_weather_that_is_none_is_refused():
+    with simulation() as sim:
+        ground(sim)
+        with pytest.raises(ValueError, match="sun must be three finite"):
+            sim.step({}, 0.0, sun=(math.nan, 0.0, 0.0))
