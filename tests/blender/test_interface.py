@@ -100,6 +100,15 @@ def test_every_property_has_a_tooltip_without_a_period_at_its_end():
     assert [name for name, prop in described() if prop.description.endswith(".")] == []
 
 
+@pytest.mark.skipif(bpy.app.version < (4, 5, 0), reason="before 4.5, all fields of paths take //")
+def test_folders_of_settings_may_lie_beside_the_blend():
+    """Blender 4.5 and later show // in red elsewhere."""
+    settings = [(name, prop) for name, prop in described() if name.startswith("Snowbough")]
+    paths = {name: prop for name, prop in settings if prop.subtype in {"DIR_PATH", "FILE_PATH"}}
+    assert "SnowboughSceneSettings.cache_directory" in paths
+    assert [name for name, prop in paths.items() if not prop.is_path_supports_blend_relative] == []
+
+
 def test_every_number_names_its_unit(addon):
     for name, prop in described():
         if prop.type not in {"FLOAT", "INT"}:
