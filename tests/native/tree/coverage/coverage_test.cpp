@@ -77,6 +77,30 @@ TEST(Coverage, WoodWithoutALimbIsMissing) {
   EXPECT_NEAR(coverage.missing[0].second, coverage.area, 1e-9);
 }
 
+TEST(Coverage, OfMissingWoodTheLargestPartIsFirst) {
+  ObjScene scene = tower();
+  const auto large = static_cast<int32_t>(scene.positions.size());
+  const size_t faces = scene.face_begin.size() - 1, corners = scene.corner_vertex.size();
+  for (int32_t v = 0; v < large; ++v) {
+    scene.positions.push_back(scene.positions[v] * 3.0f + glm::vec3(9, 0, 0));
+  }
+  for (size_t c = 0; c < corners; ++c) {
+    scene.corner_vertex.push_back(scene.corner_vertex[c] + large);
+  }
+  for (size_t f = 1; f <= faces; ++f) {
+    scene.face_begin.push_back(scene.face_begin[f] + static_cast<int32_t>(corners));
+  }
+  const Parts parts = split_parts(scene);
+  ASSERT_EQ(parts.count(), 2);
+  ClassifiedParts classified;
+  classified.role.assign(2, PartRole::kSkipped);
+  for (const int32_t part : {0, 1}) classified.skipped.push_back({part, "not a tube", true});
+  const Coverage coverage = measure_coverage(scene, parts, classified, {});
+  ASSERT_EQ(coverage.missing.size(), 2u);
+  EXPECT_EQ(coverage.missing[0].first, 1);
+  EXPECT_NEAR(coverage.missing[0].second, 9.0 * coverage.missing[1].second, 1e-4);
+}
+
 TEST_F(ReadTree, ReportsHowMuchOfTheWoodItsLimbsRepresent) {
   TreeText text;
   text.tree(false, numbered);

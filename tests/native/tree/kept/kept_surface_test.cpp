@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
 #include <numeric>
 #include <set>
 #include <sstream>
@@ -14,6 +15,7 @@
 #include "tree/kept/charts.h"
 #include "tree/kept/kept_uvs.h"
 #include "tree/kept/kept_weights.h"
+#include "tree/kept/upright.h"
 
 namespace snowbough::tree {
 namespace {
@@ -238,6 +240,78 @@ TEST(KeptCharts, EndAtTheNextBranch) {
   KeptSurface kept = folded(0.0);
   kept.vertex_branch[1] = 1;
   EXPECT_THAT(grow_charts(kept), testing::ElementsAre(0, 1, 2));
+}
+
+TEST(KeptCharts, HaveAFewPolygonsOfAFineMesh) {
+  constexpr int kSide = 20;
+  // The large polygon lets charts reach far.
+  KeptSurface kept;
+  kept.vertices = {{900, 0, 0}, {999, 0, 0}, {999, 99, 0}, {900, 99, 0}};
+  kept.face_begin = {0, 4};
+  kept.corner_vertex = {0, 1, 2, 3};
+  for (int i = 0; i < (kSide + 1) * (kSide + 1); ++i) {
+    kept.vertices.emplace_back(i % (kSide + 1), i / (kSide + 1), 0);
+  }
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const int first = 4 + i / kSide * (kSide + 1) + i % kSide;
+    for (const int v : {first, first + 1, first + kSide + 2, first + kSide + 1}) {
+      kept.corner_vertex.push_back(v);
+    }
+    kept.face_begin.push_back(static_cast<int32_t>(kept.corner_vertex.size()));
+  }
+  kept.vertex_branch.assign(kept.vertices.size(), 0);
+  std::map<int32_t, int> polygons;
+  for (const int32_t chart : grow_charts(kept)) ++polygons[chart];
+  for (const auto& [chart, count] : polygons) EXPECT_LE(count, 180) << chart;
+  EXPECT_LE(polygons.size(), 9u);
+}
+
+/// Two limbs 5 m apart, and a row of polygons without a limb from one to the other.
+Skeleton row_between_limbs(int count) {
+  Skeleton skeleton;
+  for (const float x : {0.0f, 5.0f}) {
+    Branch limb;
+    limb.points = {{x, 0, 0}, {x, 0, 1}};
+    limb.radii = {0.1f, 0.1f};
+    limb.piece = static_cast<int32_t>(skeleton.branches.size());
+    skeleton.branches.push_back(limb);
+  }
+  KeptSurface& kept = skeleton.kept;
+  for (int i = 0; i <= count; ++i) {
+    const float x = 5.0f * static_cast<float>(i) / static_cast<float>(count);
+    kept.vertices.insert(kept.vertices.end(), {{x, 0.3f, 0.2f}, {x, 0.3f, 0.8f}});
+  }
+  kept.face_begin = {0};
+  for (int i = 0; i < count; ++i) {
+    kept.corner_vertex.insert(kept.corner_vertex.end(), {2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1});
+    kept.face_begin.push_back(4 * (i + 1));
+  }
+  kept.face_material.assign(static_cast<size_t>(count), 0);
+  kept.face_part.assign(static_cast<size_t>(count), 2);
+  kept.vertex_piece.assign(kept.vertices.size(), -1);
+  kept.vertex_limb.assign(kept.vertices.size(), 0);
+  attach_kept(skeleton);
+  return skeleton;
+}
+
+TEST(KeptWood, WithoutALimbMovesAsOneIfItIsSmall) {
+  const Skeleton small = row_between_limbs(24);
+  EXPECT_EQ(small.kept.vertex_branch.front(), small.kept.vertex_branch.back());
+  const Skeleton large = row_between_limbs(25);
+  EXPECT_EQ(large.kept.vertex_branch.front(), 0);
+  EXPECT_EQ(large.kept.vertex_branch.back(), 1);
+}
+
+TEST(KeptWood, WithoutALimbStandsUprightWithItsRadius) {
+  // Rings that are higher on one side than on the other.
+  std::vector<glm::vec3> points;
+  for (int ring = 0; ring <= 8; ++ring) {
+    for (const float side : {-1.0f, 1.0f}) points.emplace_back(0.1f * side, 0, ring + 0.4f * side);
+  }
+  const Branch limb = upright_limb(points, std::vector<char>(points.size(), 1), 2);
+  ASSERT_EQ(limb.points.size(), 5u);
+  EXPECT_NEAR(limb.points.back().z - limb.points.front().z, 8.8f, 1e-5f);
+  for (const float radius : limb.radii) EXPECT_NEAR(radius, 0.1f, 0.05f);
 }
 
 }  // namespace
