@@ -59,16 +59,20 @@ constexpr float kKeptFar = 0.5f;
 /// If the normals at an edge's ends differ by more than this distance, the surface is curved.
 constexpr float kBends = 0.12f;
 
-/// Positions of the cuts parallel to rims, as fractions of the zone; dense where the front curves.
-constexpr std::array<float, 9> kSupportCuts{0.05f, 0.12f, 0.2f, 0.29f, 0.39f,
-                                            0.5f,  0.63f, 0.8f, 1.0f};
-constexpr std::array<float, 5> kFarCuts{-0.15f, -0.32f, -0.5f, -0.68f, -1.0f};
-/// If target edge lengths exceed the default by the first factor, only the coarse cuts are made;
-/// if they exceed it by the second, none are.
-constexpr float kCoarse = 2.0f;
-constexpr float kBare = 6.0f;
-constexpr std::array<float, 4> kCoarseSupportCuts{0.12f, 0.29f, 0.5f, 1.0f};
-constexpr std::array<float, 2> kCoarseFarCuts{-0.32f, -0.68f};
+/// Positions of the cuts parallel to rims, as fractions of the zone; dense where the front curves;
+/// negative on the far face, 0 after the last one.
+/// They are made while target edge lengths exceed the default by less than `coarseness`.
+struct Cuts {
+  float coarseness;
+  std::array<float, 14> levels;
+};
+constexpr std::array<Cuts, 4> kCuts{
+    {{1.35f,
+      {0.05f, 0.12f, 0.2f, 0.29f, 0.39f, 0.5f, 0.63f, 0.8f, 1.0f, -0.15f, -0.32f, -0.5f, -0.68f,
+       -1.0f}},
+     {2.6f, {0.07f, 0.18f, 0.32f, 0.5f, 0.72f, 1.0f, -0.2f, -0.45f, -0.68f}},
+     {4.0f, {0.12f, 0.29f, 0.5f, 1.0f, -0.32f, -0.68f}},
+     {8.0f, {0.2f, 0.6f, -0.45f}}}};
 /// Two points lie on one cut if their fractions of the zone differ by less than this.
 constexpr float kOneCut = 0.03f;
 /// Two points lie in one row of a strip if their distances from the rim differ by less than this
@@ -111,7 +115,7 @@ class Refiner {
     constexpr int kRounds = 26;
     for (int round = 0; round < kRounds && halve(); ++round) {
     }
-    if (!rims_.all().empty() && unit_ < kBare * depth_) {
+    if (!rims_.all().empty() && cuts() != nullptr) {
       constexpr int kCutRounds = 6, kAlongRounds = 12;
       for (int round = 0; round < kCutRounds && cut_parallel(); ++round) {
       }
@@ -300,6 +304,14 @@ class Refiner {
     return !place.is_far_off && std::abs(place.distance) < kOnStrip * place.strip;
   }
 
+  /// The cuts of this coarseness; none if it is too great for any.
+  const Cuts* cuts() const {
+    const auto found = std::find_if(kCuts.begin(), kCuts.end(), [&](const Cuts& cuts) {
+      return unit_ < cuts.coarseness * depth_;
+    });
+    return found == kCuts.end() ? nullptr : &*found;
+  }
+
   float cut_of(const RimZones::Zone& a, const RimZones::Zone& b) const {
     if (a.place.is_far_off && b.place.is_far_off) return 0.0f;
     constexpr float kBeyond = 1.2f;
@@ -313,12 +325,8 @@ class Refiner {
       const float at = (level - from) / (to - from);
       if (at > kSnap && at < 1.0f - kSnap && std::abs(at - 0.5f) < std::abs(best - 0.5f)) best = at;
     };
-    if (unit_ > kCoarse * depth_) {
-      for (const float level : kCoarseSupportCuts) look_at(level);
-      for (const float level : kCoarseFarCuts) look_at(level);
-    } else {
-      for (const float level : kSupportCuts) look_at(level);
-      for (const float level : kFarCuts) look_at(level);
+    for (const float level : cuts()->levels) {
+      if (level != 0.0f) look_at(level);
     }
     return best;
   }
@@ -434,17 +442,38 @@ RefinedSurface refined_surface(const SurfaceMesh& receiver, const Rims& rims, co
   if (wanted.hems / scale > 4.0 * most) {
     coarseness.hems = static_cast<float>(std::sqrt(wanted.hems / scale / (4.0 * most)));
   }
-  constexpr int kTries = 10;
+  // The number of points falls in steps, as rows of cuts are left out: once a mesh fits, the points
+  // that it leaves unused are handed out by halving.
+  constexpr int kTries = 10, kHalvings = 3;
+  constexpr double kUsed = 0.75;
+  constexpr float kMostGrowth = 2.5f;
+  RefinedSurface best;
+  bool is_found = false;
+  float too_fine = 0.0f;
+  int halvings = 0;
   for (int attempt = 1;; ++attempt) {
     SurfaceMesh mesh = Refiner(rims, zones, heights, density, coarseness, receiver).run();
     const auto points = static_cast<double>(mesh.position.size());
+    const bool fits = points <= most;
     // The mesh cannot have fewer points than the receiver's own faces.
     const bool is_least = points < 1.05 * static_cast<double>(receiver.position.size());
-    if (points <= most || is_least || attempt == kTries) return {std::move(mesh), coarseness.hems};
-    if (coarseness.level < most_level) {
+    if (fits || is_least || (attempt == kTries && !is_found)) {
+      best = {std::move(mesh), coarseness.hems};
+      is_found = true;
+    }
+    if (is_found && (attempt >= kTries || halvings == kHalvings || too_fine <= 0.0f ||
+                     static_cast<double>(best.mesh.position.size()) > kUsed * most)) {
+      return best;
+    }
+    if (is_found) {
+      if (!fits) too_fine = coarseness.hems;
+      coarseness.hems = std::sqrt(too_fine * best.coarsened);
+      ++halvings;
+    } else if (coarseness.level < most_level) {
       coarseness.level = coarser_level(points);
     } else {
-      coarseness.hems *= static_cast<float>(std::sqrt(points / most) * 1.1);
+      too_fine = coarseness.hems;
+      coarseness.hems *= std::clamp(static_cast<float>(points / most), 1.15f, kMostGrowth);
     }
   }
 }
@@ -452,7 +481,7 @@ RefinedSurface refined_surface(const SurfaceMesh& receiver, const Rims& rims, co
 PointCounts wanted_points(const SurfaceMesh& receiver, const Rims& rims, float depth) {
   double rim_length = 0.0;
   for (const Rim& rim : rims.all()) rim_length += glm::distance(rim.from, rim.to);
-  const double rows = static_cast<double>(kSupportCuts.size() + kFarCuts.size());
+  const double rows = static_cast<double>(kCuts[0].levels.size());
   const double along = 0.5 * (kAlongHem + kAlongInland) * depth;
   PointCounts counts{rim_length / along * rows + 16.0, 0.0};
   for (size_t t = 0; t < receiver.triangle.size(); ++t) {
