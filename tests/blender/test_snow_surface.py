@@ -325,6 +325,16 @@ def test_finer_detail_has_more_points(tmp_path):
     assert counts[0] < counts[1] < counts[2]
 
 
+def test_the_panel_names_a_receiver_that_lacks_points(addon, tmp_path, monkeypatch):
+    coarsened = addon("result.snow_surface").coarsened
+    bake_surfaces(tmp_path, box("Thing"), resolution=128)
+    assert coarsened(bpy.context.scene) == []
+    monkeypatch.setitem(addon("surface.style").DETAILS, "DRAFT", (1.0, 500))
+    bpy.context.scene.snowbough.surface_detail = "DRAFT"
+    bpy.ops.snowbough.update_surface()
+    assert coarsened(bpy.context.scene) == ["Thing"]
+
+
 # -- creation and removal -----------------------------------------------------------------------------------------
 
 

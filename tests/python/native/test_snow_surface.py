@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import snowbough_native as native
 from snow_meshes import box, grid, rotated, smooth
+from snow_pieces import pieces, tile_courses
 
 DEPTH = 0.1
 
@@ -83,6 +84,15 @@ def test_a_larger_scale_has_fewer_points_and_most_points_is_a_limit():
     few = make(most_points=500)
     assert few.point_count <= 500
     assert few.coarsened > 1.0 == make().coarsened
+
+
+@pytest.mark.parametrize("most", [1500, 3000, 5000, 8000])
+def test_too_few_points_are_used(most):
+    """Rows of points at rims are left out one after the other, not all at once."""
+    positions, triangles, uv, resolution = pieces(tile_courses(6))
+    surface = make((positions, triangles, uv), level(DEPTH, resolution), most_points=most)
+    assert surface.coarsened > 1.0
+    assert 0.5 * most < surface.point_count <= most
 
 
 def needles(count=400):
