@@ -441,9 +441,10 @@ def test_ctrl_c_stops_the_command_line_and_leaves_nothing(tmp_path):
             return False
 
     try:
-        deadline = time.monotonic() + 60
-        while not reads_it():
-            assert running.poll() is None and time.monotonic() < deadline, running.communicate()
+        for _ in range(30000):
+            if reads_it():
+                break
+            assert running.poll() is None, running.communicate()
             time.sleep(0.002)
         running.send_signal(signal.SIGINT)
         _output, errors = running.communicate(timeout=60)

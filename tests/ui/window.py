@@ -99,21 +99,21 @@ class BlenderWindow:
             raise
 
     def run(self, source, timeout=60):
-        """Runs Python in Blender's event loop and returns the value that it left in `result`."""
+        """Runs Python in Blender's event loop and returns the value that it left in `result`. timeout: see
+        true_within()."""
         answer = self.folder / "answer.json"
         answer.unlink(missing_ok=True)
         partial = self.folder / "request.part"
         partial.write_text(source)
         os.replace(partial, self.folder / "request.py")
-        end = time.monotonic() + timeout
-        while not answer.exists():
-            if self.blender.poll() is not None:
-                raise AssertionError(
-                    f"Blender ended with {self.blender.returncode}:\n{self.messages()[-3000:]}"
-                )
-            if time.monotonic() > end:
-                raise AssertionError(f"no answer from Blender within {timeout} s:\n{self.messages()[-3000:]}")
-            time.sleep(0.005)
+
+        def is_over():
+            return answer.exists() or self.blender.poll() is not None
+
+        if not true_within(timeout, is_over, every=0.005):
+            raise AssertionError(f"no answer from Blender within {timeout} s:\n{self.messages()[-3000:]}")
+        if not answer.exists():
+            raise AssertionError(f"Blender ended with {self.blender.returncode}:\n{self.messages()[-3000:]}")
         said = json.loads(answer.read_text())
         if "error" in said:
             raise AssertionError(said["error"])
@@ -290,12 +290,19 @@ result = [region.x, region.y, region.width, region.height]
         self.log.close()
 
 
+def true_within(seconds, condition, every=0.02):
+    """Whether condition() becomes true while we look that long, `every` seconds. Looks are counted, not the clock: a
+    machine that pauses, or is slow for others' work, ends no wait."""
+    for _ in range(round(seconds / every)):
+        if condition():
+            return True
+        time.sleep(every)
+    return False
+
+
 def wait_for(condition, what, timeout=180):
     """Waits until condition() is true. `what` says in an error what was waited for."""
-    end = time.monotonic() + timeout
-    while not condition():
-        assert time.monotonic() < end, f"not within {timeout} s: {what}"
-        time.sleep(0.02)
+    assert true_within(timeout, condition), f"not within {timeout} s: {what}"
 
 
 def addon_zip():

@@ -5,7 +5,6 @@ import gc
 
 import numpy as np
 import pytest
-import snowbough_native as native
 from checkpoints import restore, save
 from snow_fall import new_simulation, simulation, snow_on, volume
 from snow_meshes import grid, sphere, wind
