@@ -59,12 +59,18 @@ void set_foliage(const py::object& foliage, ReadTreeOptions& options) {
   if (options.foliage && text != "AUTO") options.foliage_names = text;
 }
 
+std::string path_from(const py::object& path) {
+  // os.fsdecode takes str, bytes and pathlib.Path.
+  return py::module_::import("os").attr("fsdecode")(path).cast<std::string>();
+}
+
 ReadTreeOptions read_options(const std::string& up_axis, const std::string& levels,
                              const std::string& simplify, float tolerance,
                              const py::object& foliage, double unit, double height,
-                             bool keep_surface) {
+                             bool keep_surface, const py::object& bones) {
   ReadTreeOptions options;
   options.keep_surface = keep_surface;
+  options.bones = path_from(bones);
   options.up_axis = up_axis_from(up_axis);
   options.levels = levels;
   options.simplify = simplify_from(simplify);
@@ -78,12 +84,11 @@ ReadTreeOptions read_options(const std::string& up_axis, const std::string& leve
 Skeleton read_tree(const py::object& path, const std::string& up_axis, const std::string& levels,
                    const std::string& simplify, float tolerance, const py::object& foliage,
                    double unit, double height, const py::object& progress, bool outside_files,
-                   bool keep_surface) {
-  ReadTreeOptions options =
-      read_options(up_axis, levels, simplify, tolerance, foliage, unit, height, keep_surface);
+                   bool keep_surface, const py::object& bones) {
+  ReadTreeOptions options = read_options(up_axis, levels, simplify, tolerance, foliage, unit,
+                                         height, keep_surface, bones);
   options.outside_files = outside_files;
-  // os.fsdecode takes str, bytes and pathlib.Path.
-  const auto file = py::module_::import("os").attr("fsdecode")(path).cast<std::string>();
+  const std::string file = path_from(path);
   return run_cancellable(progress, [&](const base::Progress& asked) {
     options.progress = asked;
     return tree::read_tree(file, options);
@@ -162,9 +167,10 @@ Skeleton read_tree_mesh(const std::string& name, const InputArray<double>& verti
                         const std::optional<InputArray<float>>& corner_normal,
                         const std::string& up_axis, const std::string& levels,
                         const std::string& simplify, float tolerance, const py::object& foliage,
-                        double unit, double height, const py::object& progress, bool keep_surface) {
-  ReadTreeOptions options =
-      read_options(up_axis, levels, simplify, tolerance, foliage, unit, height, keep_surface);
+                        double unit, double height, const py::object& progress, bool keep_surface,
+                        const py::object& bones) {
+  ReadTreeOptions options = read_options(up_axis, levels, simplify, tolerance, foliage, unit,
+                                         height, keep_surface, bones);
   const auto positions = rows_from_numpy<glm::dvec3, double, 3>(vertices, "vertices");
   tree::ObjScene scene =
       scene_from_arrays(positions.size(), face_begin, corner_vertex, corner_uv, corner_normal,
@@ -390,7 +396,7 @@ for anything else.)");
              py::arg("levels") = "", py::arg("simplify") = "NONE", py::arg("tolerance") = 0.5f,
              py::arg("foliage") = "AUTO", py::arg("unit") = 1.0, py::arg("height") = 0.0,
              py::arg("progress") = py::none(), py::arg("outside_files") = false,
-             py::arg("keep_surface") = false,
+             py::arg("keep_surface") = false, py::arg("bones") = "",
              R"(Reads a tree from a Wavefront OBJ file and finds its skeleton; Z up, metres.
 
 levels: level names from the trunk on, separated by commas; '' derives them from the group names.
@@ -409,6 +415,9 @@ parent folder.
 
 keep_surface: whether to keep the wood's own polygons in `kept`.
 
+bones: path of SpeedTree's raw XML of the same tree, whose bones become the skeleton; '' traces the
+polygons. Needs keep_surface.
+
 progress(share) is called regularly; returning False (not None) cancels with KeyboardInterrupt.
 Raises ValueError with file and line for malformed input.)");
 
@@ -419,6 +428,7 @@ Raises ValueError with file and line for malformed input.)");
              py::arg("levels") = "", py::arg("simplify") = "NONE", py::arg("tolerance") = 0.5f,
              py::arg("foliage") = "AUTO", py::arg("unit") = 1.0, py::arg("height") = 0.0,
              py::arg("progress") = py::none(), py::arg("keep_surface") = false,
+             py::arg("bones") = "",
              R"(As read_tree, for polygons that are already in memory; `name` stands for the file in
 messages.
 

@@ -24,6 +24,7 @@
 #include "tree/read/limbs.h"
 #include "tree/read/part_names.h"
 #include "tree/read/plausible.h"
+#include "tree/read/speedtree_bones.h"
 #include "tree/read/up_axis.h"
 #include "tree/read/wood.h"
 #include "tree/skeleton/attach.h"
@@ -341,6 +342,40 @@ void stand_as_one(const ObjScene& scene, UpAxis up_axis, Reading& reading) {
       std::count(classified.role.begin(), classified.role.end(), PartRole::kFoliage));
 }
 
+/// Wood and leaves by names and shape, with the bones of another file for its branches.
+Reading read_with_bones(const ObjScene& scene, const ReadTreeOptions& options,
+                        const glm::dvec3& origin, const base::Execution& execution) {
+  Reading reading;
+  reading.sorted = sort_parts(scene, options.foliage_names, LargestPart::kTree,
+                              reading.report.warnings, execution);
+  auto& [parts, labels, classified] = reading.sorted;
+  classified.welded.clear();
+  classified.skipped.clear();
+  std::vector<glm::vec3> wood;
+  for (int32_t p = 0; p < parts.count(); ++p) {
+    if (classified.role[p] == PartRole::kFoliage) continue;
+    classified.role[p] = PartRole::kTube;
+    for (const int32_t v : parts.part_vertices(p)) wood.push_back(scene.positions[v]);
+  }
+  if (wood.empty()) {
+    throw std::invalid_argument(options.bones +
+                                ": the mesh has no wood for its bones: give the foliage's names");
+  }
+  std::vector<SpeedTreeBone> bones = read_speedtree_bones(options.bones);
+  std::vector<Branch> branches = branches_of_bones(bones);
+  // Positions are relative to the origin of a tree that is far from its file's.
+  for (Branch& branch : branches) {
+    for (glm::vec3& p : branch.points) p = glm::vec3(glm::dvec3(p) - origin);
+    branch.attach_point = glm::vec3(glm::dvec3(branch.attach_point) - origin);
+  }
+  fit_branches(wood, options.bones, branches);
+  reading.traced.reversible.assign(branches.size(), 0);
+  reading.traced.label.assign(branches.size(), -1);
+  reading.traced.branches = std::move(branches);
+  reading.traced.welded = reading.traced.named = true;
+  return reading;
+}
+
 std::string percent(double share) {
   return std::to_string(static_cast<int>(std::lround(100.0 * share))) + " %";
 }
@@ -388,9 +423,11 @@ TracedBranches read_parts(ObjScene& scene, const std::string& path, const ReadTr
   const base::Execution whole{options.threads, options.progress};
   ImportReport& report = skeleton.report;
   report_scene(scene, report);
-  Reading reading = read_wood(scene, options, whole.part(0.5f, 0.8f));
+  Reading reading = options.bones.empty()
+                        ? read_wood(scene, options, whole.part(0.5f, 0.8f))
+                        : read_with_bones(scene, options, skeleton.origin, whole.part(0.5f, 0.8f));
   const auto& [parts, labels, classified] = reading.sorted;
-  report.form = form_name(classified.form);
+  report.form = options.bones.empty() ? form_name(classified.form) : "SPEEDTREE_BONES";
   report.foliage_parts = classified.foliage_count;
   const auto append = [](auto& to, const auto& from) {
     to.insert(to.end(), from.begin(), from.end());
@@ -398,7 +435,7 @@ TracedBranches read_parts(ObjScene& scene, const std::string& path, const ReadTr
   append(report.skipped_parts, reading.report.skipped_parts);
   append(report.warnings, reading.report.warnings);
   TracedBranches& traced = reading.traced;
-  if (options.keep_surface && !has_limbs(traced, reading.left_out)) {
+  if (options.bones.empty() && options.keep_surface && !has_limbs(traced, reading.left_out)) {
     stand_as_one(scene, options.up_axis, reading);
     report.form = "ONE_LIMB";
   }
@@ -407,7 +444,7 @@ TracedBranches read_parts(ObjScene& scene, const std::string& path, const ReadTr
   report_coverage(reading, report);
   assign_levels(traced, labels, classified.form, options.levels, report.warnings);
   if (options.keep_surface) skeleton.kept = gather_kept(scene, parts, classified, traced.branches);
-  skeleton.wood = gather_wood(scene, parts, classified, traced.branches);
+  if (options.bones.empty()) skeleton.wood = gather_wood(scene, parts, classified, traced.branches);
   if (options.foliage) {
     skeleton.foliage = gather_foliage(scene, parts, classified);
   } else if (classified.foliage_count > 0) {
@@ -460,6 +497,10 @@ void report_extra_roots(Skeleton& skeleton) {
 
 void check_options(const ReadTreeOptions& options) {
   check_tolerance(options.tolerance);
+  if (!options.bones.empty() && !options.keep_surface) {
+    throw std::invalid_argument(
+        "the bones of SpeedTree are for its own mesh: turn on Keep Original Surface");
+  }
   if (!(options.unit > 0.0) || !std::isfinite(options.unit) || !(options.height >= 0.0) ||
       !std::isfinite(options.height)) {
     throw std::invalid_argument("unit must be above zero metres, height zero or above");
@@ -479,7 +520,7 @@ void build_skeleton(ObjScene& scene, const std::string& path, const ReadTreeOpti
   if (!options.keep_surface) check_tree(traced, path);
   turn_z_up(options.up_axis, traced, skeleton);
   orient_roots(traced);
-  if (is_merged(traced.form)) name_by_level(traced.branches);
+  if (options.bones.empty() && is_merged(traced.form)) name_by_level(traced.branches);
 
   skeleton.branches = std::move(traced.branches);
   complete_skeleton(skeleton);

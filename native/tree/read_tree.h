@@ -25,6 +25,9 @@ struct ReadTreeOptions {
   float tolerance = 0.5f;
   /// Keep the wood's own polygons in Skeleton::kept.
   bool keep_surface = false;
+  /// Path of SpeedTree's raw XML of the same tree: its bones are the skeleton, instead of one
+  /// traced along the polygons. Needs keep_surface.
+  std::string bones = {};
   /// Keep leaves, needles and flowers in Skeleton::foliage.
   bool foliage = true;
   /// Name prefixes separated by commas: exactly the parts whose group, object or material starts

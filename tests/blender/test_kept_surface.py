@@ -116,6 +116,54 @@ def test_it_sways_and_goes_out_as_gltf(oak, tmp_path):
     assert read.lods(read.node("oak_bark_LOD0")) == [read.node("oak_bark_LOD0")]
 
 
+def speedtree_xml(path, pieces=4, scale=100.0):
+    """Raw XML of SpeedTree for tube_tree: bones in centimetres, Y up, with decimal commas."""
+    bones = []
+    for number, (root, direction, length, radius) in enumerate(tube_tree.LIMBS):
+        root, direction = np.array(root, float), np.array(direction, float)
+        direction *= length / np.linalg.norm(direction)
+        for piece in range(pieces):
+            start, end = (root + direction * ((piece + k) / pieces) for k in (0, 1))
+            # Limbs 1 and 2 leave the trunk, the twig the first limb.
+            parent = len(bones) - 1 if piece else (-1, 1, 2, 5)[number]
+            places = {"Start": start, "End": end}
+            numbers = {"Radius": radius * (1 - 0.8 * piece / pieces) * scale}
+            for place, (x, y, z) in places.items():
+                numbers |= {f"{place}{axis}": scale * v for axis, v in zip("XYZ", (x, z, -y))}
+            text = " ".join(f'{key}="{value:.4f}"'.replace(".", ",") for key, value in numbers.items())
+            bones.append(f'<Bone ID="{len(bones)}" ParentID="{parent}" {text} Generator="Limb {number}" />')
+    path.write_text("\n".join(["<SpeedTreeRaw><Bones>", *bones, "</Bones></SpeedTreeRaw>"]))
+    return len(bones)
+
+
+def test_bones_of_speedtree_become_the_skeleton(oak, tmp_path):
+    xml = tmp_path / "oak.xml"
+    count = speedtree_xml(xml)
+    collection = import_collection(oak, bones=str(xml), up_axis="Z", simplify="NONE")
+    rig, bark = collection.objects["oak"], collection.objects["oak_bark"]
+    assert json.loads(collection["snowbough_report"])["form"] == "SPEEDTREE_BONES"
+    assert len(rig.data.bones) == count
+    assert len([bone for bone in rig.data.bones if bone.parent is None]) == 1
+    heads = np.array([bone.head_local for bone in rig.data.bones])
+    for root, direction, length, _radius in tube_tree.LIMBS:
+        middle = np.array(root) + 0.5 * length * np.array(direction) / np.linalg.norm(direction)
+        assert np.linalg.norm(heads - middle, axis=1).min() < 1e-3
+    # Each limb's tip follows its own last bone.
+    assert_weighted(bark)
+    for number in range(4):
+        tip = bark.data.vertices[_limb(number).stop - 1]
+        strongest = max(tip.groups, key=lambda group: group.weight).group
+        assert bark.vertex_groups[strongest].name == f"Limb_{number}.3"
+    assert_follows(bark, rig)
+
+
+def test_bones_of_another_tree_are_refused(oak, tmp_path):
+    xml = tmp_path / "other.xml"
+    speedtree_xml(xml, scale=17.0)
+    with pytest.raises(RuntimeError, match="do not lie in the wood"):
+        bpy.ops.import_scene.xfrog_tree(filepath=str(oak), bones=str(xml))
+
+
 def test_planes_across_limbs_are_no_surface():
     with pytest.raises(RuntimeError, match="without Keep Original Surface"):
         bpy.ops.import_scene.xfrog_tree(filepath=str(MAPLE), keep_surface=True)

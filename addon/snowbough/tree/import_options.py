@@ -127,6 +127,12 @@ class ImportProperties:
         "are fine as they are, scans and stumps. Detail, Width and LOD Chain then have no effect on the surface",
         default=False,
     )
+    bones: StringProperty(
+        name="SpeedTree Bones",
+        description="Raw XML file of SpeedTree, exported with bones beside the mesh: its bones become the skeleton, "
+        "and the mesh keeps its surface. If empty, the skeleton is found along the polygons",
+        subtype="FILE_PATH",
+    )
     detail: EnumProperty(
         name="Detail",
         description="Fineness of the tree: sides of limbs, smoothness of bends and forks, joints of branches",
@@ -192,7 +198,7 @@ ImportOptions = options_class("ImportOptions", ImportProperties)
 # Headings of the options in dialogs, and the options of each. `simplify` and `tolerance` are for scripts.
 SECTIONS = (
     ("file", "File", ("up_axis", "unit", "height", "levels", "outside_files")),
-    ("surface", "Surface", ("keep_surface", "detail", "lod_chain", "width", "species")),
+    ("surface", "Surface", ("keep_surface", "bones", "detail", "lod_chain", "width", "species")),
     ("bones", "Bones", ("max_bones", "max_bone_level", "show_bones")),
     ("foliage", "Foliage", ("foliage", "foliage_names")),
     ("extras", "Maps and Extras", ("snow_resolution", "wind_attributes", "mark_asset")),

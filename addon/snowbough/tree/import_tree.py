@@ -7,6 +7,7 @@ data-blocks are made (:func:`create_trees`). So invalid input or Esc leaves Blen
 
 import json
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,8 +16,9 @@ import numpy as np
 
 from ..base import compat, native
 from ..base.names import BARK_UV, FAILURES, LEAF_UV, ORIGINAL_UV, SNOW_RESOLUTION_PROPERTY, counted
+from ..base.options import options_of
 from . import armature, kept_bark, kept_skeleton, materials, objects, textures, thumbnail, wind_attributes
-from .import_options import LOD_CHAIN
+from .import_options import LOD_CHAIN, ImportOptions
 from .native_tree import ORIGINAL, read_native
 
 REPORT_PROPERTY = "snowbough_report"
@@ -182,6 +184,12 @@ def create_trees(context, trees, options, own=None):
         for obj in made:
             obj.select_set(True)
     return collections
+
+
+def options_from(operator):
+    """The ImportOptions of an operator, with absolute paths."""
+    options = options_of(ImportOptions, operator)
+    return replace(options, bones=bpy.path.abspath(options.bones))
 
 
 def units_per_metre(scene):

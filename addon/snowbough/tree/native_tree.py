@@ -6,7 +6,7 @@ stopped.
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -161,6 +161,8 @@ def _build(name, read, options, progress, units_per_metre):
     """The NativeTree of the skeleton that read(module, **settings) returns."""
     module = native.load()
     started = time.perf_counter()
+    if options.bones:  # bones are for the surface that they were made with
+        options = replace(options, keep_surface=True)
 
     def part(begin, end):
         """Converts the progress of a stage to that of the whole."""
@@ -179,6 +181,7 @@ def _build(name, read, options, progress, units_per_metre):
         foliage=(options.foliage_names or "AUTO") if options.foliage else "NONE",
         progress=part(0.0, 0.4),
         keep_surface=options.keep_surface,
+        bones=options.bones,
     )
     if not skeleton.branches:
         raise ValueError(f"{name} has no branches: there is no tree to import")

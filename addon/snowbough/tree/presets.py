@@ -23,6 +23,7 @@ OF_THE_FILE = {
     "levels",
     "outside_files",
     "keep_surface",
+    "bones",
     "foliage_names",
     "snow_resolution",
     "show_bones",

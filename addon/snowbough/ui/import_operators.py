@@ -15,9 +15,8 @@ from bpy_extras.io_utils import ImportHelper
 
 from ..base import compat, native
 from ..base.names import FAILURES
-from ..base.options import options_of
 from ..tree import import_tree, selected_meshes
-from ..tree.import_options import ImportOptions, ImportProperties
+from ..tree.import_options import ImportProperties
 from ..tree.import_tree import REPORT_PROPERTY
 from .editing_lock import NotWhileBaking
 from .import_panels import draw_sections
@@ -96,7 +95,7 @@ class _Files:
 
     def import_now(self, context):
         try:
-            made, failures = import_tree.import_files(context, self.chosen(), options_of(ImportOptions, self))
+            made, failures = import_tree.import_files(context, self.chosen(), import_tree.options_from(self))
         except KeyboardInterrupt:
             self.report({"WARNING"}, "The import was stopped; nothing was changed")
             return {"CANCELLED"}
@@ -147,7 +146,7 @@ class IMPORT_SCENE_OT_xfrog_tree(ImportProperties, _Files, bpy.types.Operator, I
                 self.report({"ERROR"}, str(error))
                 return {"CANCELLED"}
             bpy.ops.snowbough.import_tree_job(
-                "INVOKE_DEFAULT", files=files, **asdict(options_of(ImportOptions, self))
+                "INVOKE_DEFAULT", files=files, **asdict(import_tree.options_from(self))
             )
             return {"FINISHED"}
         return self.import_now(context)
@@ -170,7 +169,7 @@ class SNOWBOUGH_OT_import_tree_job(ImportProperties, _Files, bpy.types.Operator)
         return self.import_now(context)
 
     def invoke(self, context, _event):
-        self._options = options_of(ImportOptions, self)
+        self._options = import_tree.options_from(self)
         try:
             paths = self.chosen()
             self._job = _Job(paths, self._options, import_tree.units_per_metre(context.scene))
@@ -237,7 +236,7 @@ class SNOWBOUGH_OT_build_tree_from_selected(NotWhileBaking, ImportProperties, bp
 
     def execute(self, context):
         try:
-            _collection, report = selected_meshes.build(context, options_of(ImportOptions, self))
+            _collection, report = selected_meshes.build(context, import_tree.options_from(self))
         except FAILURES as error:
             return self.refuse(import_tree.message(error))
         texts = report["taken"]

@@ -35,8 +35,8 @@ struct Branch {
 /// Result of the import, for the operator's report, --json and the collection's custom property.
 struct ImportReport {
   /// One of SQUARES_PER_GROUP, TUBES_PER_GROUP, TUBES_PER_LEVEL, MERGED_TUBES, MATERIALS,
-  /// MERGED_SQUARES, WELDED (forms 1 to 7), ONE_LIMB (a kept surface without limbs), or
-  /// FROM_BRANCHES.
+  /// MERGED_SQUARES, WELDED (forms 1 to 7), ONE_LIMB (a kept surface without limbs),
+  /// SPEEDTREE_BONES, or FROM_BRANCHES.
   std::string form;
   /// "Y" or "Z": the up axis used.
   std::string up_axis;
