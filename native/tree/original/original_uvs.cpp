@@ -83,6 +83,24 @@ class FaceLookup {
         triangles_(wood_.vertices, wood_.triangles, wood_.piece_begin),
         unrolled_(wood_) {}
 
+  /// Computes the places of all vertices on the first branch that uses them: most faces then need
+  /// no searches for their corners.
+  void place_vertices(const base::Execution& execution) {
+    branch_of_.assign(mesh_.vertices.size(), -1);
+    for (size_t f = 0; f < mesh_.quads.size(); ++f) {
+      for (const int32_t v : mesh_.quads[f]) {
+        if (branch_of_[v] < 0) branch_of_[v] = mesh_.origins[f].branch;
+      }
+    }
+    places_.resize(mesh_.vertices.size());
+    base::parallel_for(places_.size(), kBlock, execution, [&](size_t begin, size_t end) {
+      for (size_t v = begin; v < end; ++v) {
+        const int32_t branch = branch_of_[v];
+        if (branch >= 0) places_[v] = axes_.place(branch, glm::dvec3(mesh_.vertices[v]));
+      }
+    });
+  }
+
   /// @param uv receives the coordinates, if the piece has any.
   /// @return the face's material.
   int32_t look_up(size_t face, int32_t branch, int32_t piece, QuadUv& uv) const {
@@ -96,7 +114,11 @@ class FaceLookup {
     const int32_t middle = unrolled_.walk(place, nearest).triangle;
     if (wood_.piece_textured[piece] != 0) {
       for (int k = 0; k < 4; ++k) {
-        uv[k] = unrolled_.walk(axes_.place(branch, glm::dvec3(mesh_.vertices[quad[k]])), middle).uv;
+        const int32_t v = quad[k];
+        const AxisPlace corner = branch_of_[v] == branch
+                                     ? places_[v]
+                                     : axes_.place(branch, glm::dvec3(mesh_.vertices[v]));
+        uv[k] = unrolled_.walk(corner, middle).uv;
       }
     }
     return wood_.triangle_material[middle];
@@ -108,6 +130,8 @@ class FaceLookup {
   Axes axes_;
   base::TriangleTree triangles_;
   Unrolled unrolled_;
+  std::vector<int32_t> branch_of_;
+  std::vector<AxisPlace> places_;
 };
 
 }  // namespace
@@ -128,7 +152,8 @@ OriginalUvs original_uvs(const Skeleton& skeleton, const TreeMesh& mesh,
   const bool textured = std::find(wood.piece_textured.begin(), wood.piece_textured.end(), 1) !=
                         wood.piece_textured.end();
   if (textured) result.uv = mesh.uv_bark;
-  const FaceLookup lookup(skeleton, mesh);
+  FaceLookup lookup(skeleton, mesh);
+  if (textured) lookup.place_vertices(execution);
   base::parallel_for(mesh.quads.size(), kBlock, execution, [&](size_t begin, size_t end) {
     QuadUv none{};
     for (size_t f = begin; f < end; ++f) {

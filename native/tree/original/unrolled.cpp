@@ -44,7 +44,7 @@ Flat unroll(const AxisPlace& place, const std::array<glm::dvec3, 3>& corners) {
     const glm::dvec3 from = corners[k] - place.axis;
     const double x = glm::dot(from, side), y = glm::dot(from, out);
     flat[k].y = glm::dot(from, place.along) - place.beyond;
-    on_axis[k] = std::hypot(x, y) <= kOnAxis * radius;
+    on_axis[k] = x * x + y * y <= kOnAxis * kOnAxis * radius * radius;
     if (on_axis[k]) continue;
     flat[k].x = std::atan2(x, y) * radius;
     sum += flat[k].x;
