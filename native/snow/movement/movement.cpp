@@ -88,9 +88,11 @@ void Movement::before(const MovementSettings& settings, double dt, std::vector<M
   for (MovingMap* map :
        settings.melt.is_on() && dt > 0.0 ? shown(maps) : std::vector<MovingMap*>()) {
     Repose& repose = *receivers_[map->object];
-    const std::vector<float> melted = thaw_.melt(settings.melt, sun.of(map->object), *map, repose);
+    const std::vector<float>* const light = sun.of(map->object);
+    const std::vector<float>& melted = thaw_.melt(settings.melt, light, *map, repose);
     if (!settings.melt.is_wet) continue;
-    water_.flow(settings.melt, dt, melted, sun.of(map->object), rain.of(map->object), *map, repose);
+    water_.flow(settings.melt, dt, melted, light, rain.of(map->object), *map, repose,
+                thaw_.runs_of(map->object, repose));
   }
   water_.drip(settings.landing.is_on);
   // Above hidden receivers snow stays in the air.

@@ -67,7 +67,6 @@ class Movement {
   LightMap sun, rain;
   /// A receiver's water in metres (see Water), resolution x resolution; empty: none.
   std::vector<float> water(size_t object) const { return water_.state(object); }
-  const Water::Balance& water_balance() const { return water_.balance(); }
 
   LandingState landing() const { return landing_.state(); }
   /// What the passes keep between steps: of the scene, and of a receiver.

@@ -7,6 +7,7 @@ ON_BOTH_ENGINES = {
     "test_snow",
     "test_snow_alpha",
     "test_snow_dust",
+    "test_snow_melt",
     "test_snow_persistence",
     "test_snow_place",
     "test_snow_replace",

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 import snowbough_native as native
 from checkpoints import restore, save
-from snow_meshes import box, grid
+from child import in_child
+from snow_fall import new_simulation
+from snow_meshes import box, grid, rotated
 from snow_rays import texel_points
 
 DT = 1.0 / 24.0
@@ -15,9 +17,7 @@ SUN = (0.5, 0.0, -1.0)
 
 
 def simulation(**settings):
-    return native.SnowSimulation(
-        engine="CPU", **{"pixel_size": 0.02, "repose": math.pi / 2, "unevenness": 0.0, **settings}
-    )
+    return new_simulation(**{"pixel_size": 0.02, "repose": math.pi / 2, "unevenness": 0.0, **settings})
 
 
 def ground(sim, size=2.0, resolution=128, depth=0.2, **step):
@@ -216,3 +216,42 @@ def test_weather_that_is_none_is_refused():
         ground(sim)
         with pytest.raises(ValueError, match="sun must be three finite"):
             sim.step({}, 0.0, sun=(math.nan, 0.0, 0.0))
+
+
+def test_no_water_is_lost_on_its_way_down():
+    """What runs off a tilted board and drips is what the board would hold if it soaked up all of it."""
+
+    def volume(soak):
+        settings = {"wet": True, "drying": 1e9, "wet_spread": 0.05, "rain": 0.002 / DT, "soak": soak}
+        with simulation(repose=math.radians(60.0), **settings) as sim:
+            ground(sim, size=3.0, depth=0.0, dt=0.0)
+            positions, triangles, uv = grid(1.0, 1.0)
+            tilted = rotated(positions, "y", 35.0) + [0.0, 0.0, 0.8]
+            sim.add_object("board", triangles, uv, resolution=128)
+            for step in range(4):
+                sim.step({"board": tilted.astype(np.float32)} if step == 0 else {}, 0.0, dt=DT)
+            planes = native.simulation_state(sim)["objects"]
+            return {
+                name: float((own["planes"]["water"].astype(float) * sim.texel_area(name)).sum())
+                for name, own in planes.items()
+            }
+
+    dry, soaked = volume(0.0005), volume(1.0)
+    assert dry["board"] < 0.2 * soaked["board"]
+    assert sum(dry.values()) == pytest.approx(sum(soaked.values()), rel=1e-6)
+
+
+def test_the_number_of_threads_changes_no_byte():
+    program = """
+import hashlib, os
+if {single}:
+    os.sched_setaffinity(0, {{min(os.sched_getaffinity(0))}})
+import test_snow_melt as t
+sim = t.simulation(unevenness=0.4, wet=True, repose=1.0, engine="CPU")
+t.ground(sim, depth=0.03)
+for _ in range(6):
+    sim.step({{}}, -0.006, dt=t.DT, sun=t.SUN)
+out = sim.output("ground")
+print(hashlib.sha256(sim.height("ground").tobytes() + out["wet"].tobytes()).hexdigest())
+"""
+    assert in_child(program.format(single=True)) == in_child(program.format(single=False))

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/parallel_for.h"
-#include "snow/movement/melt/near_average.h"
+#include "snow/movement/melt/linked_runs.h"
 
 namespace snowbough::snow {
 namespace {
@@ -63,6 +63,8 @@ float noise_at(const glm::dvec3& at, uint64_t wave) {
 void Thaw::lay_out(const std::vector<const SceneObject*>& objects) {
   objects_ = objects;
   noise_.assign(objects.size(), {});
+  runs_.clear();
+  runs_.resize(objects.size());
 }
 
 const std::vector<float>& Thaw::noise_of(size_t object) {
@@ -91,21 +93,35 @@ const std::vector<float>& Thaw::noise_of(size_t object) {
   return noise;
 }
 
-std::vector<float> Thaw::melt(const MeltSettings& settings, const std::vector<float>* light,
-                              MovingMap& map, Repose& repose) {
-  if (!(settings.depth > 0.0)) return {};
+const LinkedRuns& Thaw::runs_of(size_t object, Repose& repose) {
+  if (runs_[object] == nullptr) {
+    repose.bare_texels();
+    runs_[object] = std::make_unique<LinkedRuns>(*objects_[object]->table, repose.links());
+  }
+  return *runs_[object];
+}
+
+const std::vector<float>& Thaw::melt(const MeltSettings& settings, const std::vector<float>* light,
+                                     MovingMap& map, Repose& repose) {
+  melted_.clear();
+  if (!(settings.depth > 0.0)) return melted_;
   const std::vector<int32_t>& places = objects_[map.object]->table->texel;
   const Repose::BareTexels& bare = repose.bare_texels();
   const auto thickness = [&](size_t i) {
     return std::abs((*map.height)[static_cast<size_t>(places[i])]);
   };
-  double covered = 0.0;
-  std::vector<float> bareness(settings.unevenness > 0.0 ? places.size() : 0);
+  std::vector<float>& bareness = bareness_;
+  bareness.assign(settings.unevenness > 0.0 ? places.size() : 0, 0.0f);
+  size_t covered = 0;
+  size_t bare_ones = 0;
   for (size_t i = 0; i < places.size(); ++i) {
-    if (thickness(i) > 0.0f) covered += static_cast<double>(bare.area[i]);
-    if (!bareness.empty()) bareness[i] = thickness(i) < kBareDepth ? 1.0f : 0.0f;
+    const float own = thickness(i);
+    covered += own > 0.0f ? 1 : 0;
+    if (bareness.empty() || own >= kBareDepth) continue;
+    bareness[i] = 1.0f;
+    ++bare_ones;
   }
-  if (!(covered > 0.0)) return {};
+  if (covered == 0) return melted_;
   const std::vector<float>* noise = nullptr;
   if (!bareness.empty()) {
     double area = 0.0;
@@ -113,11 +129,12 @@ std::vector<float> Thaw::melt(const MeltSettings& settings, const std::vector<fl
     const double texel = std::sqrt(area / static_cast<double>(places.size()));
     const auto radius = static_cast<int32_t>(
         std::clamp(std::round(kNearBare / texel), 1.0, static_cast<double>(kMostRadius)));
-    bareness = near_average(*objects_[map.object]->table, repose.links(), radius, bareness);
+    if (bare_ones > 0) runs_of(map.object, repose).average(radius, bareness);
     noise = &noise_of(map.object);
   }
   const double sun = settings.sun_share;
-  std::vector<float> melted(places.size(), 0.0f);
+  std::vector<float>& melted = melted_;
+  melted.assign(places.size(), 0.0f);
   std::vector<double> volumes((places.size() + kTexelRun - 1) / kTexelRun, 0.0);
   base::for_each_item(volumes.size(), 1, [&](size_t run) {
     const size_t end = std::min(places.size(), (run + 1) * kTexelRun);
@@ -146,7 +163,7 @@ std::vector<float> Thaw::melt(const MeltSettings& settings, const std::vector<fl
     map.melted += volume;
     map.has_changed = map.has_changed || volume > 0.0;
   }
-  return melted;
+  return melted_;
 }
 
 }  // namespace snowbough::snow

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <glm/vec3.hpp>
+#include <memory>
 #include <vector>
 
+#include "snow/movement/melt/linked_runs.h"
 #include "snow/movement/moving_map.h"
 #include "snow/movement/repose/repose.h"
 #include "snow/scene/scene_object.h"
@@ -44,9 +45,11 @@ class Thaw {
   void lay_out(const std::vector<const SceneObject*>& objects);
 
   /// Melts a map's snow. `light`: by place on the map, as above; null: no sun shines. Returns by
-  /// texel the thickness in metres that has melted, empty if none has.
-  std::vector<float> melt(const MeltSettings& settings, const std::vector<float>* light,
-                          MovingMap& map, Repose& repose);
+  /// texel the thickness in metres that has melted, until the next call; empty if none has.
+  const std::vector<float>& melt(const MeltSettings& settings, const std::vector<float>* light,
+                                 MovingMap& map, Repose& repose);
+  /// A receiver's texels side by side.
+  const LinkedRuns& runs_of(size_t object, Repose& repose);
 
  private:
   const std::vector<float>& noise_of(size_t object);
@@ -54,6 +57,9 @@ class Thaw {
   std::vector<const SceneObject*> objects_;
   /// By object and texel, about -1 to 1; empty before it is needed.
   std::vector<std::vector<float>> noise_;
+  std::vector<std::unique_ptr<LinkedRuns>> runs_;
+  /// Of the last map; members to keep their memory.
+  std::vector<float> melted_, bareness_;
 };
 
 }  // namespace snowbough::snow

@@ -4,23 +4,26 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
+#include <numbers>
 
 #include "base/parallel_for.h"
 #include "shaders/lib/texel_repose.h"
+#include "snow/movement/melt/linked_runs.h"
 
 namespace snowbough::snow {
 namespace {
 
 /// Density of water in kg/m3.
 constexpr double kWaterDensity = 1000.0;
-/// Fraction of a difference that a pair of texels exchanges in a round, and the most rounds a step.
+/// The most that texels across a seam exchange of their difference in a step, and the largest
+/// radius in texels over which water spreads.
 constexpr double kExchange = 0.2;
-constexpr int kMostRounds = 8;
+constexpr double kWidest = 64.0;
 /// Metres from an edge at which drops fall.
 constexpr double kDropsOutside = 0.01;
 /// Drying under snow relative to bare ground in the open; and without sun.
-constexpr double kUnderSnow = 0.33;
-constexpr double kInShade = 0.3;
+constexpr float kUnderSnow = 0.33f;
+constexpr float kInShade = 0.3f;
 /// Thinner water is dry, in metres.
 constexpr float kDry = 1e-7f;
 
@@ -30,7 +33,6 @@ void Water::lay_out(const SceneRays& rays) {
   rays_ = &rays;
   surfaces_.assign(rays.objects().size(), {});
   drips_.clear();
-  balance_ = {};
 }
 
 void Water::forget_pose(size_t object) {
@@ -43,7 +45,6 @@ void Water::find_ways(size_t object, Repose& repose) {
   Surface& own = surfaces_[object];
   if (!own.next.empty()) return;
   const Repose::BareTexels& bare = repose.bare_texels();
-  const ReposeLinks& links = repose.links();
   const size_t count = bare.x.size();
   own.next.assign(count, kStays);
   base::for_each_item(count, 1024, [&](size_t i) {
@@ -64,40 +65,38 @@ void Water::find_ways(size_t object, Repose& repose) {
     const int32_t next = own.next[static_cast<size_t>(own.order[k])];
     if (next >= 0 && --above[static_cast<size_t>(next)] == 0) own.order.push_back(next);
   }
-  if (!own.pairs.empty()) return;
-  for_each_place(*rays_->objects()[object]->table, [&](int32_t texel, int32_t column, int32_t row) {
-    const uint8_t forward = links.forward[static_cast<size_t>(links.cell_at(column, row))];
-    for (int32_t k = 0; k < 2; ++k) {
-      if ((forward >> k & 1) == 0) continue;
-      const int32_t place = (row + kForwardRow[k]) * links.resolution + column + kForwardColumn[k];
-      const int32_t other = bare.texel_of[static_cast<size_t>(place)];
-      if (other >= 0) own.pairs.emplace_back(texel, other);
-    }
-  });
-  for (const ReposeLinks::Across& across : links.across) own.pairs.push_back(across.ends());
 }
 
-/// Exchanges water between neighbours.
-void Water::soak_sideways(const MeltSettings& settings, double dt, Surface& own) const {
+/// Spreads water to all sides, in a step as far as diffusion would.
+void Water::soak_sideways(const MeltSettings& settings, double dt, const LinkedRuns& runs,
+                          const ReposeLinks& links, Surface& own) {
   double area = 0.0;
   for (const float texel : own.area) area += static_cast<double>(texel);
-  const double texel = area / static_cast<double>(own.area.size());
-  const double wanted = 0.5 * settings.wet_spread * settings.wet_spread * dt / texel;
-  const int rounds = std::min(static_cast<int>(std::ceil(wanted / kExchange)), kMostRounds);
-  if (!(texel > 0.0) || rounds == 0) return;
-  const auto part = static_cast<float>(std::min(wanted / rounds, kExchange));
-  std::vector<float> gain(own.depth.size());
-  for (int round = 0; round < rounds; ++round) {
-    std::fill(gain.begin(), gain.end(), 0.0f);
-    for (const auto& [first, second] : own.pairs) {
-      const auto a = static_cast<size_t>(first), b = static_cast<size_t>(second);
-      const float flow = part * (own.depth[a] - own.depth[b]) * std::min(own.area[a], own.area[b]);
-      gain[a] -= flow;
-      gain[b] += flow;
-    }
-    for (size_t i = 0; i < gain.size(); ++i) {
-      if (own.area[i] > 0.0f) own.depth[i] = std::max(own.depth[i] + gain[i] / own.area[i], 0.0f);
-    }
+  if (!(area > 0.0)) return;
+  // Mean square of the way along an axis in texels, and that of the spread over a square.
+  const double wanted =
+      settings.wet_spread * settings.wet_spread * dt * static_cast<double>(own.area.size()) / area;
+  if (!(wanted > 0.0)) return;
+  const double wide = std::ceil(0.5 * (std::sqrt(12.0 * wanted + 1.0) - 1.0));
+  const auto radius = static_cast<int32_t>(std::min(wide, kWidest));
+  const double side = 2.0 * radius + 1.0;
+  const auto part = static_cast<float>(std::min(12.0 * wanted / (side * side - 1.0), 1.0));
+  std::vector<float>& spread = spread_;
+  spread.resize(own.depth.size());
+  for (size_t i = 0; i < spread.size(); ++i) spread[i] = part * own.depth[i] * own.area[i];
+  runs.spread(radius, spread);
+  for (size_t i = 0; i < spread.size(); ++i) {
+    if (!(own.area[i] > 0.0f)) continue;
+    own.depth[i] += spread[i] / own.area[i] - part * own.depth[i];
+  }
+  for (const ReposeLinks::Across& across : links.across) {
+    const auto a = static_cast<size_t>(across.a), b = static_cast<size_t>(across.b);
+    const float smaller = std::min(own.area[a], own.area[b]);
+    if (!(smaller > 0.0f)) continue;
+    const auto exchange = static_cast<float>(std::min(0.5 * wanted, kExchange));
+    const float flow = exchange * (own.depth[a] - own.depth[b]) * smaller;
+    own.depth[a] -= flow / own.area[a];
+    own.depth[b] += flow / own.area[b];
   }
 }
 
@@ -144,7 +143,7 @@ void Water::run_down(const MeltSettings& settings, size_t object, Repose& repose
 
 void Water::flow(const MeltSettings& settings, double dt, const std::vector<float>& melted,
                  const std::vector<float>* sun, const std::vector<float>* rain,
-                 const MovingMap& map, Repose& repose) {
+                 const MovingMap& map, Repose& repose, const LinkedRuns& runs) {
   Surface& own = surfaces_[map.object];
   const std::vector<int32_t>& places = rays_->objects()[map.object]->table->texel;
   const bool rains = settings.rain > 0.0 && rain != nullptr;
@@ -159,20 +158,18 @@ void Water::flow(const MeltSettings& settings, double dt, const std::vector<floa
     double come = melted.empty() ? 0.0 : static_cast<double>(melted[i]) * water;
     if (rains) come += settings.rain * static_cast<double>((*rain)[static_cast<size_t>(places[i])]);
     own.depth[i] += static_cast<float>(come);
-    balance_.come += come * static_cast<double>(own.area[i]);
   }
   run_down(settings, map.object, repose);
-  soak_sideways(settings, dt, own);
+  soak_sideways(settings, dt, runs, repose.links(), own);
+  const auto decay = static_cast<float>(std::numbers::ln2 * dt / settings.drying);
   for (size_t i = 0; i < places.size(); ++i) {
     if (own.depth[i] == 0.0f) continue;
     const auto place = static_cast<size_t>(places[i]);
-    const double shines = sun != nullptr ? std::min(static_cast<double>((*sun)[place]), 1.0) : 0.0;
-    const double speed =
-        (*map.height)[place] != 0.0f ? kUnderSnow : kInShade + (1.0 - kInShade) * shines;
-    float left = own.depth[i] * static_cast<float>(std::exp2(-dt * speed / settings.drying));
-    if (left < kDry) left = 0.0f;
-    balance_.dried += static_cast<double>(own.depth[i] - left) * static_cast<double>(own.area[i]);
-    own.depth[i] = left;
+    const float shines = sun != nullptr ? std::min((*sun)[place], 1.0f) : 0.0f;
+    const float speed =
+        (*map.height)[place] != 0.0f ? kUnderSnow : kInShade + (1.0f - kInShade) * shines;
+    const float left = own.depth[i] / (1.0f + decay * speed);
+    own.depth[i] = left < kDry ? 0.0f : left;
   }
 }
 
@@ -184,10 +181,7 @@ void Water::drip(bool lands) {
         own == nullptr || drop.place < 0
             ? -1
             : texel_at(*rays_->objects()[static_cast<size_t>(drop.object)]->table, drop.place);
-    if (texel < 0 || own->area.empty() || !(own->area[static_cast<size_t>(texel)] > 0.0f)) {
-      balance_.left += drop.volume;
-      continue;
-    }
+    if (texel < 0 || own->area.empty() || !(own->area[static_cast<size_t>(texel)] > 0.0f)) continue;
     if (own->depth.empty()) own->depth.assign(own->area.size(), 0.0f);
     own->depth[static_cast<size_t>(texel)] += static_cast<float>(
         drop.volume / static_cast<double>(own->area[static_cast<size_t>(texel)]));

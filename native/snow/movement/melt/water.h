@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include "snow/movement/melt/thaw.h"
@@ -25,7 +24,7 @@ class Water {
   /// and rain relative to open level ground; null: none.
   void flow(const MeltSettings& settings, double dt, const std::vector<float>& melted,
             const std::vector<float>* sun, const std::vector<float>* rain, const MovingMap& map,
-            Repose& repose);
+            Repose& repose, const LinkedRuns& runs);
   /// Ends the step: lets drip what has left edges; if not `lands`, it is gone.
   void drip(bool lands);
 
@@ -34,12 +33,6 @@ class Water {
   /// Null: none.
   void set_state(size_t object, const std::vector<float>* plane);
 
-  /// m3 of water since lay_out: what has come, dried, and left the receivers.
-  struct Balance {
-    double come = 0.0, dried = 0.0, left = 0.0;
-  };
-  const Balance& balance() const { return balance_; }
-
  private:
   /// Ends of ways: a texel, from whose lower side water drips.
   static constexpr int32_t kStays = -1;
@@ -47,9 +40,8 @@ class Water {
     /// By texel, empty before there is any.
     std::vector<float> depth;
     /// Of the current pose; empty: not known. By texel: the next one down, kStays, or -2 - outlet;
-    /// the texels so that each comes before the next; and pairs of neighbours.
+    /// and the texels so that each comes before the next.
     std::vector<int32_t> next, order;
-    std::vector<std::pair<int32_t, int32_t>> pairs;
     /// By outlet, or -1 - texel of a wall's or an underside's lower edge, in this pose: where water
     /// lands. Only looked up.
     std::unordered_map<int32_t, MapPoint> targets;
@@ -61,14 +53,16 @@ class Water {
     double volume = 0.0;
   };
   void find_ways(size_t object, Repose& repose);
-  void soak_sideways(const MeltSettings& settings, double dt, Surface& own) const;
+  void soak_sideways(const MeltSettings& settings, double dt, const LinkedRuns& runs,
+                     const ReposeLinks& links, Surface& own);
   void run_down(const MeltSettings& settings, size_t object, Repose& repose);
   MapPoint below(size_t object, int32_t from, int32_t texel, Repose& repose) const;
 
   const SceneRays* rays_ = nullptr;
   std::vector<Surface> surfaces_;
   std::vector<Drip> drips_;
-  Balance balance_;
+  /// By texel; a member to keep its memory.
+  std::vector<float> spread_;
 };
 
 }  // namespace snowbough::snow

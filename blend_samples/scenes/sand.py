@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sand that ran through three holes: round heaps at 34 degrees, on a board with a crate."""
+
+import math
+
+import bpy
+import sample
+
+TOP = 0.4
+HOLES = ((-0.42, 0.1, 0.075), (0.3, -0.2, 0.06), (0.12, 0.55, 0.05))
+
+
+def board(material):
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=16, y_subdivisions=16, size=2.6, location=(0.0, 0.1, TOP))
+    made = bpy.context.view_layer.objects.active
+    made.name = "board"
+    made.data.uv_layers.active.name = "snow"
+    made.data.materials.append(material)
+    return made
+
+
+def crate(material):
+    bpy.ops.mesh.primitive_cube_add(size=0.36)
+    made = sample.finish(material, smooth=False)
+    made.name, made.location, made.rotation_euler[2] = "crate", (-0.08, 0.02, TOP + 0.18), 0.4
+    return made
+
+
+def lid():
+    """A wide roof with holes, which the camera and the light do not see."""
+    made = bpy.data.objects.new("lid", bpy.data.meshes.new("lid"))
+    bpy.context.scene.collection.objects.link(made)
+    cells, half, edge = 240, 1.5, 30.0
+    lines = [-edge, *(-half + 2.0 * half * i / cells for i in range(cells + 1)), edge]
+    count = len(lines)
+    vertices = [(x, y, 2.0) for y in lines for x in lines]
+    faces = []
+    for row in range(count - 1):
+        for column in range(count - 1):
+            x, y = 0.5 * (lines[column] + lines[column + 1]), 0.5 * (lines[row] + lines[row + 1])
+            if all(math.hypot(x - a, y - b) > radius for a, b, radius in HOLES):
+                first = row * count + column
+                faces.append((first, first + 1, first + count + 1, first + count))
+    made.data.from_pydata(vertices, [], faces)
+    for ray in ("camera", "shadow", "diffuse", "glossy", "transmission", "volume_scatter"):
+        setattr(made, f"visible_{ray}", False)
+
+
+def build():
+    lid()
+    wood = sample.painted("wood", (0.16, 0.085, 0.035), mottle=0.3, scale=10.0)
+    paint = sample.painted("blue paint", (0.03, 0.09, 0.16), roughness=0.5)
+    return [board(wood), crate(paint)]
+
+
+def sand(settings):
+    bpy.ops.snowbough.set_kind(kind="SAND")
+    settings.flutter = 0.0
+
+
+sample.run(
+    build,
+    eye=(0.2, -2.5, 1.75),
+    target=(0.0, 0.12, 0.5),
+    lens=38.0,
+    frames=30,
+    depth=1.6,
+    resolution=512,
+    prepare=sand,
+)
