@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sand that ran through three holes: round heaps at 34 degrees, on a board with a crate."""
+"""Sand that ran through three holes: round heaps at 34 degrees on a board."""
 
 import math
 
@@ -7,7 +7,7 @@ import bpy
 import sample
 
 TOP = 0.4
-HOLES = ((-0.42, 0.1, 0.075), (0.3, -0.2, 0.06), (0.12, 0.55, 0.05))
+HOLES = ((-0.5, 0.0, 0.20), (0.36, -0.25, 0.16), (0.1, 0.62, 0.13))
 
 
 def board(material):
@@ -22,7 +22,7 @@ def board(material):
 def crate(material):
     bpy.ops.mesh.primitive_cube_add(size=0.36)
     made = sample.finish(material, smooth=False)
-    made.name, made.location, made.rotation_euler[2] = "crate", (-0.08, 0.02, TOP + 0.18), 0.4
+    made.name, made.location, made.rotation_euler[2] = "crate", (0.85, 0.42, TOP + 0.18), 0.4
     return made
 
 
@@ -63,8 +63,8 @@ sample.run(
     eye=(0.2, -2.5, 1.75),
     target=(0.0, 0.12, 0.5),
     lens=38.0,
-    frames=30,
-    depth=1.6,
-    resolution=512,
+    frames=14,
+    depth=0.25,
+    resolution=384,
     prepare=sand,
 )

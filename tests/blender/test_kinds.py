@@ -97,7 +97,9 @@ def test_every_kind_has_a_look_and_another_kind_takes_all_of_it_back(addon):
     for kind in ("DUST", "SAND"):
         bpy.ops.snowbough.set_kind(kind=kind)
     assert settings.granular and settings.flutter == pytest.approx(math.radians(10))
+    assert settings.blur_radius == 0.0
     bpy.ops.snowbough.set_kind(kind="FRESH")
+    assert settings.blur_radius == 2.0
     assert [getattr(settings, name) for name in changed] == pytest.approx(fresh)
 
 

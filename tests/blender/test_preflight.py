@@ -119,13 +119,13 @@ def test_what_a_bake_would_refuse_is_an_error(addon, tmp_path):
     bare = s.mesh_object("Bare", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
     empty = s.mesh_object("Empty", [(0, 0, 0)], [])
     s.receive(hidden, bare, empty)
-    s.settings(tmp_path, start_depth=0.5, end_depth=0.1)
+    s.settings(tmp_path, start_depth=0.5, end_depth=0.1, rate=0.0)
     found = "\n".join(texts(addon, "ERROR"))
     for part in (
         "'Hidden' is hidden in renders",
         "'Bare' has no UV map",
         "'Empty' has no faces",
-        "does not melt",
+        "The rate is 0 on every frame",
     ):
         assert part in found
     bpy.ops.snowbough.fix(kind="SHOW_IN_RENDER", object_name="Hidden")

@@ -95,8 +95,8 @@ def plan_snowfall(frame_start, frame_end, start_depth, end_depth, rates, parts=(
             )
         if end_depth < depth:
             raise ValueError(
-                f"{depth:g} m of snow lie at frame {last}, and snow does not melt: to continue, set the end depth "
-                f"({end_depth:g} m) to at least that"
+                f"{depth:g} m of snow lie at frame {last}, and added frames do not thaw: to continue, set the end "
+                f"depth ({end_depth:g} m) to at least that"
             )
         before = plan_snowfall(frame_start, last, start_depth, depth, rates[:split], parts[:-1])
         after = plan_snowfall(last + 1, frame_end, depth, end_depth, rates[split:])

@@ -102,6 +102,11 @@ def apply(scene, kind):
     """Gives all snow of the scene, and snow that is added later, the look of that kind."""
     look = LOOKS[kind]
     scene.snowbough.kind = kind
+    # Maps of grains keep their crests sharp.
+    if look.granular:
+        scene.snowbough.blur_radius = 0.0
+    elif scene.snowbough.granular:
+        scene.snowbough.property_unset("blur_radius")
     for name, value in look.settings().items():
         setattr(scene.snowbough, name, value)
     for obj in scene.objects:
