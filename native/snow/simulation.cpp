@@ -99,7 +99,9 @@ void SnowSimulation::replace_object(ObjectDescription description) {
   scene.set_aside();
   scene.keep_owned(*object);
   outputs_.forget(object->description.name);
-  object->press = objects_.by_name().at(object->description.name)->press;
+  const SceneObject& before = *objects_.by_name().at(object->description.name);
+  object->press = before.press;
+  object->shed_half_life = before.shed_half_life;
   objects_.put(std::move(object));
 }
 
@@ -186,6 +188,15 @@ void SnowSimulation::set_mask(const std::string& name, const SnowMask& mask) {
   const auto triangles = static_cast<size_t>(object.triangle_count());
   std::vector<float> weights = texel_weights(mask, *object.table, triangles);
   object.mask = std::make_shared<const std::vector<float>>(std::move(weights));
+}
+
+void SnowSimulation::set_shed_half_life(const std::string& name, double half_life) {
+  const std::scoped_lock lock(mutex_);
+  scene();
+  if (!std::isfinite(half_life) || half_life < 0.0) {
+    throw std::invalid_argument("shed_half_life must be 0 seconds or more");
+  }
+  objects_.receiver(name)->shed_half_life = half_life;
 }
 
 void SnowSimulation::set_presser(const std::string& name, const PressSettings& settings) {

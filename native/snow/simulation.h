@@ -80,6 +80,10 @@ class SnowSimulation {
   /// does replace_object.
   /// @throws std::invalid_argument for a name that is no receiver, and as texel_weights.
   void set_mask(const std::string& name, const SnowMask& mask);
+  /// Sets the time in seconds in which half of a receiver's snow lets go, from the next step on
+  /// (movement/shedding.h); 0: it stays.
+  /// @throws std::invalid_argument for a name that is no receiver, and a negative time.
+  void set_shed_half_life(const std::string& name, double half_life);
   /// Sets what an object does to the snow of others that it touches, from the next step on
   /// (movement/pressing.h).
   /// @throws std::invalid_argument for an unknown name, and settings out of range.

@@ -24,7 +24,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   plan.seed = input.take<uint16_t>();
   plan.wind = {static_cast<float>(input.take<int8_t>()) / 128.0f, 0.0f};
   const std::vector<float> last = fuzz::take_heights(input, mesh.topology.resolution);
-  const snow::SnowSurface surface = snow::plan_surface(source, last, last, plan);
+  const snow::SnowSurface surface = snow::plan_surface(
+      source, last, last, input.range(0, 1) == 1 ? last : std::vector<float>{}, plan);
   const auto points = static_cast<int32_t>(surface.point_count());
   fuzz::require(static_cast<size_t>(surface.faces.begin.back()) == surface.faces.corner.size(),
                 "the last face does not end with the last corner");

@@ -84,6 +84,8 @@ class BakedReceiver:
         }
         if self.spec.mask is not None:
             own["mask"] = self.spec.mask.text
+        if self.spec.shed_half_life:
+            own["shed_half_life"] = self.spec.shed_half_life
         return {"shot": digest(shot), "snowfall": shot, "receiver": own, "deposit": DEPOSIT}
 
     def compare_settings(self, shot, request):

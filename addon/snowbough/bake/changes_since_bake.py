@@ -142,6 +142,9 @@ def _receiver_changes(entry, before):
     mask, masked = "" if mask is None else mask.text, before.get("mask", "")
     if mask != masked:
         yield f"{obj.name}: mask {mask or 'none'}, was {masked or 'none'}"
+    sheds, shed = entry.shed_half_life, before.get("shed_half_life", 0.0)
+    if sheds != shed:
+        yield f"{obj.name}: sheds in {sheds:g} s, was {shed:g} s"
     if obj.type == "MESH":
         names = [layer.name for layer in obj.data.uv_layers]
         active = obj.data.uv_layers.active

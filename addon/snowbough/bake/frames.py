@@ -84,6 +84,7 @@ class FrameBaker:
             self._registry.set_effects(changes.masks, changes.pressers)
             self._positions.update(changes.moved)
             for step in steps:
+                self._registry.shed(step.sheds)
                 self._simulation.step(
                     self._positions,
                     depth=step.depth,

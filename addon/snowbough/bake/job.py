@@ -411,7 +411,12 @@ class BakeJob:
         )
         # All other objects only block snow.
         maps = {
-            own.key: (own.resolution, request.blur_radius * own.texel, own.spec.sides)
+            own.key: (
+                own.resolution,
+                request.blur_radius * own.texel,
+                own.spec.sides,
+                own.spec.shed_half_life,
+            )
             for own in [*self.receivers, *self._beside()]
         }
         self._registry = simulation.Registry(self._simulation, maps)

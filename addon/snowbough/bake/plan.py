@@ -27,7 +27,7 @@ import functools
 import itertools
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from ..base.names import MAX_FALL_ANGLE
@@ -61,6 +61,8 @@ class Step:
     """Metres on open, level ground; negative for snow that thaws."""
     dt: float
     """Seconds."""
+    sheds: bool = True
+    """Whether leaves and boughs shed."""
 
 
 @dataclass(frozen=True)
@@ -181,7 +183,8 @@ def preroll_steps(snowfall, fps, slide_half_life, directions=1):
     frame = snowfall.frame_start
     count = max(PREROLL_STEPS, directions)
     steps = _steps_on_pose((frame, 0.0), snowfall.preroll, count / fps, count)
-    return steps + [Step(frame, 0.0, 0.0, max(REST_SECONDS, REST_HALF_LIVES * slide_half_life))]
+    steps.append(Step(frame, 0.0, 0.0, max(REST_SECONDS, REST_HALF_LIVES * slide_half_life)))
+    return [replace(step, sheds=False) for step in steps]
 
 
 def frame_steps(snowfall, frame, fps, substeps=1, directions=1):

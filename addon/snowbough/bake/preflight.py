@@ -263,6 +263,9 @@ def _receiver(scene, entry, depsgraph):
             masks.check(mask, obj)
         except ValueError as error:
             issues.append(Issue("ERROR", str(error), name))
+    if entry.shed_half_life and not scene.snowbough.landing:
+        text = f"'{name}' sheds its snow, but Landing is off: what lets go lands nowhere"
+        issues.append(Issue("WARNING", text, name))
     if min(obj.matrix_world.to_scale()) <= 0 or obj.matrix_world.determinant() < 0:
         issues.append(
             Issue(

@@ -37,8 +37,8 @@ def make_simulation(native, snow, pixel_size, engine="AUTO", wait_for_gpu=True):
 class Registry:
     """The objects of a native SnowSimulation.
 
-    maps: {key: (resolution, sigma of the blur in metres, sides)} of the receivers that have a map; all other objects
-    only block snow.
+    maps: {key: (resolution, sigma of the blur in metres, sides, half-life of shedding)} of the receivers that have a
+    map; all other objects only block snow.
     """
 
     def __init__(self, simulation, maps):
@@ -46,6 +46,7 @@ class Registry:
         self._maps = maps
         self._known = set()
         self._unprepared = []
+        self._sheds = False
 
     def register_changes(self, added):
         """Adds the objects of {key: scene.tracker.Registration}, or gives existing ones their new mesh. A receiver's
@@ -55,7 +56,7 @@ class Registry:
         """
         for key, registration in added.items():
             topology = registration.topology
-            resolution, blur_radius, sides = self._maps.get(key, (MIN_RESOLUTION, None, "FRONT"))
+            resolution, blur_radius, sides, _ = self._maps.get(key, (MIN_RESOLUTION, None, "FRONT", 0.0))
             receives = key in self._maps
             arguments = (
                 key,
@@ -75,6 +76,8 @@ class Registry:
             if key not in self._known:
                 self._simulation.add_object(*arguments, **options)
                 self._known.add(key)
+                if self._sheds:
+                    self._shed(key)
                 if receives:
                     self._unprepared.append(key)
                 continue
@@ -95,6 +98,20 @@ class Registry:
         for key, mask in masks.items():
             if key in self._maps:
                 self._simulation.set_mask(key, *(() if mask is None else (mask.values, mask.uv)))
+
+    def shed(self, sheds):
+        """Lets receivers shed their snow from the next step on, or no longer: what lies there before the first frame
+        stays."""
+        if sheds == self._sheds:
+            return
+        self._sheds = sheds
+        for key in self._known:
+            self._shed(key)
+
+    def _shed(self, key):
+        half_life = self._maps[key][3] if key in self._maps else 0.0
+        if half_life > 0.0:
+            self._simulation.set_shed_half_life(key, half_life if self._sheds else 0.0)
 
     def prepare(self):
         """Starts the preparation of the maps of new receivers, in parallel to the next steps. Waits for the engine."""

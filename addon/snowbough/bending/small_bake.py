@@ -76,7 +76,8 @@ def bake_heights(native, pose, keys, snow, texel_size, depth, seconds):
         added[key] = Registration(obj.label, "", topology, obj.positions)
     pixel = max(min(texels), float(np.linalg.norm(high - low)) / math.sqrt(MOST_PIXELS))
     maps = {
-        key: (resolution, 0.0, pose.objects[key].receiver.sides) for key, resolution in resolutions.items()
+        key: (resolution, 0.0, pose.objects[key].receiver.sides, 0.0)
+        for key, resolution in resolutions.items()
     }
     # What falls off the tree does not matter here.
     settings = {**snow, "landing": False, "mapping": "COMPUTE"}

@@ -158,6 +158,7 @@ class Playback:
                 own.resolution,
                 self.settings.blur_radius * own.baked_texel,
                 pose.objects[key].receiver.sides,
+                pose.objects[key].receiver.shed_half_life,
             )
             for key, own in self.maps.items()
         }
@@ -198,8 +199,9 @@ class Playback:
         self._moved, self._hidden = changes.moved, changes.hidden
         return has_changed
 
-    def _step(self, pose, depth, dt):
+    def _step(self, pose, depth, dt, sheds=True):
         moved, self._moved = self._moved, {}
+        self._registry.shed(sheds)
         direction = plan.fall_direction(pose.fall_angle, pose.bearing)
         weather = {"sun": pose.sun} if any(pose.sun) else {}
         self.simulation.step(moved, depth=depth, direction=direction, dt=dt, hidden=self._hidden, **weather)
@@ -218,7 +220,7 @@ class Playback:
         before, time = 0.0, settings.snowfall.frame_start - 1
         if settings.snowfall.preroll > 0.0:
             for step in plan.preroll_steps(settings.snowfall, settings.fps, settings.snow["slide_half_life"]):
-                self._step(poses[0][1], step.depth, step.dt)
+                self._step(poses[0][1], step.depth, step.dt, step.sheds)
             before = settings.snowfall.preroll
         for index, (frame, pose) in enumerate(poses):
             if index:
@@ -244,7 +246,7 @@ class Playback:
         frames = range(max(first, snowfall.frame_start), min(last, snowfall.frame_end) + 1)
         steps = [step for frame in frames for step in plan.frame_steps(snowfall, frame, self.settings.fps)]
         for step in steps:
-            self._step(pose, step.depth, step.dt)
+            self._step(pose, step.depth, step.dt, step.sheds)
         if not steps:  # the simulation still needs the positions
             self._step(pose, 0.0, 0.0)
 

@@ -102,6 +102,8 @@ class ReceiverSpec:
     """(name, library) of the objects that an instancer may show on some frame."""
     mask: MaskSpec = None
     """None: it takes all snow."""
+    shed_half_life: float = 0.0
+    """Seconds in which half of its snow lets go; 0: it stays."""
     baked_as: str = ""
     """Its name at its first bake, which its folder, fingerprints and manifest keep; empty for its current name."""
 

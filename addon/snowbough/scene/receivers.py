@@ -170,6 +170,7 @@ def receiver_specs(scene, as_baked=False):
             entry.sides,
             surface_style(scene, entry),
             mask=mask_spec(entry),
+            shed_half_life=entry.shed_half_life,
         )
         if as_baked:
             known_as = entry.baked_as or _free_name(scene, name, library, taken)

@@ -5,7 +5,7 @@ The scene holds the list, because settings on linked or overridden objects get l
 """
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
 from ..base import compat
 from ..base.names import MAX_RESOLUTION
@@ -56,6 +56,14 @@ class SnowboughReceiver(SurfaceProperties, MaskProperties, bpy.types.PropertyGro
         description="Sides of the faces that receive snow",
         items=SIDES,
         default="AUTO",
+    )
+    shed_half_life: FloatProperty(
+        name="Sheds in",
+        description="Time of the shot in which half of the snow on leaves and boughs lets go and falls. 0 keeps it "
+        "(seconds)",
+        default=0.0,
+        min=0.0,
+        soft_max=60.0,
     )
     own_surface: BoolProperty(
         name="Own Surface Sliders",

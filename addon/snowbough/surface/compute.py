@@ -94,18 +94,30 @@ class SurfaceInputs:
         except RuntimeError as error:
             raise CacheError(f"{error}. Bake again") from error
 
+    @property
+    def is_pressed(self):
+        """Whether objects have pressed, pushed or removed its snow."""
+        return any(name in self.frames[-1] for name in ("pressed", "cleared"))
+
     def highest(self):
-        """The maximum thickness over the sampled frames at each texel, (R, R) float32, metres."""
-        count = len(self.frames)
+        """(the maximum thickness over the sampled frames at each texel, the maximum by which it ever lay lower than
+        before), (R, R) float32, metres. Of snow that objects have pressed, over all frames; else without the second."""
+        count, is_pressed = len(self.frames), self.is_pressed
         looked_at = sorted({round(i * (count - 1) / LOOKED_AT) for i in range(LOOKED_AT + 1)})
+        if is_pressed:
+            looked_at = range(count)
         with ThreadPoolExecutor(2) as pool:
-            highest = None
+            highest, dents = None, None
             for index, height in zip(looked_at, pool.map(self.height, looked_at)):
                 if height.nbytes * len(looked_at) <= MOST_KEPT_BYTES:
                     self._maps[index] = height
                 thickness = np.abs(height)
-                highest = thickness if highest is None else np.maximum(highest, thickness, out=highest)
-        return highest
+                before = highest
+                highest = thickness if before is None else np.maximum(before, thickness, out=before)
+                if is_pressed:
+                    sunk = highest - np.abs(height)
+                    dents = sunk if dents is None else np.maximum(dents, sunk, out=dents)
+        return highest, dents
 
     def world(self, index):
         """Vertices of a frame in world space, (V, 3) float32, metres."""
@@ -147,7 +159,7 @@ class Surface:
         last = len(inputs.frames) - 1
         # Where snow thaws, edges of snow are those of the deepest frame.
         fullest = max(range(last + 1), key=lambda index: (inputs.frames[index]["depth"], index))
-        highest = inputs.highest()
+        highest, dents = inputs.highest()
         self.style = style
         self._native = native.SnowSurface(
             inputs.mesh.triangles,
@@ -161,6 +173,7 @@ class Surface:
             most_points=WantedPoints(*inputs.manifest.get("wanted", ())).most(style.detail),
             seed=seed_of(inputs.label),
             wind=inputs.wind(),
+            dents=dents,
         )
         self.set_style(style)
 

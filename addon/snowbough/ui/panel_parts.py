@@ -208,6 +208,7 @@ def draw_receiver(layout, entry):
     column.use_property_decorate = False
     column.prop(entry, "resolution")
     column.prop(entry, "sides")
+    column.prop(entry, "shed_half_life", text=setting_label(entry, "shed_half_life"))
     if entry.object is not None and entry.object.type == "MESH":
         column.prop_search(entry, "uv_map", entry.object.data, "uv_layers", icon="GROUP_UVS")
         mode = displacement.mode_of(entry)

@@ -83,10 +83,9 @@ void give_object(SnowSimulation& simulation, const std::string& name,
                  const InputArray<int32_t>& triangles, const InputArray<float>& uv,
                  int32_t resolution, bool receive, bool occlude, const py::object& rest,
                  const std::optional<double>& blur_radius, const py::object& alpha,
-                 const py::object& shading, const std::string& sides, double shed_half_life) {
-  snow::ObjectDescription description =
-      describe_object(name, triangles, uv, resolution, receive, occlude, rest, blur_radius, alpha,
-                      shading, sides, shed_half_life);
+                 const py::object& shading, const std::string& sides) {
+  snow::ObjectDescription description = describe_object(
+      name, triangles, uv, resolution, receive, occlude, rest, blur_radius, alpha, shading, sides);
   const ReleasedGil release;
   (simulation.*give)(std::move(description));
 }
@@ -337,7 +336,7 @@ that can change the last bits of a result) and 'reason' (why it was chosen).)")
       .def("add_object", &give_object<&SnowSimulation::add_object>, "name"_a, "triangles"_a, "uv"_a,
            "resolution"_a = 1024, "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
            "blur_radius"_a = py::none(), "alpha"_a = py::none(), "shading"_a = py::none(),
-           "sides"_a = "AUTO", "shed_half_life"_a = 0.0,
+           "sides"_a = "AUTO",
            R"(Adds a mesh: triangles (T, 3) vertex indices, uv (T, 3, 2) in [0, 1]. A receiver gets
 a map of resolution x resolution texels, and always occludes, too. rest (N, 3): the pose in which
 output measures distances, in metres; by default the pose of its first step. blur_radius: standard
@@ -353,13 +352,11 @@ total snow equals what falls on the triangles.
 
 sides: the sides that take snow. FRONT, where triangles run anticlockwise; BOTH: the side that
 faces the sky, with negative heights on the back; AUTO: BOTH for parts of the mesh without an
-inside (cards, leaves, flags, bowls, by the rest pose), FRONT for the others.
-
-shed_half_life: seconds in which half of the snow lets go and falls, lump by lump; 0: none does.)")
+inside (cards, leaves, flags, bowls, by the rest pose), FRONT for the others.)")
       .def("replace_object", &give_object<&SnowSimulation::replace_object>, "name"_a, "triangles"_a,
            "uv"_a, "resolution"_a = 1024, "receive"_a = true, "occlude"_a = true,
            "rest"_a = py::none(), "blur_radius"_a = py::none(), "alpha"_a = py::none(),
-           "shading"_a = py::none(), "sides"_a = "AUTO", "shed_half_life"_a = 0.0,
+           "shading"_a = py::none(), "sides"_a = "AUTO",
            R"(Replaces an object's mesh from the next step on, which must give its positions. A
 receiver keeps its map wherever the new mesh has a surface in UV space; other snow is removed and
 counts as stretched_volume. Resolution and receive stay. Arguments as in add_object.)")
@@ -388,6 +385,10 @@ values (T, 3) of the triangles' corners; or with uv (T, 3, 2) an image (H, W), r
 values, and by replace_object, the mask is removed. A mask scales what falls and lands, and the
 depth that may lie; snow shrinks with a mask that decreases. What is refused counts as
 masked_volume.)")
+      .def("set_shed_half_life", &SnowSimulation::set_shed_half_life, "name"_a, "half_life"_a,
+           py::call_guard<ReleasedGil>(),
+           R"(Sets the seconds in which half of a receiver's snow lets go and falls, lump by lump,
+from the next step on; 0: none does.)")
       .def("set_presser", &set_presser, "name"_a, "kind"_a = "PRESS", py::kw_only(),
            "packed_density"_a = snow::PressSettings{}.packed_density,
            "pushed_aside"_a = snow::PressSettings{}.pushed_aside,

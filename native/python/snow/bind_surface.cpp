@@ -68,7 +68,8 @@ std::unique_ptr<BoundSurface> make_surface(const InputArray<int32_t>& triangles,
                                            const InputArray<float>& highest, float depth,
                                            const std::optional<InputArray<int32_t>>& shading,
                                            float scale, int32_t most_points, uint32_t seed,
-                                           const std::array<float, 2>& wind) {
+                                           const std::array<float, 2>& wind,
+                                           const std::optional<InputArray<float>>& dents) {
   const std::vector<float> heights = square_map(last, "last");
   require_finite(uv, "uv");
   require_positive(depth, "depth");
@@ -77,11 +78,12 @@ std::unique_ptr<BoundSurface> make_surface(const InputArray<int32_t>& triangles,
   const snow::SurfaceSource source = surface_source(
       map_topology(triangles, uv, static_cast<int32_t>(last.shape(0))), positions, shading);
   const std::vector<float> most = square_map(highest, "highest");
+  const std::vector<float> dent = dents ? square_map(*dents, "dents") : std::vector<float>{};
   for (const float part : wind) require_number(part, "wind");
   const snow::SurfacePlan plan{{depth, scale, most_points}, seed, {wind[0], wind[1]}};
   return without_gil([&] {
     return std::make_unique<BoundSurface>(
-        BoundSurface{snow::plan_surface(source, heights, most, plan)});
+        BoundSurface{snow::plan_surface(source, heights, most, dent, plan)});
   });
 }
 
@@ -188,7 +190,7 @@ ValueError for triangles with invalid indices.)");
       .def(py::init(&make_surface), py::arg("triangles"), py::arg("uv"), py::arg("positions"),
            py::arg("last"), py::arg("highest"), py::arg("depth"), py::arg("shading") = py::none(),
            py::arg("scale") = 1.0f, py::arg("most_points") = 200000, py::arg("seed") = 0,
-           py::arg("wind") = std::array<float, 2>{0.0f, 0.0f})
+           py::arg("wind") = std::array<float, 2>{0.0f, 0.0f}, py::arg("dents") = py::none())
       .def("faces", &faces)
       .def(
           "set_style", &set_style,

@@ -29,7 +29,7 @@ snow::ObjectDescription describe_object(const std::string& name,
                                         bool receive, bool occlude, const py::object& rest,
                                         const std::optional<double>& blur_radius,
                                         const py::object& alpha, const py::object& shading,
-                                        const std::string& sides, double shed_half_life) {
+                                        const std::string& sides) {
   const std::string who = "object '" + name + "': ";
   snow::ObjectDescription description;
   description.name = name;
@@ -55,10 +55,6 @@ snow::ObjectDescription describe_object(const std::string& name,
   description.sides = choose<snow::Sides>(
       who + "sides", sides,
       {{"AUTO", snow::Sides::kAuto}, {"FRONT", snow::Sides::kFront}, {"BOTH", snow::Sides::kBoth}});
-  if (!std::isfinite(shed_half_life) || shed_half_life < 0.0) {
-    throw std::invalid_argument(who + "shed_half_life must be 0 seconds or more");
-  }
-  description.shed_half_life = shed_half_life;
   return description;
 }
 

@@ -39,13 +39,13 @@ void Shedding::lay_out(const std::vector<const SceneObject*>& objects) {
 
 bool Shedding::is_on() const {
   return std::any_of(objects_.begin(), objects_.end(), [](const SceneObject* object) {
-    return object->description.receive && object->description.shed_half_life > 0.0;
+    return object->description.receive && object->shed_half_life > 0.0;
   });
 }
 
 void Shedding::shed(uint32_t step_number, double dt, MovingMap& map, Repose& repose) {
   const SceneObject& object = *objects_[map.object];
-  const double half_life = object.description.shed_half_life;
+  const double half_life = object.shed_half_life;
   if (!(half_life > 0.0) || !(dt > 0.0)) return;
   const double share = -std::expm1(-dt / half_life * std::log(2.0));
   const double edge = cube_of(*map.height);

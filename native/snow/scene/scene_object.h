@@ -45,8 +45,6 @@ struct ObjectDescription {
   /// the positions of each step; negative, or empty: flat.
   std::vector<int32_t> shading;
   Sides sides = Sides::kAuto;
-  /// Time in seconds after which half of the snow has let go (movement/shedding.h); 0: it stays.
-  double shed_half_life = 0.0;
 };
 
 /// An object in a simulation.
@@ -63,6 +61,9 @@ struct SceneObject {
   std::shared_ptr<const std::vector<float>> mask;
   /// What it does to the snow of other objects.
   PressSettings press;
+  /// Receivers only: time in seconds after which half of the snow has let go (movement/shedding.h);
+  /// 0: it stays.
+  double shed_half_life = 0.0;
   /// Current world positions in metres; empty before the object's first step.
   std::vector<glm::vec3> positions;
   Bounds bounds;

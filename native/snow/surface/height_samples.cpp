@@ -15,6 +15,8 @@ namespace {
 /// is lower by the second does not count.
 constexpr float kSameGround = 0.3f;
 constexpr float kOnWall = 0.6f;
+/// Factor on the weights of neighbours at sharp points.
+constexpr float kSharp = 0.25f;
 
 void find_samples(HeightSamples& samples, const SurfaceMesh& mesh, const SurfaceSource& source) {
   const size_t count = mesh.position.size();
@@ -119,6 +121,16 @@ HeightSamples height_samples(const SurfaceMesh& mesh, const SurfaceSource& sourc
   find_samples(samples, mesh, source);
   find_neighbours(samples, mesh, reach);
   return samples;
+}
+
+void sharpen(HeightSamples& samples, const std::vector<uint8_t>& is_sharp) {
+  for (size_t p = 0; p < is_sharp.size(); ++p) {
+    if (is_sharp[p] == 0) continue;
+    for (int32_t i = samples.neighbour_begin[p]; i < samples.neighbour_begin[p + 1]; ++i) {
+      samples.neighbour_weight[i] *= kSharp;
+    }
+    samples.own_weight[p] = 1.0f - kSharp * (1.0f - samples.own_weight[p]);
+  }
 }
 
 std::vector<float> sampled_heights(const HeightSamples& samples, const float* map) {

@@ -39,6 +39,9 @@ struct HeightSamples {
 /// @param reach distance over which heights are smoothed, in metres.
 HeightSamples height_samples(const SurfaceMesh& mesh, const SurfaceSource& source, float reach);
 
+/// Smooths less at the points at which is_sharp is 1.
+void sharpen(HeightSamples& samples, const std::vector<uint8_t>& is_sharp);
+
 /// Thickness of the snow at each point by a map, in metres; snow on the other side counts as 0.
 std::vector<float> sampled_heights(const HeightSamples& samples, const float* map);
 

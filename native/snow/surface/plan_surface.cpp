@@ -16,6 +16,9 @@ namespace {
 /// Reach of the smoothing of heights over the surface, and of normals, as fractions of the depth.
 constexpr float kSmoothing = 0.12f;
 constexpr float kCrease = 0.3f;
+/// Two neighbours with dents that differ by more than this fraction of the depth lie at a print's
+/// wall.
+constexpr float kWall = 0.1f;
 /// The look that decides where snow ends.
 constexpr shared::SnowStyle kUsualStyle{1.0f, 1.0f, 1.0f, 1.0f};
 
@@ -72,6 +75,28 @@ SurfaceFrame frame_of(const std::vector<float>& map, float depth) {
   return frame;
 }
 
+/// Samples of the heights that smooth less where the dented snow changes within an edge.
+HeightSamples samples_of(const SurfaceMesh& mesh, const SurfaceSource& source, float reach,
+                         const std::vector<float>& dented, float depth) {
+  HeightSamples samples = height_samples(mesh, source, reach);
+  if (dented.empty()) return samples;
+  std::vector<float> height(samples.count());
+  for (size_t p = 0; p < height.size(); ++p) {
+    for (int32_t i = samples.begin[p]; i < samples.begin[p + 1]; ++i) {
+      height[p] += samples.weight[i] * map_value(dented.data(), samples.resolution,
+                                                 {samples.texel[i], samples.share[i]});
+    }
+  }
+  std::vector<uint8_t> is_sharp(height.size(), 0);
+  for (size_t p = 0; p < height.size(); ++p) {
+    for (int32_t i = samples.neighbour_begin[p]; i < samples.neighbour_begin[p + 1]; ++i) {
+      if (std::abs(height[samples.neighbour[i]] - height[p]) > kWall * depth) is_sharp[p] = 1;
+    }
+  }
+  sharpen(samples, is_sharp);
+  return samples;
+}
+
 /// Makes cushions of at most `most_points` points on the snow of `last`.
 Cushions cushions_on(const SnowSurface& surface, const SurfaceFrame& last, int32_t most_points) {
   // Use the thickness from the map, because snow too thin to show on one needle counts for bridges.
@@ -116,9 +141,15 @@ void drop_bare_sheets(SnowSurface& surface, const std::vector<float>& highest, f
 }  // namespace
 
 SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& last,
-                         const std::vector<float>& highest, const SurfacePlan& plan) {
+                         const std::vector<float>& highest, const std::vector<float>& dents,
+                         const SurfacePlan& plan) {
   check(source, last);
   check(source, highest);
+  std::vector<float> dented;
+  if (!dents.empty()) {
+    check(source, dents);
+    for (size_t i = 0; i < last.size(); ++i) dented.push_back(std::abs(last[i]) - dents[i]);
+  }
   const float depth = plan.density.depth;
   if (!(depth > 0.0f)) throw std::invalid_argument("depth must be over 0");
   const int32_t resolution = source.topology.resolution;
@@ -139,8 +170,9 @@ SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& 
   const bool needles = are_needles(receiver, depth);
   SurfaceDensity density = plan.density;
   if (needles) density.most_points = std::max(density.most_points / 2, 1);
-  RefinedSurface refined =
-      refined_surface(receiver, rims, zones, {last.data(), highest.data(), resolution}, density);
+  RefinedSurface refined = refined_surface(
+      receiver, rims, zones,
+      {last.data(), highest.data(), dented.empty() ? nullptr : dented.data(), resolution}, density);
   surface.coarsened = refined.coarsened;
 
   const float smoothing = kSmoothing * depth;
@@ -149,7 +181,7 @@ SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& 
   points = carried_points(std::move(refined.mesh), source);
   std::vector<RimZones::Zone> zone;
   zones.find(points.mesh, zone);
-  surface.samples = height_samples(points.mesh, source, smoothing);
+  surface.samples = samples_of(points.mesh, source, smoothing, dented, depth);
   find_normals(points, surface.samples, kCrease * depth);
   surface.fronts = find_fronts(points, zone, rims, tree, plan.wind, shift, depth);
   surface.looks = point_looks(points, surface.samples, zone, tree, shift, depth);
@@ -159,7 +191,7 @@ SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& 
   find_presence(surface.fronts, points, surface.samples, heights.thickness, heights.shown, depth);
   // The points stay fixed; the edges are flipped to follow the snow.
   flip_edges(points.mesh, surface_points(surface, kUsualStyle, frame));
-  surface.samples = height_samples(points.mesh, source, smoothing);
+  surface.samples = samples_of(points.mesh, source, smoothing, dented, depth);
   find_bumps(surface.looks, surface_points(surface, kUsualStyle, frame), shift, depth);
   if (needles) {
     const int32_t left = plan.density.most_points - static_cast<int32_t>(points.count());

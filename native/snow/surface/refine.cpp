@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "base/parallel_for.h"
 #include "snow/surface/feet.h"
@@ -47,6 +48,9 @@ constexpr float kGrowth = 0.35f;
 constexpr float kOffDeep = 0.04f;
 constexpr float kOffThin = 0.015f;
 constexpr float kThin = 0.3f;
+/// The same for prints, and the target edge length at their walls.
+constexpr float kOffDent = 0.04f;
+constexpr float kDentEdge = 0.03f;
 /// Snow higher than this, in metres or as a fraction of the depth, is shown.
 constexpr float kShown = 0.0022f;
 constexpr float kShownShare = 0.04f;
@@ -107,6 +111,7 @@ class Refiner {
         level_edge_(std::min(kLevelEdge * density.scale * coarseness.level, kMostLevelEdge) *
                     density.depth * coarseness.hems),
         depth_(density.depth),
+        least_edge_((heights.dented != nullptr ? kDentEdge : kLeastEdge) * unit_),
         shown_(std::min(kShown, kShownShare * density.depth)),
         most_(static_cast<size_t>(density.most_points) * 2),
         mesh_(receiver) {}
@@ -184,6 +189,7 @@ class Refiner {
     if (off > kOffDeep * depth_ || (off > kOffThin * depth_ && height < kThin * depth_)) {
       wanted = std::min(wanted, std::max(0.6f * length, kLeastEdge * unit_));
     }
+    if (heights_.dented != nullptr) wanted = std::min(wanted, dent_length(triangle, k, length));
     if (!rims_.all().empty()) {
       const bool at_foot = covered && (at_foot_[ends[0]] != 0 || at_foot_[ends[1]] != 0);
       if (at_foot) wanted = std::min(wanted, kFootEdge * unit_);
@@ -201,6 +207,18 @@ class Refiner {
       wanted = std::min(wanted, kRimEdge * unit_ + kGrowth * off_zone);
     }
     return wanted;
+  }
+
+  /// The target length at the walls of prints.
+  float dent_length(size_t triangle, int k, float length) const {
+    const auto height = [&](const glm::vec2& uv) {
+      return map_value(heights_.dented, heights_.resolution, map_place(uv, heights_.resolution));
+    };
+    const glm::vec2& a = mesh_.uv[triangle][k];
+    const glm::vec2& b = mesh_.uv[triangle][(k + 1) % 3];
+    const float off = std::abs(height((a + b) * 0.5f) - 0.5f * (height(a) + height(b)));
+    return off > kOffDent * depth_ ? std::max(0.6f * length, least_edge_)
+                                   : std::numeric_limits<float>::infinity();
   }
 
   /// Computes the distance to the nearest rim for new points.
@@ -242,7 +260,7 @@ class Refiner {
     base::for_each_item(edges.ends.size(), 1024, [&](size_t e) {
       const auto& ends = edges.ends[e];
       const float length = glm::distance(mesh_.position[ends[0]], mesh_.position[ends[1]]);
-      if (length < kLeastEdge * unit_) return;
+      if (length < least_edge_) return;
       const auto t = static_cast<size_t>(seen_from[e]) / 3;
       marked[e] = length > wanted_length(t, seen_from[e] % 3, length, heights, around) ? 1 : 0;
     });
@@ -410,6 +428,7 @@ class Refiner {
   float unit_;
   float level_edge_;
   float depth_;
+  float least_edge_;
   float shown_;
   size_t most_;
   SurfaceMesh mesh_;

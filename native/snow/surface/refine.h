@@ -14,6 +14,9 @@ struct SurfaceHeights {
   /// resolution, in metres, negative on the back.
   const float* last = nullptr;
   const float* highest = nullptr;
+  /// The lowest that snow ever sank to under what pressed it, likewise, in metres over the faces of
+  /// `last`; null if nothing did.
+  const float* dented = nullptr;
   int32_t resolution = 0;
 };
 

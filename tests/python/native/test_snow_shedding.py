@@ -38,8 +38,9 @@ class Wood:
         self.leaves, self.ground = canopy(slope), grid(5.0, 5.0)
         self.ground[0][:, :2] += 1.5
         self.sim = native.SnowSimulation(pixel_size=0.02, engine="CPU", **settings)
-        options = {} if half_life is None else {"shed_half_life": half_life}
-        self.sim.add_object("leaves", *self.leaves[1:], resolution=360, **options)
+        self.sim.add_object("leaves", *self.leaves[1:], resolution=360)
+        if half_life is not None:
+            self.sim.set_shed_half_life("leaves", half_life)
         self.sim.add_object("ground", *self.ground[1:], resolution=256)
         self.steps = 0
 
@@ -146,5 +147,5 @@ print(hashlib.sha256(wood.sim.height("leaves").tobytes() + wood.sim.height("grou
 
 
 def test_a_wrong_half_life_is_refused_with_a_reason():
-    with pytest.raises(ValueError, match="'leaves': shed_half_life must be 0 seconds or more"):
+    with pytest.raises(ValueError, match="shed_half_life must be 0 seconds or more"):
         Wood(-1.0)
