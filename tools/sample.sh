@@ -2,7 +2,7 @@
 # Builds a sample scene, bakes its snow and renders its picture.
 #
 #   ./tools/sample.sh NAME [ARGUMENTS]     a script of blend_samples/scenes: bench, bunny, monkey, ball, cart, maple,
-#                                          broad_leaf, spruce, laden, wind, flag, street, tracks,
+#                                          broad_leaf, spruce, laden, wind, flag, street, tracks, shedding,
 #                                          thaw, sand
 #
 # Writes to build/samples/NAME: the .blend, the cache, and the picture. ARGUMENTS are those of the script. Takes one to

@@ -67,19 +67,35 @@ double thickest(const std::vector<float>& height, int32_t side) {
   return all.squares > 0.0 ? all.cubes / all.squares : 0.0;
 }
 
-/// Edge of a texel in the pose at rest, on average.
+/// The longer side of a texel in the pose at rest: its quadratic mean over the surface.
 double texel_size_of(const SceneObject& object) {
+  const MapTopology& topology = object.description.topology;
   const std::vector<glm::vec3>& rest =
       object.description.rest.empty() ? object.positions : object.description.rest;
-  const std::vector<int32_t>& corners = object.description.topology.triangles;
   double area = 0.0;
-  for (size_t t = 0; t + 2 < corners.size(); t += 3) {
+  double squares = 0.0;
+  for (size_t t = 0; t + 2 < topology.triangles.size(); t += 3) {
     const auto corner = [&](size_t k) {
-      return glm::dvec3(rest[static_cast<size_t>(corners[t + k])]);
+      return glm::dvec3(rest[static_cast<size_t>(topology.triangles[t + k])]);
     };
-    area += 0.5 * glm::length(glm::cross(corner(1) - corner(0), corner(2) - corner(0)));
+    const glm::dvec3 a = corner(1) - corner(0);
+    const glm::dvec3 b = corner(2) - corner(0);
+    const glm::dvec2 u = topology.corner_uv[t + 1] - topology.corner_uv[t];
+    const glm::dvec2 v = topology.corner_uv[t + 2] - topology.corner_uv[t];
+    const double cross = u.x * v.y - u.y * v.x;
+    if (cross == 0.0) continue;
+    const glm::dvec3 along_u = (a * v.y - b * u.y) / cross;
+    const glm::dvec3 along_v = (b * u.x - a * v.x) / cross;
+    const double half = 0.5 * (glm::dot(along_u, along_u) + glm::dot(along_v, along_v));
+    const double longest =
+        half + std::sqrt(std::max(0.0, half * half - glm::dot(glm::cross(along_u, along_v),
+                                                              glm::cross(along_u, along_v))));
+    const double own = 0.5 * glm::length(glm::cross(a, b));
+    area += own;
+    squares += own * longest;
   }
-  return std::sqrt(area / static_cast<double>(std::max<size_t>(1, object.table->texel.size())));
+  const double size = 1.0 / topology.resolution;
+  return area > 0.0 ? size * std::sqrt(squares / area) : 0.0;
 }
 
 /// The slope between two that follow each other: their mean, but not beyond what either allows

@@ -74,7 +74,7 @@ class CoarseMaps {
 
  private:
   struct Level {
-    /// Edge of a texel in metres, on average; 0: not known yet.
+    /// Longer side of a texel in metres, on average; 0: not known yet.
     double texel_size = 0.0;
     /// Texels a side of its squares, if they can be joined.
     int32_t wanted = 1;
