@@ -358,7 +358,10 @@ CoarseMap* CoarseMaps::choose(const MovingMap& map, bool is_pressed, ReposeLinkT
   if (level.texel_size == 0.0 && depth > 0.0) level.texel_size = texel_size_of(object);
   const double wanted = std::max(kFinest, depth / kTexelsADepth);
   int32_t side = 1;
-  while (depth > 0.0 && side < kMostSide && side * level.texel_size < wanted) side *= 2;
+  while (level.texel_size > 0.0 && depth > 0.0 && side < kMostSide &&
+         2 * side * level.texel_size <= wanted) {
+    side *= 2;
+  }
   if (side == level.wanted) return level.map.get();
   level.wanted = side;
   level.map = nullptr;

@@ -57,8 +57,9 @@ class CoarseMap {
 
 /// The coarser maps of a scene's receivers. The surface of snow has no detail that is much smaller
 /// than its depth, so that texels need not be smaller than max(2 mm, depth / 24) where it comes to
-/// rest: squares of 2 x 2, 4 x 4, ... texels are joined up to this size. Without it, a repose of
-/// the same snow takes N times as long on texels half as large; see docs/snow.md for what it gains.
+/// rest: squares of 2 x 2, 4 x 4, ... texels are joined while their longer side is at most this.
+/// Without it, a repose of the same snow takes N times as long on texels half as large; see
+/// docs/snow.md for what it gains.
 ///
 /// The choice depends on the pose at rest and on the heights alone, so that a resumed bake makes it
 /// too. Masks and pressed snow keep the receiver's own map.
