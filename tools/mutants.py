@@ -245,7 +245,7 @@ MUTANTS = (
     moving("press/presser", "  swept_.low -= margin;\n", "", PRESSING),
     moving("press/motion", "if (glm::length(expected - glm::dvec3(to[i])) > most) return false;", "", PRESSING),
     # Fronts of snow, and the parts and points among which they are found.
-    surface("fronts", "front.presence = eased(here.room / depth, 0.03f, 0.09f);", "front.presence = 1.0f;", SURFACE),
+    surface("fronts", "front.bridged = opposite.nearness;", "front.bridged = 0.0f;", SURFACE),
     surface("fronts", "if (!std::isfinite(drop) && may_bridge && distance > kBeyond[0]) break;", "", SURFACE),
     surface("fronts", "front.lee = kLee * std::max(lee, 0.0f);", "front.lee = 0.0f;", SURFACE),
     surface("fronts", "const float own = at.presence * covers;", "const float own = at.presence;", SURFACE),
@@ -262,7 +262,6 @@ MUTANTS = (
     kept("kept_surface", "if (wrong) kept.corner_normal = {};", ""),
     kept("kept_surface", "if (classified.role[p] == PartRole::kCrossSection) {", "if (false) {"),
     kept("kept_weights", "share -= own;", ""),
-    kept("kept_weights", "chain.to = std::min(std::max(chain.to, kLever * chain.from), room);", ""),
     kept("charts", " && polygons < kMostPolygons", ""),
     kept("charts", "branch_of(other) == branch_of(static_cast<int32_t>(seed)) &&", ""),
     kept("kept_uvs", "uv.x -= std::round(uv.x - first);", ""),

@@ -179,15 +179,6 @@ TEST(SnowSurface, HasNoHemOnABareRim) {
   EXPECT_LT(most(points, 0, -1.0f), -2.0f - 0.1f * kDepth);
 }
 
-TEST(SnowSurface, HasNoHemOnANeedle) {
-  // A card of 4 mm under 12 cm of snow: its rims leave no room for a front.
-  const SurfaceSource needle = card(1.0f, 0.004f);
-  const std::vector<float> map = map_of(needle, {kDepth});
-  const SnowSurface surface = plan_surface(needle, map, map, plan_of());
-  ASSERT_GT(surface.fronts.count(), 0u);
-  for (const auto& front : surface.fronts.front) EXPECT_EQ(front.presence, 0.0f);
-}
-
 TEST(SnowSurface, WithoutOverhangHasAnUprightHem) {
   const SurfaceSource board = slab(1.0f, 0.3f);
   const std::vector<float> map = on_tops(board, kDepth);
