@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The maple in leaf two seconds after its snow lay: in wind and warmth most leaves have shed theirs onto the ground."""
+"""The maple in leaf half a second after its snow lay: most leaves have shed theirs onto the ground."""
 
 import sample
 
@@ -7,7 +7,7 @@ import sample
 def sheds(settings):
     for entry in settings.receivers:
         if entry.object.name.endswith("_leaves"):
-            entry.shed_half_life = 0.8
+            entry.shed_half_life = 0.4
 
 
 sample.run(
@@ -15,8 +15,8 @@ sample.run(
     eye=(1.9, -12.0, 2.6),
     target=(0.0, 0.0, 2.85),
     depth=0.05,
-    resolution=1024,
-    frames=32,
+    resolution=512,
+    frames=16,
     start_depth=0.05,
     prepare=sheds,
 )
