@@ -99,6 +99,8 @@ Metres, Z up.)")
           "After reduce_bones: per old bone the new bone that replaces it; else None.")
       .def_property_readonly("continues_parent",
                              view(SNOWBOUGH_FIELD(continues_parent), uint8_t{}, {}))
+      .def_property_readonly("branch_parents", view(SNOWBOUGH_FIELD(branch_parents), int32_t{}, {}),
+                             "Per branch: the branch whose surface it leaves, or -1.")
       .def_property_readonly("branch_rows", view(SNOWBOUGH_FIELD(branch_rows), int32_t{}, {}))
       .def_property_readonly("face_branch", origins([](const FaceOrigin& o) { return o.branch; }))
       .def_property_readonly("face_row", origins([](const FaceOrigin& o) { return o.row; }))

@@ -63,6 +63,7 @@ TreeMesh to_mesh(const Skeleton& skeleton, const UncrossedSurface& uncrossed) {
   mesh.vertices.assign(surface.vertices.begin(), surface.vertices.end());
   mesh.quads = surface.quads;
   mesh.origins = surface.origins;
+  mesh.branch_parents = surface.parents;
   for (const FaceOrigin& origin : surface.origins) {
     mesh.branch_level.push_back(skeleton.branches[origin.branch].level);
   }

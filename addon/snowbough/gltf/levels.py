@@ -14,7 +14,7 @@ from ..tree.bone_names import fitting_names
 from ..tree.import_options import BASE, LOD_CHAIN
 from ..tree.objects import point_levels
 from .surface import from_quads, strongest
-from .thinning import kept_branches, without_branches
+from .thinning import Limb, kept_branches, without_branches
 
 DETAILS = ("FILM", "DEFAULT", "GAME", "DRAFT", BASE)
 # A level is used only if it has at most this share of the triangles of the level before.
@@ -167,10 +167,11 @@ def _pruned(builder, branches, finest, triangles):
     faces = np.bincount(face_branch, minlength=len(branches))
     uvs = [np.asarray(mesh.uv_bark), np.asarray(mesh.uv_snow)]
     joints = builder.joints(mesh)
+    limbs = [Limb(branch.points, parent) for branch, parent in zip(branches, mesh.branch_parents.tolist())]
     while True:
         triangles = int(triangles * FEWER_BRANCHES)
-        kept = kept_branches(branches, faces, triangles // 2)
-        left = without_branches(quads, uvs, face_branch, branches, kept)
+        kept = kept_branches(limbs, faces, triangles // 2)
+        left = without_branches(quads, uvs, face_branch, limbs, kept)
         yield _as_surface(branches, mesh, builder.points(BASE), *left, joints, finest)
         if kept.sum() == sum(branch.parent < 0 for branch in branches):
             return

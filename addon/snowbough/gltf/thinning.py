@@ -2,13 +2,22 @@
 """Coarser levels of detail than the coarsest surface: fewer branches, fewer leaves. No ``bpy``."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 
+class Limb(NamedTuple):
+    """A branch as the surface has it."""
+
+    points: object
+    parent: int
+    """The branch whose surface it leaves, -1 for a root: not always the skeleton's."""
+
+
 def branch_sizes(branches):
     """float64 (B,): the length of each branch, a measure of its visibility, but at least the size of its children, so
-    that no branch is removed before its children. branches: native branches, parents first."""
+    that no branch is removed before its children. branches: Limbs, parents first."""
     size = np.array(
         [np.linalg.norm(np.diff(np.asarray(b.points, np.float64), axis=0), axis=1).sum() for b in branches]
     )

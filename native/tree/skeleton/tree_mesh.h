@@ -90,6 +90,9 @@ struct TreeMesh {
   /// Per branch: 1 if its strip continues its parent's end ring, 0 if it starts at a hole in the
   /// parent's side or is a root.
   std::vector<uint8_t> continues_parent;
+  /// Per branch: the branch whose surface it leaves, or -1. Of two stems with one parent in the
+  /// skeleton, the second may leave the first.
+  std::vector<int32_t> branch_parents;
   /// Per branch: number of rows of its strip at level 0; its rings are 0..branch_rows.
   std::vector<int32_t> branch_rows;
   /// Only of the four-sided base, else empty: the limbs' round shape, branch_rows entries per

@@ -119,6 +119,19 @@ def test_a_level_of_detail_has_the_same_bones_and_arrays(detail):
     assert len(testing.crossing_quads(mesh.vertices, mesh.quads)) == 0
 
 
+def test_of_three_stems_the_nearest_two_leave_each_other():
+    def stem(name, around):
+        way = 0.34 * np.array([np.cos(around), np.sin(around), 0.0]) + (0.0, 0.0, 0.94)
+        points = [np.array([0.0, 0.0, 5.0]) + 0.5 * i * way for i in range(9)]
+        return branch(name, 1, 0, points, 0.18)
+
+    trunk = branch("trunk", 0, -1, [(0, 0, z) for z in range(11)], 0.2)
+    stems = [stem("one", 0.0), stem("two", 0.7), stem("three", np.pi)]
+    mesh = native.build_tree_mesh(native.Skeleton.from_branches([trunk, *stems]))
+    assert mesh.branch_parents.tolist() == [-1, 0, 1, 0]
+    assert mesh.report["components"] == 1 and mesh.report["euler"] == [2]
+
+
 def test_weights_sum_to_one():
     mesh = native.build_tree_mesh(small_tree(), detail="GAME")
     assert np.abs(mesh.bone_weights.sum(1) - 1).max() < 1e-6
