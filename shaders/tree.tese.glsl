@@ -27,6 +27,7 @@ void main() {
 #ifdef SNOW
   snow_map = tree.map;
   snow_depths = tree.snow;
+  snow_style = tree.style;
   snow_place = patch_snow_uv(of, at);
   rest_place = point.rest;
   snow_noises = point.noise;

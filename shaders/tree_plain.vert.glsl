@@ -62,6 +62,7 @@ void main() {
 #ifdef SNOW
   snow_map = tree.map;
   snow_depths = tree.snow;
+  snow_style = tree.style;
   snow_place = corner_uv(of.snow_uv_01, of.snow_uv_23, corner);
   rest_place = vertex.position.xyz;
   snow_noises = has_snow() ? limb_noise(rest_place) : vec4(0.0);

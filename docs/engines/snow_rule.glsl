@@ -84,6 +84,18 @@ struct SnowStyle {
   float relief;
 };
 
+/// The settings in the order of SnowStyle.
+SnowStyle style_of(vec4 sliders) {
+  SnowStyle style;
+  style.overhang = sliders.x;
+  style.hem_variation = sliders.y;
+  style.bridging = sliders.z;
+  style.relief = sliders.w;
+  return style;
+}
+
+SnowStyle usual_style() { return style_of(vec4(1.0f)); }
+
 /// Constants of a point away from rims.
 struct SnowPoint {
   /// Noise, from about -1 to 1: of the thickness below which no snow shows, of lips and sagging, of the surface noise,
@@ -253,9 +265,8 @@ float limb_height(const SnowPoint point, const SnowStyle style,
   return swept_height(point, height + surface_relief(point, style, height, open_depth));
 }
 
-/// Upper bound of the distance between a point away from rims and its carrier, for snow up to `thickness` in the map
-/// and the default style.
-float farthest_offset(float thickness) {
-  const float height = (1.0f + kMostRelief) * most_shown(thickness);
-  return thickness > 0.0f ? height * length(vec3(1.0f, kMostSag, 0.0f)) : 0.0f;
+/// Upper bound of the distance between a point away from rims and its carrier, for snow up to `thickness` in the map.
+float farthest_offset(float thickness, const SnowStyle style) {
+  const float height = (1.0f + style.relief * kMostRelief) * most_shown(thickness);
+  return thickness > 0.0f ? height * length(vec3(1.0f, style.overhang * kMostSag, 0.0f)) : 0.0f;
 }

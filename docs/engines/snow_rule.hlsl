@@ -84,6 +84,18 @@ struct SnowStyle {
   float relief;
 };
 
+/// The settings in the order of SnowStyle.
+SnowStyle style_of(float4 sliders) {
+  SnowStyle style;
+  style.overhang = sliders.x;
+  style.hem_variation = sliders.y;
+  style.bridging = sliders.z;
+  style.relief = sliders.w;
+  return style;
+}
+
+SnowStyle usual_style() { return style_of(((float4)(1.0f))); }
+
 /// Constants of a point away from rims.
 struct SnowPoint {
   /// Noise, from about -1 to 1: of the thickness below which no snow shows, of lips and sagging, of the surface noise,
@@ -254,9 +266,8 @@ float limb_height(const SnowPoint place_of, const SnowStyle style,
   return swept_height(place_of, height + surface_relief(place_of, style, height, open_depth));
 }
 
-/// Upper bound of the distance between a point away from rims and its carrier, for snow up to `thickness` in the map
-/// and the default style.
-float farthest_offset(float thickness) {
-  const float height = (1.0f + kMostRelief) * most_shown(thickness);
-  return thickness > 0.0f ? height * length(float3(1.0f, kMostSag, 0.0f)) : 0.0f;
+/// Upper bound of the distance between a point away from rims and its carrier, for snow up to `thickness` in the map.
+float farthest_offset(float thickness, const SnowStyle style) {
+  const float height = (1.0f + style.relief * kMostRelief) * most_shown(thickness);
+  return thickness > 0.0f ? height * length(float3(1.0f, style.overhang * kMostSag, 0.0f)) : 0.0f;
 }

@@ -135,16 +135,16 @@ void Renderer::set_snow(const std::string& tree, const TreeSnow& snow) {
     throw std::invalid_argument(
         "set_snow: a map must have height x width values and sides from 1 to 16384");
   }
-  check(snow.depths);
+  check(snow.look);
   change([tree, snow](SceneObjects& objects) { objects.set_snow(tree, snow); });
 }
 
 bool Renderer::share_snow(const std::string& tree, const gpu::ThreadTexture& heights,
-                          const SnowDepths& depths) {
-  check(depths);
+                          const SnowLook& look) {
+  check(look);
   Drawing& to = drawing();
   if (heights.thread != thread_) return false;
-  thread_->run([&] { to.made_objects().share_snow(tree, *heights.texture, depths); });
+  thread_->run([&] { to.made_objects().share_snow(tree, *heights.texture, look); });
   return true;
 }
 

@@ -69,8 +69,7 @@ class Renderer {
   /// Sets the snow from a texture (R32F), which is copied on the GPU. Returns false if the
   /// texture is not in this renderer's context. Call it again when the texture's content has
   /// changed.
-  bool share_snow(const std::string& tree, const gpu::ThreadTexture& heights,
-                  const SnowDepths& depths);
+  bool share_snow(const std::string& tree, const gpu::ThreadTexture& heights, const SnowLook& look);
   /// Removes a tree or a mesh.
   void remove(const std::string& name);
 

@@ -108,13 +108,13 @@ void SceneObjects::set_snow(const std::string& name, const TreeSnow& snow) {
   const bool is_bare = std::all_of(snow.values.begin(), snow.values.end(),
                                    [](float height) { return height == 0.0f; });
   if (is_bare) return of.remove_snow();
-  of.set_snow(snow.width, snow.height, snow.values.data(), snow.depths);
+  of.set_snow(snow.width, snow.height, snow.values.data(), snow.look);
 }
 
 void SceneObjects::share_snow(const std::string& name, const gpu::Texture& heights,
-                              const SnowDepths& depths) {
+                              const SnowLook& look) {
   ++revision_;
-  tree_with_places(name).set_snow(heights, depths);
+  tree_with_places(name).set_snow(heights, look);
 }
 
 MeshBuffers& SceneObjects::mesh(const std::string& name) const {

@@ -27,7 +27,7 @@ class SceneObjects {
   void set_bark(const std::string& tree, const BarkSource& bark);
   void set_pose(const std::string& tree, const std::vector<glm::mat4>& matrices);
   void set_snow(const std::string& tree, const TreeSnow& snow);
-  void share_snow(const std::string& tree, const gpu::Texture& heights, const SnowDepths& depths);
+  void share_snow(const std::string& tree, const gpu::Texture& heights, const SnowLook& look);
   void add_mesh(const std::string& name, const MeshSource& source);
   void set_places(const std::string& name, const std::vector<glm::mat4>& matrices);
   void set_mesh_snow(const std::string& mesh, const MeshSnow& snow);

@@ -22,6 +22,7 @@ in vec3 image_place;
 #include "glsl/snow_shading.glsl"
 flat in ivec4 snow_map;
 flat in vec4 snow_depths;
+flat in vec4 snow_style;
 in vec2 snow_place;
 in vec3 rest_place;
 in vec4 snow_noises;
@@ -58,6 +59,7 @@ void main() {
 #ifdef SNOW
   tree.map = snow_map;
   tree.snow = snow_depths;
+  tree.style = snow_style;
   if (has_snow()) {
     light = with_snow(light);
   }

@@ -57,11 +57,10 @@ SNOWBOUGH_SHARED_FUNCTION float limb_height(KERNEL_CONST_REF(SnowPoint) point, K
   return swept_height(point, height + surface_relief(point, style, height, open_depth));
 }
 
-/// Upper bound of the distance between a point away from rims and its carrier, for snow up to `thickness` in the map
-/// and the default style.
-SNOWBOUGH_SHARED_FUNCTION float farthest_offset(float thickness) {
-  const float height = (1.0f + kMostRelief) * most_shown(thickness);
-  return thickness > 0.0f ? height * length(vec3(1.0f, kMostSag, 0.0f)) : 0.0f;
+/// Upper bound of the distance between a point away from rims and its carrier, for snow up to `thickness` in the map.
+SNOWBOUGH_SHARED_FUNCTION float farthest_offset(float thickness, KERNEL_CONST_REF(SnowStyle) style) {
+  const float height = (1.0f + style.relief * kMostRelief) * most_shown(thickness);
+  return thickness > 0.0f ? height * length(vec3(1.0f, style.overhang * kMostSag, 0.0f)) : 0.0f;
 }
 
 #ifndef SNOWBOUGH_GLSL

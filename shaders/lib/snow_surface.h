@@ -29,6 +29,18 @@ struct SnowStyle {
   float relief;
 };
 
+/// The settings in the order of SnowStyle.
+SNOWBOUGH_SHARED_FUNCTION SnowStyle style_of(vec4 sliders) {
+  SnowStyle style;
+  style.overhang = sliders.x;
+  style.hem_variation = sliders.y;
+  style.bridging = sliders.z;
+  style.relief = sliders.w;
+  return style;
+}
+
+SNOWBOUGH_SHARED_FUNCTION SnowStyle usual_style() { return style_of(vec4(1.0f)); }
+
 /// Constants of a point away from rims.
 struct SnowPoint {
   /// Noise, from about -1 to 1: of the thickness below which no snow shows, of lips and sagging, of the surface noise,

@@ -151,8 +151,10 @@ struct TreeInstance {
   vec4 bark_light;
   /// Metres of snow on open level ground, now and at the shot's end.
   vec4 snow;
+  /// SnowStyle: overhang, hem variation, bridging, relief.
+  vec4 style;
 };
-SNOWBOUGH_SHARED_SIZE(TreeInstance, 160)
+SNOWBOUGH_SHARED_SIZE(TreeInstance, 176)
 
 /// Successive items (vertices, edges, patches or triangles of leaves) of an instance that a pass works on. A range
 /// begins with a work group, so that all items of a work group are of one instance.

@@ -84,6 +84,7 @@ def test_heights_can_go_out_as_exr(tmp_path, snowy):
 
 def test_an_atlas_holds_frames_from_the_top_left_on(tmp_path, snowy):
     _bark, folder, native = snowy
+    bpy.context.scene.snowbough.surface_relief = 0.25
     said = snow_of(export(tmp_path / "tree.gltf", snow="ATLAS", atlas_frames=3, atlas_tile=128))
     assert (said["frames"], said["columns"], said["rows"], said["tile"]) == ([1, 2, 3], 2, 2, 128)
     pixels, _image = png_samples(tmp_path / said["height"]["uri"])
@@ -94,6 +95,7 @@ def test_an_atlas_holds_frames_from_the_top_left_on(tmp_path, snowy):
         assert np.abs(metres[top : top + 128, left : left + 128] - tile).max() < 1e-5
     assert said["openDepths"] == pytest.approx([0.1 / 3, 0.2 / 3, 0.1], rel=0.01)
     assert said["lastDepth"] == pytest.approx(0.1)
+    assert said["style"] == {"overhang": 1.0, "hem_variation": 1.0, "bridging": 1.0, "relief": 0.25}
 
 
 def test_the_surface_of_a_frame_goes_out_as_a_mesh_of_snow(tmp_path, snowy):

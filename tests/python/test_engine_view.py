@@ -112,6 +112,20 @@ def test_snow_moves_the_surface_by_the_frames_height(view, tmp_path, frame, metr
     assert SIZE / (2.0 - 0.88 * metres) - 1.5 < right - left < SIZE / (2.0 - 1.12 * metres) + 1.5
 
 
+def test_the_sliders_of_a_file_shape_its_snow(view, tmp_path):
+    said = snow_file(tmp_path, [np.full((8, 8), 0.5, np.float32)])
+    read, node = write(tmp_path, card(points=((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0))))
+    waves = []
+    for relief in (0.0, 1.0, 2.0):
+        view.snow({**said, "style": {"relief": relief}}, tmp_path)
+        view.clear()
+        view.look((0.0, 2.0, 0.001), (0.0, 0.0, 0.0), field_of_view=FIELD_OF_VIEW)
+        view.draw(read, node)
+        waves.append(float(np.ptp(view.depth()[view.picture()[..., 3] > 0])))
+    # The level card lies at one distance but for its relief.
+    assert waves[0] < 0.05 * waves[1] and waves[2] == pytest.approx(2 * waves[1], rel=0.2)
+
+
 def test_a_wall_shows_no_snow_that_is_thin_beside_the_open_depth(view, tmp_path):
     """By the rule of all snow; the map's 8 mm would hide the card."""
     read, node = write(tmp_path, card())

@@ -141,7 +141,7 @@ class EngineView:
     def snow(self, said=None, folder=None, frame=0.0):
         """The file's data of an object's snow; None: no snow."""
         if said is None:
-            self._uniforms(0, np.array([1, 1]), 1.0, np.array([1]), *(0.0,) * 5)
+            self._uniforms(0, np.array([1, 1]), 1.0, np.array([1]), *(0.0,) * 5, *(0.0,) * 3, *(1.0,) * 4)
             heights = self._blank
         else:
             tiles = np.array([said["columns"], said["rows"]])
@@ -149,7 +149,12 @@ class EngineView:
             count = np.array([len(said["frames"])])
             open_depth = np.interp(frame, np.arange(len(said["frames"])), said["openDepths"])
             numbers = (height["scale"], height["offset"], float(frame), open_depth, said["lastDepth"])
-            self._uniforms(0, tiles, float(said["tile"]), count, *numbers)
+            style = {
+                **dict.fromkeys(("overhang", "hem_variation", "bridging", "relief"), 1.0),
+                **said.get("style", {}),
+            }
+            # A vec4 begins at a multiple of 16 bytes.
+            self._uniforms(0, tiles, float(said["tile"]), count, *numbers, *(0.0,) * 3, *style.values())
             samples = np.asarray(Image.open(folder / height["uri"])).astype(np.float32) / 65535
             heights = self._texture(samples[..., None])
         heights.use(0)

@@ -135,6 +135,7 @@ def _write_maps(scene, obj, folder, stem, options, warnings):
         "bakedResolution": baked_size,
         "openDepths": [depths[frame] for frame in frames],
         "lastDepth": max(depths.values()),
+        "style": receivers.snow_style(scene, receivers.find(scene, obj)).sliders(),
         "height": {"uri": path.name, **numbers, "unit": "metres along the normal"},
     }
     paths = [path]

@@ -14,6 +14,7 @@ from ..base import native, session, view_drawing
 from ..base.names import REALTIME_ENGINE
 from ..scene.pose import metres_per_unit
 from ..surface.compute import seed_of
+from ..surface.style import SurfaceStyle
 from . import drawing, hidden
 from .playback import QUICK_STEPS, STEPS, Playback
 from .receiver_surface import LEAST_DEPTH, ReceiverSurface
@@ -96,11 +97,16 @@ class Preview:
             return None
         if key not in self._computed:
             surface = self._surfaces[key] = self._surfaces[key].on(pose.topology)
-            styles = {(spec.name, spec.library): spec.surface for spec in self.simulated.settings.styles}
-            style = styles.get((pose.receiver.name, pose.receiver.library))
-            surface.points(self.heights(key), self.depths[0], pose.positions, style)
+            surface.points(self.heights(key), self.depths[0], pose.positions, self.style(key))
             self._computed.add(key)
         return self._surfaces[key]
+
+    def style(self, key):
+        """The SurfaceStyle of a receiver in the view."""
+        receiver = self.simulated.pose.objects[key].receiver
+        named = (receiver.name, receiver.library)
+        styles = {(spec.name, spec.library): spec.surface for spec in self.simulated.settings.styles}
+        return styles.get(named) or SurfaceStyle()
 
     def show(self):
         """Passes the current snow to the drawing."""

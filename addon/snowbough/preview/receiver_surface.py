@@ -5,8 +5,6 @@ The end of the shot is not known yet, so the faces are planned from the current 
 
 import numpy as np
 
-from ..surface.style import SurfaceStyle
-
 # A surface is planned again if the depth has changed by these factors, or the covered area of the map by the last one.
 DEEPER, THINNER, WIDER = 1.6, 0.5, 1.25
 # Metres. Planning assumes at least LEAST_DEPTH; texels with at most BARE count as bare.
@@ -38,7 +36,7 @@ class ReceiverSurface:
             return self
         return ReceiverSurface(self._native, topology, self._seed, self._most_points, self._scale)
 
-    def points(self, heights, open_depth, positions, style=None):
+    def points(self, heights, open_depth, positions, style):
         """((P, 3) metres in world space, (P, 3) unit normals) for heights (R, R) in metres and vertices (V, 3). Stores
         them in `shown`."""
         heights = np.ascontiguousarray(heights, dtype=np.float32)
@@ -46,7 +44,7 @@ class ReceiverSurface:
         depth = max(open_depth, LEAST_DEPTH)
         if self._needs_new_plan(depth, covered):
             self._plan(heights, depth, covered, positions)
-        self._surface.set_style(**(style or SurfaceStyle()).sliders())
+        self._surface.set_style(**style.sliders())
         points = self._surface.points(heights, open_depth, positions=positions)
         self.shown = points, self._native.point_normals(points, self.triangles)
         return self.shown

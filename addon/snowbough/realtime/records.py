@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..scene.inputs import fingerprint
+from ..surface.style import SurfaceStyle
 
 
 @dataclass(frozen=True)
@@ -64,11 +65,13 @@ class LyingSnow:
     """Snow depth on open level ground in this frame, Blender units."""
     last_depth: float
     """The same at the end of the shot."""
+    style: SurfaceStyle = SurfaceStyle()
+    """Its sliders shape the snow on trees."""
 
     @property
     def print(self):
-        depths = np.array((self.open_depth, self.last_depth))
-        return fingerprint(self.heights, self.uv, depths)
+        sliders = self.style.sliders().values()
+        return fingerprint(self.heights, self.uv, np.array((self.open_depth, self.last_depth, *sliders)))
 
 
 @dataclass

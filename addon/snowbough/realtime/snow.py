@@ -14,6 +14,7 @@ from ..result import snow_surface
 from ..result.baked_images import baked_uv_map, folders_of_members, frames_on_disk
 from ..scene.libraries import library_name
 from ..scene.pose import member_key, metres_per_unit, own_key
+from ..scene.receivers import snow_style
 from . import materials
 from .records import LyingSnow, Shape
 
@@ -127,11 +128,11 @@ class LiveSnow:
         uv = arrays.uv(self._uv_maps[key])
         if uv is None:
             return None
-        metres = self._preview.heights(key)
+        metres, style = self._preview.heights(key), self._preview.style(key)
         known = self._lying.get(key)
-        if known is None or known[0] is not metres or known[1].uv is not uv:
+        if known is None or known[0] is not metres or known[1].uv is not uv or known[1].style != style:
             depths = (depth / self._unit for depth in self._preview.depths)
-            known = self._lying[key] = (metres, LyingSnow(metres / self._unit, uv, *depths))
+            known = self._lying[key] = (metres, LyingSnow(metres / self._unit, uv, *depths, style))
         return known[1]
 
     def surface_of(self, receiver):
@@ -177,20 +178,20 @@ class BakedSnow:
                 continue
             # Receivers with a snow surface are skipped: the surface is a mesh of the scene.
             if not snow_surface.find(entry):
-                self._folders.update(self._folders_of(entry))
+                self._folders.update(self._folders_of(entry, snow_style(scene.original, entry)))
 
-    def _folders_of(self, entry):
-        """{fields of a ReceiverId except its order: (folder, UV map)} of a baked entry of the list of receivers."""
+    def _folders_of(self, entry, style):
+        """{fields of a ReceiverId except its order: (folder, UV map, style)} of a baked entry of the receivers."""
         obj, library = entry.object, library_name(entry.object)
         if obj.type == "MESH":
-            return {(obj.name, library, "", ""): (entry.folder, entry.uv_map)}
+            return {(obj.name, library, "", ""): (entry.folder, entry.uv_map, style)}
         beside = Path(bpy.path.abspath(entry.folder)).parent
         stamp = beside.stat().st_mtime_ns if beside.is_dir() else None
         known = self._members.get((entry.folder, obj.name))
         if known is None or known[0] != stamp:
             members = folders_of_members(entry.folder, obj.name) if stamp is not None else {}
             known = self._members[entry.folder, obj.name] = (stamp, members)
-        return {(*member, obj.name, library): (folder, "") for member, folder in known[1].items()}
+        return {(*member, obj.name, library): (folder, "", style) for member, folder in known[1].items()}
 
     def is_drawn_otherwise(self, _surface):
         return False
@@ -199,23 +200,23 @@ class BakedSnow:
         return self._path(self._found(receiver)[0]) is not None
 
     def of(self, receiver, arrays):
-        folder, uv_map = self._found(receiver)
+        folder, uv_map, style = self._found(receiver)
         uv = arrays.uv(baked_uv_map(folder) or uv_map)
         if uv is None:
             return None
         heights, depths = self._read(self._path(folder))
         known = self._lying.get(receiver)
-        if known is None or known.heights is not heights or known.uv is not uv:
-            known = self._lying[receiver] = LyingSnow(heights, uv, *depths)
+        if known is None or known.heights is not heights or known.uv is not uv or known.style != style:
+            known = self._lying[receiver] = LyingSnow(heights, uv, *depths, style)
         return known
 
     def surface_of(self, _receiver):
         return None
 
     def _found(self, receiver):
-        """(folder, UV map) of a ReceiverId; empty texts if it was not baked."""
+        """(folder, UV map, SurfaceStyle) of a ReceiverId; empty texts and None if it was not baked."""
         named = (receiver.name, receiver.library, receiver.instancer, receiver.instancer_library)
-        return self._folders.get(named, ("", ""))
+        return self._folders.get(named, ("", "", None))
 
     def _path(self, folder):
         """The file of the current frame; after the last baked frame the last file, before the first one None."""

@@ -97,7 +97,8 @@ class Sync:
         snowed = not _is_same_snow(tree.snow, None if renewed else known.snow)
         if snowed:
             snow = tree.snow or _BARE
-            self._renderer.set_snow(tree.key, snow.heights, snow.open_depth, last_depth=snow.last_depth)
+            sliders = snow.style.sliders()
+            self._renderer.set_snow(tree.key, snow.heights, snow.open_depth, snow.last_depth, **sliders)
         if known is not None and not renewed:
             self._alike[_model_of(known)].discard(tree.key)
         self._alike.setdefault(_model_of(tree), set()).add(tree.key)

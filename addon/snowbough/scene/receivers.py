@@ -143,8 +143,12 @@ def receiver_resolution(entry):
 
 def surface_style(scene, entry):
     """The SurfaceStyle of an entry; None if its snow is not shown as a surface."""
-    if json.loads(entry.restore or "{}").get("displacement") != "SHELL":
-        return None
+    is_shown = json.loads(entry.restore or "{}").get("displacement") == "SHELL"
+    return snow_style(scene, entry) if is_shown else None
+
+
+def snow_style(scene, entry):
+    """The SurfaceStyle of an entry, however its snow is shown."""
     settings = scene.snowbough
     source = entry if entry.own_surface else settings
     sliders = {name: getattr(source, f"surface_{name}") for name in SLIDERS}

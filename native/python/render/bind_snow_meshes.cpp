@@ -6,6 +6,7 @@
 
 #include "python/render/arrays.h"
 #include "python/render/bind_parts.h"
+#include "python/snow/snow_style.h"
 #include "snow/simulation.h"
 
 namespace snowbough::python {
@@ -42,26 +43,26 @@ void set_mesh_snow(Renderer& renderer, const std::string& mesh, const py::object
 }
 
 void set_snow(Renderer& renderer, const std::string& tree, const InputArray<float>& height,
-              float open_depth, std::optional<float> last_depth) {
+              float open_depth, std::optional<float> last_depth, const py::kwargs& sliders) {
   require_shape(height, {-1, -1}, "height");
   require_finite(height, "height");
   const TreeSnow snow{static_cast<int32_t>(height.shape(1)),
                       static_cast<int32_t>(height.shape(0)),
                       elements<float>(height),
-                      {open_depth, last_depth.value_or(open_depth)}};
+                      {open_depth, last_depth.value_or(open_depth), style_from(sliders)}};
   const ReleasedGil release;
   renderer.set_snow(tree, snow);
 }
 
 bool take_snow(Renderer& renderer, const std::string& tree, snow::SnowSimulation& simulation,
                float open_depth, const std::string& object, std::optional<float> last_depth) {
-  const SnowDepths depths{open_depth, last_depth.value_or(open_depth)};
+  const SnowLook look{open_depth, last_depth.value_or(open_depth), shared::usual_style()};
   const ReleasedGil release;
   const std::string& from = object.empty() ? tree : object;
   const auto heights = simulation.live_output(from);
-  if (heights != nullptr && renderer.share_snow(tree, *heights, depths)) return true;
+  if (heights != nullptr && renderer.share_snow(tree, *heights, look)) return true;
   const int32_t size = simulation.resolution(from);
-  renderer.set_snow(tree, {size, size, simulation.output(from).height, depths});
+  renderer.set_snow(tree, {size, size, simulation.output(from).height, look});
   return false;
 }
 
@@ -81,7 +82,7 @@ void bind_render_snow(RendererClass& to) {
            "Sets the snow on a tree: a map of heights (H, W) along the normals in metres for its "
            "uv_snow, row 0\n= v 0, as from SnowSimulation.output; the depth on open level ground "
            "in metres, now and at the\nshot's end (by default the same). The shape of the snow is "
-           "that of SnowSurface.")
+           "that of SnowSurface, whose sliders it takes by\nname.")
       .def("take_snow", &take_snow, "tree"_a, "simulation"_a, "open_depth"_a, "object"_a = "",
            "last_depth"_a = py::none(),
            "Sets the snow on a tree from an object of a SnowSimulation (by default the object of "

@@ -7,6 +7,7 @@
 #include "map_topology.h"
 #include "python/bindings.h"
 #include "python/numpy_arrays.h"
+#include "python/snow/snow_style.h"
 #include "snow/scene/object_set.h"
 #include "snow/surface/snow_surface.h"
 
@@ -43,12 +44,6 @@ snow::SurfaceSource surface_source(snow::MapTopology topology, const InputArray<
   return source;
 }
 
-void require_number(double value, const char* name) {
-  if (!std::isfinite(value)) {
-    throw std::invalid_argument(std::string(name) + " must hold finite numbers");
-  }
-}
-
 void require_positive(double value, const char* name) {
   if (!(value > 0.0 && std::isfinite(value))) {
     throw std::invalid_argument(std::string(name) + " must be a number over 0");
@@ -58,7 +53,7 @@ void require_positive(double value, const char* name) {
 /// A surface and its style.
 struct BoundSurface {
   snow::SnowSurface surface;
-  shared::SnowStyle style{1.0f, 1.0f, 1.0f, 1.0f};
+  shared::SnowStyle style = shared::usual_style();
 };
 
 std::unique_ptr<BoundSurface> make_surface(const InputArray<int32_t>& triangles,
@@ -99,24 +94,8 @@ std::pair<double, double> wanted_points(const InputArray<int32_t>& triangles,
   return {counts.hems, counts.level};
 }
 
-/// The sliders of a style by name. Another slider is another row here.
-constexpr std::pair<const char*, float shared::SnowStyle::*> kSliders[]{
-    {"overhang", &shared::SnowStyle::overhang},
-    {"hem_variation", &shared::SnowStyle::hem_variation},
-    {"bridging", &shared::SnowStyle::bridging},
-    {"relief", &shared::SnowStyle::relief},
-};
-
 void set_style(BoundSurface& self, const py::kwargs& sliders) {
-  shared::SnowStyle style{};
-  size_t known = 0;
-  for (const auto& [name, field] : kSliders) {
-    style.*field = sliders.contains(name) ? py::cast<float>(sliders[name]) : 1.0f;
-    known += sliders.contains(name) ? 1 : 0;
-    require_number(style.*field, name);
-  }
-  if (known != sliders.size()) throw py::type_error("set_style: there is no such slider");
-  self.style = style;
+  self.style = style_from(sliders);
 }
 
 py::tuple faces(const BoundSurface& self) {

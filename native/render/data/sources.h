@@ -7,6 +7,8 @@
 #include <glm/vec4.hpp>
 #include <vector>
 
+#include "shaders/lib/snow_surface.h"
+
 namespace snowbough::render {
 
 /// A section of a limb between two of its rings, as a round cone on an infinite axis. Metres.
@@ -126,13 +128,15 @@ struct MeshSnow {
   std::vector<float> heights;
 };
 
-/// Depth of the snow on open level ground, in metres.
-struct SnowDepths {
+/// The shape of the snow on a tree, besides its map: its depth on open level ground in metres, and
+/// the artist's settings.
+struct SnowLook {
   /// At the time of the map.
   float open = 0.1f;
   /// At the shot's end. It is the unit of the noise at the snow's border, so that the noise stays
   /// in place while the snow grows.
   float last = 0.1f;
+  shared::SnowStyle style = shared::usual_style();
 };
 
 struct TreeSnow {
@@ -140,7 +144,7 @@ struct TreeSnow {
   int32_t width = 0;
   int32_t height = 0;
   std::vector<float> values;
-  SnowDepths depths;
+  SnowLook look;
 };
 
 }  // namespace snowbough::render

@@ -90,9 +90,9 @@ void look_through_matrices(const Camera& camera, const Bounds& bounds, shared::T
 
 }  // namespace
 
-void check(const SnowDepths& depths) {
-  check_range("open_depth", depths.open, 0.0, 1e6);
-  check_range("last_depth", depths.last, 1e-6, 1e6);
+void check(const SnowLook& look) {
+  check_range("open_depth", look.open, 0.0, 1e6);
+  check_range("last_depth", look.last, 1e-6, 1e6);
 }
 
 void check(const Camera& camera, const RenderSettings& settings) {

@@ -103,7 +103,7 @@ struct RenderSettings {
 };
 
 /// @throws std::invalid_argument naming the value that is out of range.
-void check(const SnowDepths& depths);
+void check(const SnowLook& look);
 /// @throws std::invalid_argument naming the value that is out of range.
 void check(const Camera& camera, const RenderSettings& settings);
 

@@ -66,26 +66,26 @@ void SceneTree::find_bounds() {
   }
 }
 
-void SceneTree::make_map(int32_t width, int32_t height, const SnowDepths& depths) {
-  depths_ = depths;
+void SceneTree::make_map(int32_t width, int32_t height, const SnowLook& look) {
+  look_ = look;
   if (map_.x == width && map_.y == height) return;
   remove_snow();
   map_ = all_.snow.add(width, height);
 }
 
 void SceneTree::set_snow(int32_t width, int32_t height, const float* heights,
-                         const SnowDepths& depths) {
-  make_map(width, height, depths);
+                         const SnowLook& look) {
+  make_map(width, height, look);
   all_.snow.write(map_, heights);
   float deepest = 0.0f;
   const float* const end = heights + static_cast<int64_t>(width) * height;
   for (const float* h = heights; h != end; ++h) deepest = std::max(deepest, std::abs(*h));
-  snow_reach_ = shared::farthest_offset(deepest);
+  snow_reach_ = shared::farthest_offset(deepest, look.style);
   find_bounds();
 }
 
-void SceneTree::set_snow(const gpu::Texture& heights, const SnowDepths& depths) {
-  make_map(heights.width(), heights.height(), depths);
+void SceneTree::set_snow(const gpu::Texture& heights, const SnowLook& look) {
+  make_map(heights.width(), heights.height(), look);
   all_.snow.copy(map_, heights);
   // Its depth is known only to the GPU.
   snow_reach_ = std::numeric_limits<float>::infinity();
@@ -105,7 +105,9 @@ shared::TreeInstance SceneTree::instance(size_t place) const {
   std::copy(rows.begin(), rows.end(), made.place);
   made.own.w = first_bone_;
   made.map = map_;
-  made.snow = vec4(depths_.open, depths_.last, 0.0f, 0.0f);
+  made.snow = vec4(look_.open, look_.last, 0.0f, 0.0f);
+  const shared::SnowStyle& style = look_.style;
+  made.style = vec4(style.overhang, style.hem_variation, style.bridging, style.relief);
   return made;
 }
 

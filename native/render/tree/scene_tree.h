@@ -35,8 +35,8 @@ class SceneTree {
   void set_pose(const std::vector<glm::mat4>& matrices);
   void set_places(const std::vector<glm::mat4>& matrices);
   /// Sets the heights of the snow: width x height, row 0 at v = 0.
-  void set_snow(int32_t width, int32_t height, const float* heights, const SnowDepths& depths);
-  void set_snow(const gpu::Texture& heights, const SnowDepths& depths);
+  void set_snow(int32_t width, int32_t height, const float* heights, const SnowLook& look);
+  void set_snow(const gpu::Texture& heights, const SnowLook& look);
   void remove_snow();
   /// Computes the bounds after the model has changed.
   void find_bounds();
@@ -53,7 +53,7 @@ class SceneTree {
   shared::TreeInstance instance(size_t place) const;
 
  private:
-  void make_map(int32_t width, int32_t height, const SnowDepths& depths);
+  void make_map(int32_t width, int32_t height, const SnowLook& look);
 
   TreeShared& all_;
   std::shared_ptr<TreeModel> model_;
@@ -62,7 +62,7 @@ class SceneTree {
   std::vector<glm::mat4> places_{glm::mat4(1.0f)};
   /// Of the snow, as in TreeInstance.
   glm::ivec4 map_{0};
-  SnowDepths depths_;
+  SnowLook look_;
   float snow_reach_ = 0.0f;
   Box bounds_;
   std::vector<glm::vec4> spheres_;

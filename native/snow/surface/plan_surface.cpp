@@ -20,7 +20,7 @@ constexpr float kCrease = 0.3f;
 /// wall.
 constexpr float kWall = 0.1f;
 /// The look that decides where snow ends.
-constexpr shared::SnowStyle kUsualStyle{1.0f, 1.0f, 1.0f, 1.0f};
+const shared::SnowStyle kUsualStyle = shared::usual_style();
 
 void check(const SurfaceSource& source, const std::vector<float>& map) {
   const auto texels = static_cast<size_t>(source.topology.resolution) * source.topology.resolution;

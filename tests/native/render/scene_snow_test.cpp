@@ -50,7 +50,7 @@ TEST(SceneSnow, aMapMayBeSharedWithATree) {
     gpu::Texture map(GL_R32F, 4, 4, 0, GL_LINEAR);
     map.write(0, GL_RED, GL_FLOAT, snow.values.data());
     const GlWatch watch;
-    scene.objects.share_snow("tree", map, snow.depths);
+    scene.objects.share_snow("tree", map, snow.look);
     scene.frames.draw_light(square_camera(), {});
     EXPECT_EQ(watch.seen().read_backs, 0);
     const Picture shared = scene.frames.render(square_camera(), {});
@@ -107,16 +107,15 @@ TEST(SceneSnow, snowIsTessellatedByTheThesissRuleWhereItLiesOnTop) {
 }
 
 /// Position of the snow on the tube's vertex at `rest` by shaders/lib/snow_surface.h.
-glm::vec3 on_snow(const glm::vec3& rest, float thickness, const SnowDepths& depths) {
+glm::vec3 on_snow(const glm::vec3& rest, float thickness, const SnowLook& look) {
   const glm::vec3 normal = glm::vec3(lying() * glm::vec4(rest.x, rest.y, 0.0f, 0.0f)) / 0.1f;
-  shared::SnowPoint point = shared::point_noise(rest / depths.last);
-  point.bumps = shared::bump_noise(rest / depths.last);
+  shared::SnowPoint point = shared::point_noise(rest / look.last);
+  point.bumps = shared::bump_noise(rest / look.last);
   // As thick as it is wide; its circumference is that of its circle.
-  point = shared::on_limb(point, 0.2f, depths.last);
-  const shared::SnowStyle style{1.0f, 1.0f, 1.0f, 1.0f};
-  const shared::SnowEdge edge = shared::snow_edge(point, thickness, depths.open, normal.z);
-  const float shown = shared::limb_height(point, style, edge, thickness, depths.open);
-  const float sag = shared::sagging(point, style, edge, thickness, shown, normal.z);
+  point = shared::on_limb(point, 0.2f, look.last);
+  const shared::SnowEdge edge = shared::snow_edge(point, thickness, look.open, normal.z);
+  const float shown = shared::limb_height(point, look.style, edge, thickness, look.open);
+  const float sag = shared::sagging(point, look.style, edge, thickness, shown, normal.z);
   const glm::vec3 down = normal * normal.z - glm::vec3(0.0f, 0.0f, 1.0f);
   const glm::vec3 aside = glm::length(down) < 1e-3f ? glm::vec3(0.0f) : glm::normalize(down) * sag;
   return glm::vec3(lying() * glm::vec4(rest, 1.0f)) + normal * shown + aside;
@@ -131,13 +130,13 @@ TEST(SceneSnow, aTreesSnowFollowsTheRuleOfAllSnow) {
     plain.max_level = 1.0f;
     plain.min_pixels = 0.0f;
     TreeSnow snow = blanket(0.06f);
-    snow.depths = {0.08f, 0.1f};
+    snow.look = {0.08f, 0.1f, {1.6f, 0.4f, 1.0f, 1.9f}};
     scene.objects.set_snow("tree", snow);
     const std::vector<glm::vec3> corners = scene.frames.triangles("tree", square_camera(), plain);
     ASSERT_EQ(corners.size(), 24u);
     float tallest = 0.0f;
     for (const glm::vec3& rest : source.vertices) {
-      const glm::vec3 expected = on_snow(rest, 0.06f, snow.depths);
+      const glm::vec3 expected = on_snow(rest, 0.06f, snow.look);
       float away = 1.0f;
       for (const glm::vec3& corner : corners) {
         away = std::min(away, glm::distance(corner, expected));

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from snowbough.realtime import frame_code, lights, pacing, records, sync
+from snowbough.surface import style
 
 
 class Recorder:
@@ -97,9 +98,11 @@ def test_what_is_gone_is_removed(renderer):
     assert renderer.take() == [("remove", "a"), ("remove", "t")]
 
 
-def snow(depth):
+def snow(depth, **sliders):
     uv = np.zeros((1, 3, 2), np.float32)
-    return records.LyingSnow(np.full((4, 4), depth, np.float32), uv, depth, 0.2)
+    return records.LyingSnow(
+        np.full((4, 4), depth, np.float32), uv, depth, 0.2, style.SurfaceStyle(**sliders)
+    )
 
 
 def test_painted_snow_comes_changes_and_goes_without_the_mesh(renderer):
@@ -134,6 +137,10 @@ def test_snow_on_a_tree_comes_changes_stays_and_goes_with_the_tree(renderer):
     assert keeper.update(records.Scene(trees=[tree(snow=snow(0.1))]))
     assert renderer.take() == [("set_snow", "t")]
     assert not keeper.update(records.Scene(trees=[tree(snow=snow(0.1))]))
+    assert keeper.update(records.Scene(trees=[tree(snow=snow(0.1, relief=0.0))]))
+    assert renderer.take() == [("set_snow", "t")]
+    keeper.update(records.Scene(trees=[tree(snow=snow(0.1))]))
+    renderer.take()
     keeper.update(records.Scene(trees=[tree(pose=1.0, snow=snow(0.1))]))
     assert renderer.take() == [("set_pose", "t")]
     keeper.update(records.Scene(trees=[tree(pose=1.0, snow=snow(0.1), print_="q")]))

@@ -204,6 +204,30 @@ def test_a_tree_with_snow_is_closed_to_the_bit(renderer, maple):
     assert 0.01 < np.median(risen) < 0.02 and risen.max() < 0.04
 
 
+def test_the_sliders_shape_a_trees_snow(renderer, maple):
+    # All edges at one level, which snow that makes limbs thicker does not change.
+    view = {"eye": (1.5, -2.5, 1.5), "target": (0, 0, 1.5), "field_of_view": 2.4}
+    camera = native.Camera(**view, width=8192, height=7680)
+    even = native.RenderSettings(target_pixels=0.25, max_level=2, **WHOLE)
+    renderer.add_tree("tree", maple)
+
+    def points(**sliders):
+        renderer.set_snow("tree", lumps(256, 0.04), 0.04, **sliders)
+        return renderer.triangles("tree", camera, even)
+
+    usual = points()
+    assert np.array_equal(points(overhang=1.0, hem_variation=1.0, relief=1.0), usual)
+    for slider in ("overhang", "hem_variation", "relief"):
+        none, more = (points(**{slider: value}) for value in (0.0, 2.0))
+        moved = np.linalg.norm(none - usual, axis=2)
+        # Each acts in proportion: twice the slider moves a point as far to the other side.
+        assert 1e-4 < moved.max() < 0.04, slider
+        if slider != "hem_variation":  # its sum with the usual sag is limited
+            assert np.linalg.norm(none + more - 2 * usual, axis=2).max() < 0.3 * moved.max(), slider
+    with pytest.raises(TypeError, match="there is no such slider"):
+        points(hang=1.0)
+
+
 def test_a_trees_arrays_say_where_its_snow_lies(renderer, maple):
     camera = native.Camera(eye=(1.0, -2.2, 2.6), target=(0, 0, 1.2), width=160, height=120)
     renderer.add_tree("tree", maple)

@@ -51,24 +51,6 @@ TEST(SeamFactor, findsWhatEliminationFinds) {
   }
 }
 
-TEST(SeamFactor, findsTheSameWhenItIsUsedAgain) {
-  const Problem problem = random_problem(4);
-  SeamFactor factor = begun(problem.rows, problem.unknowns, {0, 3, 4, 9}, 0.1f);
-  ASSERT_TRUE(factor.factorise(kAnyWork));
-  factor.begin({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, 0.1f);
-  for (size_t r = 0; r < problem.rows.size(); ++r) {
-    factor.add(static_cast<int32_t>(r), problem.rows[r]);
-  }
-  ASSERT_TRUE(factor.factorise(kAnyWork));
-  SeamFactor fresh = begun(problem.rows, problem.unknowns, 0.1f);
-  ASSERT_TRUE(fresh.factorise(kAnyWork));
-  std::vector<float> expected = problem.values();
-  std::vector<float> values = expected;
-  fresh.solve(expected, 0.0f);
-  factor.solve(values, 0.0f);
-  EXPECT_EQ(values, expected);
-}
-
 TEST(SeamFactor, keepsAPartOfTheProblem) {
   for (uint32_t seed = 1; seed <= 5; ++seed) {
     const Problem problem = random_problem(seed);
@@ -99,14 +81,6 @@ TEST(SeamFactor, leavesOthersAlone) {
   factor.solve(values, 0.0f);
   EXPECT_EQ(values[5], 42.0f);
   EXPECT_EQ(values[0], 0.0f);
-}
-
-TEST(SeamFactor, dampingPullsTowardsZero) {
-  SeamFactor factor = begun({row({{0, 1.0f}}, 1)}, 1, 0.5f);
-  ASSERT_TRUE(factor.factorise(kAnyWork));
-  std::vector<float> values{3.0f};
-  factor.solve(values, 0.0f);
-  EXPECT_FLOAT_EQ(values[0], 2.0f);
 }
 
 TEST(SeamFactor, refusesWhatTakesTooMuchWork) {
@@ -144,19 +118,6 @@ TEST(SeamFactor, knowsWhatHangsTogetherNoMore) {
   EXPECT_THAT(factor.components(), ElementsAre(3, 3, 3, 3));
   ASSERT_TRUE(factor.keep({0, 2, 3}));
   EXPECT_THAT(factor.components(), ElementsAre(0, 3, 3));
-}
-
-TEST(SeamPattern, hasAnEntryForTwoUnknownsOfOneRow) {
-  const std::vector<SeamRow> rows{row({{0, 1.0f}, {2, 1.0f}, {3, 1.0f}}, 3),
-                                  row({{0, 1.0f}, {1, 1.0f}, {2, 1.0f}}, 3)};
-  const SeamPattern pattern(rows, 3);
-  ASSERT_EQ(pattern.entries(), 3);
-  EXPECT_EQ(pattern.begin(1), 0);
-  EXPECT_EQ(pattern.row(pattern.begin(1)), 0);
-  // Of the first row's second term and the second one's third and first.
-  EXPECT_EQ(pattern.row(pattern.begin(2) + pattern.offsets(0)[0]), 0);
-  EXPECT_EQ(pattern.row(pattern.begin(2) + pattern.offsets(1)[1]), 0);
-  EXPECT_EQ(pattern.row(pattern.begin(2) + pattern.offsets(1)[2]), 1);
 }
 
 TEST(NumberSet, givesNumbersInOrderOnce) {
