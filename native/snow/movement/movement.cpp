@@ -137,8 +137,13 @@ void Movement::after(const MovementSettings& settings, uint32_t step_number, dou
 /// Lets snow come to rest for `dt` seconds, and collects what leaves the maps. `of_blades`: only
 /// what blades have just pushed, for some rounds.
 void Movement::rest(const MovementSettings& settings, double dt, bool of_blades,
-                    const std::vector<MovingMap*>& maps) {
+                    const std::vector<MovingMap*>& shown) {
   if (!settings.repose.is_on()) return;
+  std::vector<MovingMap*> maps;
+  for (MovingMap* map : shown) {
+    const bool moves = dt > 0.0 || (of_blades && pressing_.is_pressed(*map));
+    if (moves || !map->slid_from.empty() || !map->shed_from.empty()) maps.push_back(map);
+  }
   std::vector<double> slid;
   std::vector<MovingMap> coarser;
   std::vector<Resting> resting;

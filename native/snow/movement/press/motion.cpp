@@ -1,44 +1,20 @@
 #include "snow/movement/press/motion.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
+#include <optional>
+
+#include "snow/movement/repose/rigid_turn.h"
 
 namespace snowbough::snow {
 namespace {
 
 /// Largest error of a motion that counts as rigid, as a fraction of the object's size.
 constexpr double kRigid = 1e-4;
-
-/// An orthonormal frame from three points; false if they lie on a line.
-bool frame_of(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, glm::dmat3& frame) {
-  const glm::dvec3 x = b - a;
-  const glm::dvec3 z = glm::cross(x, c - a);
-  if (!(glm::dot(x, x) > 0.0) || !(glm::dot(z, z) > 1e-8 * glm::dot(x, x) * glm::dot(x, x))) {
-    return false;
-  }
-  frame[0] = glm::normalize(x);
-  frame[2] = glm::normalize(z);
-  frame[1] = glm::cross(frame[2], frame[0]);
-  return true;
-}
-
-/// The vertex for which `measure` is largest.
-template <typename Measure>
-size_t farthest(const std::vector<glm::vec3>& points, const Measure& measure) {
-  size_t best = 0;
-  double most = -1.0;
-  for (size_t i = 0; i < points.size(); ++i) {
-    const double own = measure(glm::dvec3(points[i]));
-    if (own > most) {
-      most = own;
-      best = i;
-    }
-  }
-  return best;
-}
 
 }  // namespace
 
@@ -54,30 +30,17 @@ PresserMotion::PresserMotion(const std::vector<glm::vec3>& from, const std::vect
 bool PresserMotion::find_turn() {
   const std::vector<glm::vec3>& from = *from_;
   const std::vector<glm::vec3>& to = *to_;
+  const std::array<size_t, 3> corners = far_apart(from, from.size());
+  const std::optional<glm::dmat3> turn = turn_between(from, to, corners);
+  if (!turn) return false;
   const glm::dvec3 first(from.front());
-  const size_t second =
-      farthest(from, [&](const glm::dvec3& p) { return glm::dot(p - first, p - first); });
-  const glm::dvec3 along = glm::dvec3(from[second]) - first;
-  const size_t third = farthest(from, [&](const glm::dvec3& p) {
-    const glm::dvec3 aside = glm::cross(along, p - first);
-    return glm::dot(aside, aside);
-  });
-  glm::dmat3 before;
-  glm::dmat3 after;
-  const glm::dvec3 first_after(to.front());
-  if (!frame_of(first, from[second], from[third], before) ||
-      !frame_of(first_after, to[second], to[third], after)) {
-    return false;
+  const double size = glm::length(glm::dvec3(from[corners[1]]) - first);
+  if (largest_error(from, to, from.size(), *turn, 0) > kRigid * size) return false;
+  for (const glm::vec3& point : from) {
+    middle_ += glm::dvec3(point) / static_cast<double>(from.size());
   }
-  const glm::dmat3 turn = after * glm::transpose(before);
-  const double most = kRigid * glm::length(along);
-  for (size_t i = 0; i < from.size(); ++i) {
-    const glm::dvec3 expected = first_after + turn * (glm::dvec3(from[i]) - first);
-    if (glm::length(expected - glm::dvec3(to[i])) > most) return false;
-    middle_ += glm::dvec3(from[i]) / static_cast<double>(from.size());
-  }
-  middle_after_ = first_after + turn * (middle_ - first);
-  turn_ = glm::normalize(glm::quat_cast(turn));
+  middle_after_ = glm::dvec3(to.front()) + *turn * (middle_ - first);
+  turn_ = glm::normalize(glm::quat_cast(*turn));
   return true;
 }
 

@@ -5,7 +5,9 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
-#include <glm/matrix.hpp>
+#include <optional>
+
+#include "snow/movement/repose/rigid_turn.h"
 
 namespace snowbough::snow {
 namespace {
@@ -16,43 +18,6 @@ constexpr double kOfSize = 1e-5;
 constexpr double kOfCoordinates = 4e-7;
 /// Quantisation of the up direction: a hundredth of a millimetre per metre.
 constexpr double kUpSteps = 65536.0;
-
-/// A coordinate frame from three points; false if they are collinear.
-bool axes(const std::vector<glm::vec3>& points, const std::array<size_t, 3>& at,
-          glm::dmat3& frame) {
-  const glm::dvec3 origin(points[at[0]]);
-  const glm::dvec3 along = glm::dvec3(points[at[1]]) - origin;
-  const glm::dvec3 across = glm::cross(along, glm::dvec3(points[at[2]]) - origin);
-  if (!(glm::length(along) > 0.0) || !(glm::length(across) > 0.0)) return false;
-  frame[0] = glm::normalize(along);
-  frame[2] = glm::normalize(across);
-  frame[1] = glm::cross(frame[2], frame[0]);
-  return true;
-}
-
-/// A vertex far from the first one, and one far from the line through both.
-std::array<size_t, 3> far_apart(const std::vector<glm::vec3>& points, size_t count) {
-  std::array<size_t, 3> at{};
-  double most = 0.0;
-  const glm::dvec3 origin(points[0]);
-  for (size_t i = 0; i < count; ++i) {
-    const double far = glm::length(glm::dvec3(points[i]) - origin);
-    if (far > most) {
-      most = far;
-      at[1] = i;
-    }
-  }
-  most = 0.0;
-  const glm::dvec3 along = glm::dvec3(points[at[1]]) - origin;
-  for (size_t i = 0; i < count; ++i) {
-    const double far = glm::length(glm::cross(along, glm::dvec3(points[i]) - origin));
-    if (far > most) {
-      most = far;
-      at[2] = i;
-    }
-  }
-  return at;
-}
 
 /// The shortest rotation that turns a direction upwards.
 glm::dmat3 turning_up(const glm::dvec3& direction) {
@@ -76,23 +41,17 @@ bool ReposePose::find_up(const std::vector<glm::vec3>& rest,
   if (count < 3 || rest.size() < count || positions.size() < count) return false;
   if (!has_corners_) corners_ = far_apart(rest, count);
   has_corners_ = true;
-  glm::dmat3 from;
-  glm::dmat3 to;
-  if (!axes(rest, corners_, from) || !axes(positions, corners_, to)) return false;
-  const glm::dmat3 turn = to * glm::transpose(from);
-  const glm::dvec3 origin(rest[corners_[0]]);
-  const glm::dvec3 now(positions[corners_[0]]);
+  const std::optional<glm::dmat3> turn = turn_between(rest, positions, corners_);
+  if (!turn) return false;
+  const double off = largest_error(rest, positions, count, *turn, corners_[0]);
   glm::vec3 largest(0.0f);
-  double off = 0.0;
   for (size_t i = 0; i < count; ++i) {
-    const glm::dvec3 there = turn * (glm::dvec3(rest[i]) - origin) + now;
-    off = std::max(off, glm::length(glm::dvec3(positions[i]) - there));
     largest = glm::max(largest, glm::max(glm::abs(positions[i]), glm::abs(rest[i])));
   }
-  const double size = glm::length(glm::dvec3(rest[corners_[1]]) - origin);
+  const double size = glm::length(glm::dvec3(rest[corners_[1]]) - glm::dvec3(rest[corners_[0]]));
   const double coordinates = std::max(largest.x, std::max(largest.y, largest.z));
   if (!(off <= kOfSize * size + kOfCoordinates * coordinates)) return false;
-  const glm::dvec3 row(turn[0].z, turn[1].z, turn[2].z);
+  const glm::dvec3 row((*turn)[0].z, (*turn)[1].z, (*turn)[2].z);
   up = glm::normalize(glm::round(row * kUpSteps));
   return true;
 }
