@@ -8,7 +8,7 @@ import pytest
 import snowbough_native as native
 from checkpoints import restore, save
 from child import in_child
-from snow_meshes import STAYS, box, grid, rotated, sphere
+from snow_meshes import STAYS, box, grid, rotated, sphere, turned_over
 
 FRAME = 1.0 / 24.0
 DOWN = (0.0, 0.0, -1.0)
@@ -44,9 +44,9 @@ def block(size, height, centre=True):
 class World:
     """A level ground under 15 cm of snow, and objects that press it. A place of the map is 6.5 mm wide."""
 
-    def __init__(self, size=1.6, resolution=256, engine="CPU", depth=DEPTH, **settings):
+    def __init__(self, size=1.6, resolution=256, engine="CPU", depth=DEPTH, over=False, **settings):
         self.size, self.resolution = size, resolution
-        self.ground = grid(size, size)
+        self.ground = turned_over(grid(size, size)) if over else grid(size, size)
         self.sim = native.SnowSimulation(pixel_size=0.02, engine=engine, **settings)
         self.sim.add_object("ground", *self.ground[1:], resolution=resolution)
         self.depth = depth
@@ -131,6 +131,21 @@ def rolled(mesh, way, turns=True, z=0.36):
     """A wheel at a place along x, rolled without slipping."""
     pose = rotated(mesh[0], "y", math.degrees(way / 0.3)) if turns else mesh[0]
     return pose + np.float32([way, 0.0, z])
+
+
+def test_snow_on_the_back_is_pushed_as_on_the_front():
+    maps = []
+    for over in (False, True):
+        world = World(size=0.8, resolution=64, repose=STAYS, over=over)
+        positions, triangles = block(0.2, 0.2)
+        world.add("tool", (positions, triangles), pushed_aside=0.5)
+        world.press([positions + np.float32([0.0, 0.0, z]) for z in (0.5, 0.18)])
+        maps.append(world.height())
+    assert maps[0].max() > 1.02 * DEPTH and maps[0][32, 32] < 0.9 * DEPTH
+    # Where several ways out are equally long, it may be pushed to another texel.
+    assert maps[1].max() <= 0.0
+    assert maps[1].min() == pytest.approx(-maps[0].max(), abs=1e-5)
+    assert maps[1].sum(dtype=float) == pytest.approx(-maps[0].sum(dtype=float), rel=1e-5)
 
 
 def test_a_wheel_leaves_an_even_track():
