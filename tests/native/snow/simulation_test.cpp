@@ -14,8 +14,8 @@ TEST(Simulation, takesFlutterInRadians) {
     settings.flutter = angle;
     const SnowSimulation simulation(settings);
   };
-  EXPECT_NO_THROW(make(static_cast<double>(static_cast<float>(std::numbers::pi / 4.0))));
-  EXPECT_THROW(make(1.0), std::invalid_argument);
+  EXPECT_NO_THROW(make(static_cast<double>(static_cast<float>(std::numbers::pi / 2.0))));
+  EXPECT_THROW(make(3.0), std::invalid_argument);
   EXPECT_THROW(make(-0.1), std::invalid_argument);
 }
 
