@@ -27,7 +27,7 @@ constexpr int kStemSteps = 3;
 constexpr double kStemFactor = 0.95;
 /// From the crotch on, a second stem's first ring is sought in steps of kStemStep, up to
 /// kStemReach; joints closer to it than kStemGap are dropped. In the stem's corner radii.
-constexpr double kStemStep = 0.2;
+constexpr double kStemStep = 0.1;
 constexpr double kStemReach = 6.0;
 constexpr double kStemGap = 0.5;
 /// Maximum width of a child's base, relative to its parent's side: the parent's knuckle widens to
