@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -67,13 +68,14 @@ double thickest(const std::vector<float>& height, int32_t side) {
   return all.squares > 0.0 ? all.cubes / all.squares : 0.0;
 }
 
-/// The longer side of a texel in the pose at rest: its quadratic mean over the surface.
+/// The longer side of a texel in the pose at rest: the mean of its fourth power over the surface,
+/// which long texels decide.
 double texel_size_of(const SceneObject& object) {
   const MapTopology& topology = object.description.topology;
   const std::vector<glm::vec3>& rest =
       object.description.rest.empty() ? object.positions : object.description.rest;
   double area = 0.0;
-  double squares = 0.0;
+  double powers = 0.0;
   for (size_t t = 0; t + 2 < topology.triangles.size(); t += 3) {
     const auto corner = [&](size_t k) {
       return glm::dvec3(rest[static_cast<size_t>(topology.triangles[t + k])]);
@@ -92,10 +94,10 @@ double texel_size_of(const SceneObject& object) {
                                                               glm::cross(along_u, along_v))));
     const double own = 0.5 * glm::length(glm::cross(a, b));
     area += own;
-    squares += own * longest;
+    powers += own * longest * longest;
   }
   const double size = 1.0 / topology.resolution;
-  return area > 0.0 ? size * std::sqrt(squares / area) : 0.0;
+  return area > 0.0 ? size * std::sqrt(std::sqrt(powers / area)) : 0.0;
 }
 
 /// The slope between two that follow each other: their mean, but not beyond what either allows
@@ -359,7 +361,7 @@ CoarseMap* CoarseMaps::choose(const MovingMap& map, bool is_pressed, ReposeLinkT
   const double wanted = std::max(kFinest, depth / kTexelsADepth);
   int32_t side = 1;
   while (level.texel_size > 0.0 && depth > 0.0 && side < kMostSide &&
-         2 * side * level.texel_size <= wanted) {
+         std::numbers::sqrt2 * side * level.texel_size < wanted) {
     side *= 2;
   }
   if (side == level.wanted) return level.map.get();

@@ -57,9 +57,9 @@ class CoarseMap {
 
 /// The coarser maps of a scene's receivers. The surface of snow has no detail that is much smaller
 /// than its depth, so that texels need not be smaller than max(2 mm, depth / 24) where it comes to
-/// rest: squares of 2 x 2, 4 x 4, ... texels are joined while their longer side is at most this.
-/// Without it, a repose of the same snow takes N times as long on texels half as large; see
-/// docs/snow.md for what it gains.
+/// rest: squares of 2 x 2, 4 x 4, ... texels are joined to about this size. Gain: a frame of two
+/// steps of a monkey's map of 2048 under 11 cm takes 0.38 s of the processor instead of 0.64 s; the
+/// snow differs by 0.13 mm on average, and by less than 2 mm on 99 % of it.
 ///
 /// The choice depends on the pose at rest and on the heights alone, so that a resumed bake makes it
 /// too. Masks and pressed snow keep the receiver's own map.

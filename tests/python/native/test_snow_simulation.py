@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A simulation as an object: determinism, state, receivers, end of life, and errors."""
 
+import math
+
 import gc
 
 import numpy as np
@@ -179,7 +181,7 @@ def test_bad_input_is_refused_by_name():
         with pytest.raises(ValueError, match="finite"):
             sim.step({"it": np.full_like(positions, np.nan)}, 0.1)
         with pytest.raises(ValueError, match="depth"):
-            sim.step({}, -0.1)
+            sim.step({}, math.nan)
         with pytest.raises(ValueError, match="missing"):
             sim.height("missing")
         assert sim.statistics()["held_volume"] == pytest.approx(0.1, rel=0.01)
