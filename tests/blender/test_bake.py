@@ -31,7 +31,9 @@ def test_a_first_frame_below_0_is_refused_and_not_taken_for_0(tmp_path):
     s.receive(s.square("Ground"))
     own = s.settings(tmp_path)
     own.frame_start = -5
-    with pytest.raises(RuntimeError, match="The first frame is -5: image sequences start at frame 0 or later"):
+    with pytest.raises(
+        RuntimeError, match="The first frame is -5: image sequences start at frame 0 or later"
+    ):
         s.bake()
     own.frame_start = 0
     s.bake()
