@@ -21,7 +21,7 @@
 namespace snowbough::image {
 namespace {
 
-/// Collects OpenEXR's output, so that only AtomicFile writes to the disk.
+/// Collects OpenEXR's output, so that only atomic_write writes to the disk.
 class MemoryWriter : public Imf::OStream {
  public:
   MemoryWriter() : Imf::OStream("memory") {}
