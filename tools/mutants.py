@@ -68,7 +68,9 @@ PRESSING = module_tests("pressing")
 SURFACE = Linked("snowbough_surface_tests", ("--gtest_filter=SnowSurface.*-*Blades*:*Twice*",))
 SURFACE_PARTS = Linked("snowbough_surface_tests", ("--gtest_filter=FaceParts*:PointTree*",))
 KEPT = Linked("snowbough_tree_uv_tests", ("--gtest_filter=Kept*",))
-COVERAGE = Linked("snowbough_tree_read_tests", ("--gtest_filter=*Coverage*:ReadTree.Says*:ReadTree.Reports*",))
+COVERAGE = Linked(
+    "snowbough_tree_read_tests", ("--gtest_filter=*Coverage*:ReadTree.Says*:ReadTree.Reports*",)
+)
 BENDING = (f"{ADDON}/test_bending.py",)
 LEDGER = (f"{ADDON}/test_ledger.py",)
 

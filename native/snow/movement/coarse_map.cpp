@@ -351,12 +351,12 @@ void CoarseMaps::forget_rooms(size_t object) {
   if (levels_[object].map != nullptr) levels_[object].map->repose().forget_rooms();
 }
 
-CoarseMap* CoarseMaps::choose(const MovingMap& map, bool is_pressed, ReposeLinkTables& tables,
+CoarseMap* CoarseMaps::choose(const MovingMap& map, bool keeps_own, ReposeLinkTables& tables,
                               Repose& own) {
   const SceneObject& object = *objects_[map.object];
   Level& level = levels_[map.object];
   const double depth =
-      is_pressed || object.mask != nullptr ? 0.0 : thickest(*map.height, object.table->resolution);
+      keeps_own || object.mask != nullptr ? 0.0 : thickest(*map.height, object.table->resolution);
   if (level.texel_size == 0.0 && depth > 0.0) level.texel_size = texel_size_of(object);
   const double wanted = std::max(kFinest, depth / kTexelsADepth);
   int32_t side = 1;

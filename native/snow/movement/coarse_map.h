@@ -62,7 +62,7 @@ class CoarseMap {
 /// snow differs by 0.13 mm on average, and by less than 2 mm on 99 % of it.
 ///
 /// The choice depends on the pose at rest and on the heights alone, so that a resumed bake makes it
-/// too. Masks and pressed snow keep the receiver's own map.
+/// too. Masks, pressed snow and grains keep the receiver's own map.
 class CoarseMaps {
  public:
   /// `objects` and `rays` must live until the next call.
@@ -70,8 +70,8 @@ class CoarseMaps {
   void forget_pose(size_t object);
   void forget_rooms(size_t object);
   /// The coarser map on which a receiver's snow moves now, or null: its own, `own`. Replaces it if
-  /// its texels have another size now. `is_pressed`: some of it is packed or carries an object.
-  CoarseMap* choose(const MovingMap& map, bool is_pressed, ReposeLinkTables& tables, Repose& own);
+  /// its texels have another size now. `keeps_own`: its snow needs the receiver's own texels.
+  CoarseMap* choose(const MovingMap& map, bool keeps_own, ReposeLinkTables& tables, Repose& own);
 
  private:
   struct Level {

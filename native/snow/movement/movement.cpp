@@ -151,7 +151,8 @@ void Movement::rest(const MovementSettings& settings, double dt, bool of_blades,
   for (MovingMap* map : maps) {
     slid.push_back(std::exchange(map->slid, 0.0));
     Repose& own = *receivers_[map->object];
-    CoarseMap* const coarse = coarse_.choose(*map, pressing_.is_pressed(*map), *link_tables_, own);
+    const bool keeps_own = settings.repose.is_granular || pressing_.is_pressed(*map);
+    CoarseMap* const coarse = coarse_.choose(*map, keeps_own, *link_tables_, own);
     if (coarse != last_[map->object]) targets_.forget(map->object);
     last_[map->object] = coarse;
     if (coarse != nullptr) coarser.push_back(coarse->begin(*map));

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A simulation as an object: determinism, state, receivers, end of life, and errors."""
 
-import math
-
 import gc
+import math
 
 import numpy as np
 import pytest

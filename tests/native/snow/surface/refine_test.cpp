@@ -18,7 +18,8 @@ SurfaceMesh refined(const SurfaceSource& source, const std::vector<float>& map,
                     int32_t most_points = 200000, float scale = 1.0f) {
   const RimmedMesh receiver(source, 1.15f * rim_zone(kDepth), far_zone(kDepth), rim_strip(kDepth));
   const RimZones zones(receiver.mesh, receiver.rims, kDepth);
-  return refined_surface(receiver.mesh, receiver.rims, zones, {map.data(), map.data(), kResolution},
+  return refined_surface(receiver.mesh, receiver.rims, zones,
+                         {map.data(), map.data(), nullptr, kResolution},
                          {kDepth, scale, most_points})
       .mesh;
 }
@@ -192,7 +193,8 @@ TEST(RefinedSurface, SaysHowMuchCoarserItsHemsAre) {
   const RimZones zones(receiver.mesh, receiver.rims, kDepth);
   const auto coarsened = [&](int32_t most_points) {
     return refined_surface(receiver.mesh, receiver.rims, zones,
-                           {map.data(), map.data(), kResolution}, {kDepth, 1.0f, most_points})
+                           {map.data(), map.data(), nullptr, kResolution},
+                           {kDepth, 1.0f, most_points})
         .coarsened;
   };
   EXPECT_EQ(coarsened(200000), 1.0f);
