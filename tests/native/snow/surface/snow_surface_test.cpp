@@ -41,7 +41,7 @@ struct StyledSurface {
 StyledSurface surface_on(const SurfaceSource& source, const std::vector<float>& map,
                          const shared::SnowStyle& style = kUsual,
                          glm::vec2 wind = glm::vec2(0.0f)) {
-  return {plan_surface(source, map, map, plan_of(wind)), style};
+  return {plan_surface(source, map, map, {}, plan_of(wind)), style};
 }
 
 SurfaceFrame frame_of(const std::vector<float>& map, float open_depth = kDepth) {
@@ -392,7 +392,7 @@ double time_of_blades(int count, float apart) {
   SurfacePlan plan = plan_of();
   plan.density = {0.1f, 3.0f, 200000};
   const std::clock_t begun = std::clock();
-  plan_surface(source, map, map, plan);
+  plan_surface(source, map, map, {}, plan);
   return static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
 }
 
@@ -413,18 +413,18 @@ TEST(SnowSurfaceFaces, OfAReceiverWithoutFacesAreNone) {
 TEST(SnowSurface, RefusesWhatDoesNotFit) {
   const SurfaceSource board = slab(1.0f, 0.3f);
   const std::vector<float> map = on_tops(board, kDepth), small(16, 0.0f);
-  EXPECT_THROW(plan_surface(board, small, map, plan_of()), std::invalid_argument);
-  EXPECT_THROW(plan_surface(board, map, small, plan_of()), std::invalid_argument);
+  EXPECT_THROW(plan_surface(board, small, map, {}, plan_of()), std::invalid_argument);
+  EXPECT_THROW(plan_surface(board, map, small, {}, plan_of()), std::invalid_argument);
   SurfaceSource short_one = board;
   short_one.positions.pop_back();
-  EXPECT_THROW(plan_surface(short_one, map, map, plan_of()), std::invalid_argument);
+  EXPECT_THROW(plan_surface(short_one, map, map, {}, plan_of()), std::invalid_argument);
   SurfaceSource shaded = board;
   shaded.shading = {0, 1};
-  EXPECT_THROW(plan_surface(shaded, map, map, plan_of()), std::invalid_argument);
+  EXPECT_THROW(plan_surface(shaded, map, map, {}, plan_of()), std::invalid_argument);
   for (const float depth : {0.0f, -1.0f, std::numeric_limits<float>::quiet_NaN()}) {
     SurfacePlan plan = plan_of();
     plan.density.depth = depth;
-    EXPECT_THROW(plan_surface(board, map, map, plan), std::invalid_argument);
+    EXPECT_THROW(plan_surface(board, map, map, {}, plan), std::invalid_argument);
   }
 }
 
