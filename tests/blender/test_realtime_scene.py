@@ -134,7 +134,7 @@ def test_flakes_are_as_large_in_scenes_of_other_units(scene, addon):
     options = scene.snowbough_realtime
     options.show_flakes = True
     scene.snowbough.fall_angle = math.radians(30)
-    scene.snowbough.flutter = math.pi  # its range ends at 45 degrees
+    scene.snowbough.flutter = math.pi  # the flakes sway by at most 45 degrees
     scene.unit_settings.scale_length = 0.01
     flakes = flakes_of(bpy.context.evaluated_depsgraph_get().scene_eval)
     assert flakes.metre == pytest.approx(100.0)

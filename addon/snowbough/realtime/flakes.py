@@ -1,11 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Flakes in the air. The engine's settings and the direction and flutter of the scene's snow determine them."""
 
+import math
+
 from ..bake.plan import fall_direction
 from ..scene.pose import metres_per_unit
 from .records import Flakes
 
 SECONDS_AN_HOUR = 3600.0
+
+
+# Flakes in the air sway about their way; dust from the whole sky has no other.
+MOST_FLUTTER = math.pi / 4
 
 
 def flakes_of(scene):
@@ -20,7 +26,7 @@ def flakes_of(scene):
         rate=rate,
         direction=tuple(fall_direction(snow.fall_angle, snow.bearing)),
         speed=options.flake_speed,
-        flutter=snow.flutter,
+        flutter=min(snow.flutter, MOST_FLUTTER),
         radius=options.flake_size,
         shutter=min(render.motion_blur_shutter / fps, 1.0),
         time=scene.frame_current_final / fps,
