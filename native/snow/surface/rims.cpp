@@ -209,14 +209,20 @@ float Rims::distance(const glm::vec3& point, const glm::vec3& normal, int32_t pa
 
 float Rims::room(const RimPlace& place, int32_t part, float most) const {
   constexpr int kSteps = 8;
+  const auto clear = [&](float inwards) {
+    return distance(place.foot - place.out * inwards, place.support, part, false);
+  };
+  // Steps that pass the middle of a narrow top would pass the top, too.
+  float step = most / kSteps;
+  while (step > 1e-3f * most && clear(step) < 0.999f * step) step *= 0.5f;
   float room = 0.0f;
   float before = 0.0f;
-  for (int k = 1; k <= kSteps; ++k) {
-    const glm::vec3 at = place.foot - place.out * (most * static_cast<float>(k) / kSteps);
-    const float here = distance(at, place.support, part, false);
+  for (float inwards = step; inwards < most + 0.5f * step; inwards += step) {
+    const float here = clear(inwards);
     if (here < before - 1e-6f) break;
     room = std::max(room, here);
     before = here;
+    if (2.0f * step <= here && 16.0f * step <= most) step *= 2.0f;
   }
   return room;
 }

@@ -203,6 +203,8 @@ TEST(RimRoom, OfABoardReachesItsMiddle) {
   const RimPlace place =
       board.rims.place({0.5f, 0.0f, 0.5f}, {0, 0, 1}, board.rims.parts()[0], 0.001f);
   EXPECT_NEAR(board.rims.room(place, board.rims.parts()[0], 0.2f), 0.05f, 0.0005f);
+  // Steps of the search that are wider than the board do not pass it over.
+  EXPECT_NEAR(board.rims.room(place, board.rims.parts()[0], 1.2f), 0.05f, 0.02f);
 }
 
 /// A step of 3 cm at x = 0: the upper box is on the left.
