@@ -56,7 +56,7 @@ LINES = {
     "addon/snowbough/bending": 750,
     "addon/snowbough/gltf": 2950,
     "addon/snowbough/preview": 1100,
-    "addon/snowbough/realtime": 2250,
+    "addon/snowbough/realtime": 2300,
     "addon/snowbough/result": 2150,
     "addon/snowbough/scene": 2650,
     "addon/snowbough/settings": 1000,

@@ -138,8 +138,9 @@ class Repose {
   /// Where snow on a texel ends if it slides down the bare surface.
   Release way_down(int32_t texel);
 
-  /// The next texel straight down the bare surface; or the end of the way: -1 - outlet, or the texel
-  /// itself, if it is a hollow or, unless the way leads `over_walls`, a wall. After bare_texels.
+  /// The next texel straight down the bare surface; or the end of the way: -1 - outlet, or the
+  /// texel itself, if it is a hollow or, unless the way leads `over_walls`, a wall. After
+  /// bare_texels.
   int32_t next_down(int32_t texel, bool over_walls = false) const;
 
   /// Whether the last run changed heights.
