@@ -165,9 +165,9 @@ SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& 
                                 {0, static_cast<int32_t>(receiver.triangle.size())});
   const Rims rims(receiver, tree, source.shading, 1.15f * rim_zone(depth), far_zone(depth),
                   rim_strip(depth));
-  const RimZones zones(receiver, rims, depth);
-  // Cushions get half of the points.
   const bool needles = are_needles(receiver, depth);
+  const RimZones zones(receiver, rims, depth, needles);
+  // Cushions get half of the points.
   SurfaceDensity density = plan.density;
   if (needles) density.most_points = std::max(density.most_points / 2, 1);
   RefinedSurface refined = refined_surface(

@@ -31,8 +31,8 @@ float rim_strip(float depth) {
   return kRimStrip * depth;
 }
 
-RimZones::RimZones(const SurfaceMesh& receiver, const Rims& rims, float depth)
-    : rims_(rims), depth_(depth) {
+RimZones::RimZones(const SurfaceMesh& receiver, const Rims& rims, float depth, bool needles)
+    : rims_(rims), depth_(depth), needles_(needles) {
   const std::vector<glm::vec3> normals = triangle_normals(receiver);
   for (size_t t = 0; t < receiver.base.size(); ++t) {
     const auto base = static_cast<size_t>(receiver.base[t]);
@@ -101,7 +101,7 @@ RimZones::Zone RimZones::at(const glm::vec3& point, const glm::vec3& normal, int
   zone.place = rims_.place(point, normal, part, 0.25f * depth_);
   if (zone.place.is_far_off) return zone;
   const float most = rim_zone(depth_);
-  zone.room = rims_.room(zone.place, part, most);
+  zone.room = rims_.room(zone.place, part, most, !needles_);
   zone.support = std::clamp(0.95f * zone.room, 0.1f * depth_, most);
   zone.far = std::max(std::min(far_zone(depth_), zone.place.far_extent), 0.02f * depth_);
   zone.share = zone.place.distance / (zone.place.distance < 0.0f ? zone.far : zone.support);

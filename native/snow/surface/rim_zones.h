@@ -19,7 +19,9 @@ float rim_strip(float depth);
 /// Computes the rim zone of any place on a receiver.
 class RimZones {
  public:
-  RimZones(const SurfaceMesh& receiver, const Rims& rims, float depth);
+  /// `needles`: see are_needles. Hems on all of them would take too many points; cushions join
+  /// their snow.
+  RimZones(const SurfaceMesh& receiver, const Rims& rims, float depth, bool needles = false);
 
   struct Zone {
     RimPlace place;
@@ -42,6 +44,7 @@ class RimZones {
  private:
   const Rims& rims_;
   float depth_;
+  bool needles_;
   /// Indexed by source triangle.
   std::vector<int32_t> part_of_base_;
   std::vector<glm::vec3> normal_of_base_;

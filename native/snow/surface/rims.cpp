@@ -207,14 +207,24 @@ float Rims::distance(const glm::vec3& point, const glm::vec3& normal, int32_t pa
   return nearest;
 }
 
-float Rims::room(const RimPlace& place, int32_t part, float most) const {
+float Rims::room(const RimPlace& place, int32_t part, float most, bool narrow) const {
   constexpr int kSteps = 8;
   const auto clear = [&](float inwards) {
     return distance(place.foot - place.out * inwards, place.support, part, false);
   };
-  // Steps that pass the middle of a narrow top would pass the top, too.
+  // Steps past the middle of a narrow top would pass the top, too.
+  const auto passes_middle = [&](float step) {
+    if (clear(step) >= 0.999f * step) return false;
+    float last = 0.0f;
+    for (int k = 1; k <= kSteps; ++k) {
+      const float here = clear(step * static_cast<float>(k) / kSteps);
+      if (here < last - 0.05f * step) return true;
+      last = here;
+    }
+    return false;
+  };
   float step = most / kSteps;
-  while (step > 1e-3f * most && clear(step) < 0.999f * step) step *= 0.5f;
+  while (narrow && step > 1e-3f * most && passes_middle(step)) step *= 0.5f;
   float room = 0.0f;
   float before = 0.0f;
   for (float inwards = step; inwards < most + 0.5f * step; inwards += step) {

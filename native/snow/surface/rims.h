@@ -91,7 +91,9 @@ class Rims {
 
   /// Free width of the supporting face behind `place.foot` in metres: the distance to the middle
   /// between this rim and those opposite, at most `most`.
-  float room(const RimPlace& place, int32_t part, float most) const;
+  /// `narrow`: also of tops that are narrower than a few steps of the search, which else count as
+  /// wide.
+  float room(const RimPlace& place, int32_t part, float most, bool narrow = true) const;
 
   /// A rim that faces this one across a gap.
   struct Opposite {
