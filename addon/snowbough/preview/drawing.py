@@ -11,7 +11,7 @@ from ..base import view_drawing
 from . import interface
 
 # (maximum number of points of all surfaces, factor on edge lengths), for a GPU and for a software renderer.
-BUDGET, SOFTWARE_BUDGET = (200_000, 1.0), (15_000, 2.0)
+BUDGET, SOFTWARE_BUDGET = (200_000, 1.0), (30_000, 1.0)
 # Direction to the light in the view: left, above and behind the viewer.
 LIGHT_IN_VIEW = Vector((-0.45, 0.55, 0.70))
 LIGHT_IN_WORLD = Vector((-0.2, -0.2, 0.9))
