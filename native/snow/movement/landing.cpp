@@ -256,7 +256,7 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
   if (any_slid) repose.bare_texels();
   std::vector<double> over(any_slid ? repose.outlet_count() : 0, 0.0);
   std::vector<int32_t> texel_over(over.size(), -1);
-  for (const auto& [place, volume] : map.slid_from) {
+  const auto leave = [&](int32_t place, float volume, bool is_shed) {
     const int32_t texel = repose.bare_texels().texel_of[static_cast<size_t>(place)];
     Repose::Release release = repose.way_down(texel);
     release.volume = static_cast<double>(volume);
@@ -264,6 +264,9 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
     if (release.outlet >= 0) {
       over[static_cast<size_t>(release.outlet)] += release.volume;
       texel_over[static_cast<size_t>(release.outlet)] = release.texel;
+    } else if (is_shed && release.outlet == Repose::Release::kInHollow) {
+      // A level leaf or a bowl does not keep it.
+      add({Repose::Release::kThrough, texel, release.volume});
     } else if (release.texel == texel && release.outlet == Repose::Release::kInHollow) {
       // It has nowhere to slide to.
       float& height = (*map.height)[static_cast<size_t>(place)];
@@ -277,22 +280,9 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
     } else {
       add(release);
     }
-  }
-  for (const auto& [place, volume] : map.shed_from) {
-    const int32_t texel = repose.bare_texels().texel_of[static_cast<size_t>(place)];
-    Repose::Release release = repose.way_down(texel);
-    release.volume = static_cast<double>(volume);
-    slid += release.volume;
-    if (release.outlet >= 0) {
-      over[static_cast<size_t>(release.outlet)] += release.volume;
-      texel_over[static_cast<size_t>(release.outlet)] = release.texel;
-    } else if (release.outlet == Repose::Release::kInHollow) {
-      // A level leaf or a bowl does not keep it.
-      add({Repose::Release::kThrough, texel, release.volume});
-    } else {
-      add(release);
-    }
-  }
+  };
+  for (const auto& [place, volume] : map.slid_from) leave(place, volume, false);
+  for (const auto& [place, volume] : map.shed_from) leave(place, volume, true);
   for (size_t i = 0; i < over.size(); ++i) {
     if (over[i] > 0.0) add({static_cast<int32_t>(i), texel_over[i], over[i]});
   }

@@ -11,8 +11,8 @@ namespace snowbough::snow {
 
 /// Lets snow go from leaves and boughs (SceneObject::shed_half_life): all snow in a cube of
 /// the rest pose, about as large as the snow is deep, at once, after a random time whose
-/// distribution is exponential. Such a time has no memory, so that each step draws anew, and
-/// nothing is kept between steps: deposit, motion and resuming need no care. It falls by Landing.
+/// distribution is exponential. How long snow has waited does not matter to such a time, so each
+/// step draws anew and nothing is kept between steps. What lets go falls by Landing.
 class Shedding {
  public:
   /// `objects` must live until the next call.
