@@ -51,7 +51,7 @@ void Movement::lay_out(const std::vector<const SceneObject*>& objects) {
   pressing_.lay_out(objects);
   landing_.lay_out(targets_.rays());
   coarse_.lay_out(objects, targets_.rays());
-  last_.assign(objects.size(), nullptr);
+  sides_.assign(objects.size(), 0);
   thaw_.lay_out(objects);
   water_.lay_out(targets_.rays());
   sun = rain = {};
@@ -153,11 +153,11 @@ void Movement::rest(const MovementSettings& settings, double dt, bool of_blades,
     Repose& own = *receivers_[map->object];
     const bool keeps_own = settings.repose.is_granular || pressing_.is_pressed(*map);
     CoarseMap* const coarse = coarse_.choose(*map, keeps_own, *link_tables_, own);
-    if (coarse != last_[map->object]) targets_.forget(map->object);
-    last_[map->object] = coarse;
+    const int32_t side = (coarse == nullptr ? own : coarse->repose()).table().resolution;
+    if (std::exchange(sides_[map->object], side) != side) targets_.forget(map->object);
     if (coarse != nullptr) coarser.push_back(coarse->begin(*map));
-    resting.push_back(coarse == nullptr ? Resting{map, &own, true}
-                                        : Resting{&coarser.back(), &coarse->repose(), false});
+    resting.push_back(coarse == nullptr ? Resting{map, &own, nullptr}
+                                        : Resting{&coarser.back(), &coarse->repose(), coarse});
   }
   if (dt > 0.0 || of_blades) {
     run_repose(settings, static_cast<float>(dt), of_blades, resting, maps);
@@ -165,7 +165,7 @@ void Movement::rest(const MovementSettings& settings, double dt, bool of_blades,
   for (size_t i = 0; i < maps.size(); ++i) {
     const Resting& own = resting[i];
     if (settings.landing.is_on) landing_.release(settings.landing, *own.map, *own.repose);
-    if (own.map != maps[i]) last_[maps[i]->object]->end(*own.map, *maps[i]);
+    if (own.coarse != nullptr) own.coarse->end(*own.map, *maps[i]);
     maps[i]->slid += slid[i];
     maps[i]->slid_from.clear();
     maps[i]->shed_from.clear();
@@ -212,7 +212,7 @@ void Movement::run_repose(const MovementSettings& settings, float dt, bool of_bl
     const Resting& map = maps[i];
     blocks[i] = map.repose->choose_blocks(
         *map.map->height, limits,
-        map.is_own ? pressing_.ploughed_blocks(*map.map) : std::vector<int32_t>(), of_blades);
+        map.coarse == nullptr ? pressing_.ploughed_blocks(*map.map) : std::vector<int32_t>(), of_blades);
   });
   // Large maps one by one, each on all cores; small ones, and those that are a small part of all,
   // side by side.
@@ -228,7 +228,7 @@ void Movement::run_repose(const MovementSettings& settings, float dt, bool of_bl
     base::for_each_item(small.size(), 1, [&](size_t i) { work(maps[small[i]], false); });
   };
   for_maps([&](const Resting& map, bool on_all_cores) {
-    if (map.is_own) pressing_.set_stand(*map.map, *map.repose);
+    if (map.coarse == nullptr) pressing_.set_stand(*map.map, *map.repose);
     map.repose->set_up(*map.map->height, on_all_cores);
   });
   // Without landing a receiver's snow must not depend on that of others, so that machines can share

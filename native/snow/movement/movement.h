@@ -81,7 +81,8 @@ class Movement {
   struct Resting {
     MovingMap* map = nullptr;
     Repose* repose = nullptr;
-    bool is_own = true;
+    /// Null: the map is the receiver's own.
+    CoarseMap* coarse = nullptr;
   };
   void rest(const MovementSettings& settings, double dt, bool of_blades,
             const std::vector<MovingMap*>& maps);
@@ -91,8 +92,8 @@ class Movement {
   std::unique_ptr<ReposeLinkTables> link_tables_;
   OutletTargets targets_;
   CoarseMaps coarse_;
-  /// By object: the coarser map of the last step.
-  std::vector<CoarseMap*> last_;
+  /// By object: the resolution of the map on which its snow last came to rest.
+  std::vector<int32_t> sides_;
   double rounds_ = 0.0;
   Masks masks_;
   Shedding shedding_;
