@@ -212,7 +212,8 @@ void Movement::run_repose(const MovementSettings& settings, float dt, bool of_bl
     const Resting& map = maps[i];
     blocks[i] = map.repose->choose_blocks(
         *map.map->height, limits,
-        map.coarse == nullptr ? pressing_.ploughed_blocks(*map.map) : std::vector<int32_t>(), of_blades);
+        map.coarse == nullptr ? pressing_.ploughed_blocks(*map.map) : std::vector<int32_t>(),
+        of_blades);
   });
   // Large maps one by one, each on all cores; small ones, and those that are a small part of all,
   // side by side.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "base/parallel_for.h"
 #include "shaders/lib/texel_repose.h"
@@ -106,7 +107,7 @@ void OutletTargets::find_gap(const Repose::Outlet& outlet, float widest,
 
 OutletTarget OutletTargets::find(const Repose::Outlet& outlet) const {
   OutletTarget target;
-  target.is_known = true;
+  target.z = static_cast<float>(outlet.point.z);
   const glm::dvec3 from = outlet.point + glm::dvec3(outlet.outwards * outlet.reach, 0.0);
   target.fall = below(from, kAbove * outlet.reach, target.is_closed);
   if (target.is_closed) {
@@ -115,41 +116,67 @@ OutletTarget OutletTargets::find(const Repose::Outlet& outlet) const {
   }
   const float drop = static_cast<float>(outlet.point.z) - target.fall.z;
   const auto reach = static_cast<float>(outlet.reach);
-  target.searched =
-      target.fall.object < 0 || drop > reach ? reach : std::numeric_limits<float>::infinity();
+  const bool is_over_air = target.fall.object < 0 || drop > reach;
+  target.searched = is_over_air && (!outlet.is_wall || is_anything_across(outlet))
+                        ? reach
+                        : std::numeric_limits<float>::infinity();
   return target;
+}
+
+/// Whether anything stands across a gap, or lies below it: round things have many walls, and rarely
+/// another one beside them.
+bool OutletTargets::is_anything_across(const Repose::Outlet& outlet) const {
+  const glm::dvec3 out(outlet.outwards, 0.0);
+  const glm::dvec3 from = outlet.point + outlet.reach * (out - glm::dvec3(0.0, 0.0, 1.0));
+  const glm::dvec3 down = (out - glm::dvec3(0.0, 0.0, 1.0)) / std::numbers::sqrt2;
+  const auto widest = static_cast<double>(kWidestGap);
+  return rays_.first_along(from, out, 0.0, widest).object >= 0 ||
+         rays_.first_along(from, down, 0.0, std::numbers::sqrt2 * widest).object >= 0;
 }
 
 void OutletTargets::raise(size_t object, Repose& repose,
                           const std::vector<const std::vector<float>*>& heights) {
   if (repose.chosen().empty()) return;
-  std::vector<OutletTarget>& targets = targets_[object];
-  targets.resize(repose.outlet_count());
+  std::vector<std::map<int32_t, OutletTarget>>& targets = targets_[object];
+  targets.resize(repose.block_count());
   const std::vector<int32_t>& blocks = repose.chosen();
   base::for_each_item(blocks.size(), 1, [&](size_t i) {
     const float widest = kDepthsOfGap * repose.highest_near(blocks[i]);
+    if (widest == 0.0f) return;
+    std::map<int32_t, OutletTarget>& known = targets[static_cast<size_t>(blocks[i])];
     for (RimLink& rim : repose.outlets_of(blocks[i])) {
       // Of an earlier step, in which snow lay here.
       rim.top = rim.bare;
-      if (!(rim.limit < kNoLink) || !repose.holds_snow(blocks[i], rim)) continue;
-      const Repose::Outlet outlet = repose.outlet(rim);
-      OutletTarget& target = targets[static_cast<size_t>(rim.number)];
-      if (!target.is_known) target = find(outlet);
-      find_gap(outlet, widest, target);
-      const auto z = static_cast<float>(outlet.point.z);
-      float above = target.is_closed ? kClosed : 0.0f;
-      if (target.fall.object >= 0) above = std::max(above, top_at(target.fall, heights) - z);
-      if (target.width > 0.0f && target.width <= widest) {
-        // Snow beside a gap is low because of the gap, so the snow a width away counts, too.
-        float far = top_at(target.far, heights) - z;
-        if (target.farther.object >= 0) far = std::max(far, top_at(target.farther, heights) - z);
-        float near = repose.top_over(blocks[i], rim);
-        if (target.before.object >= 0) near = std::max(near, top_at(target.before, heights) - z);
-        above = std::max(above, std::min(near, far) - target.width);
+      if (!(rim.limit < kNoLink)) continue;
+      auto target = known.find(rim.number);
+      const bool is_new = target == known.end();
+      if (is_new) {
+        if (!repose.is_below_snow(blocks[i], rim)) continue;
+        target = known.emplace(rim.number, find(repose.outlet(rim))).first;
       }
-      rim.top = rim.bare + above;
+      if (target->second.searched < widest) find_gap(repose.outlet(rim), widest, target->second);
+      const float above = rise_of(target->second, widest, repose.top_over(blocks[i], rim), heights);
+      // What is known must not depend on earlier steps.
+      if (above > 0.0f && (is_new || repose.is_below_snow(blocks[i], rim))) {
+        rim.top = rim.bare + rim.rise + above;
+      }
     }
   });
+}
+
+/// Height in metres of what the snow above an outlet rests against, over the outlet. `near`: the
+/// top of that snow.
+float OutletTargets::rise_of(const OutletTarget& target, float widest, float near,
+                             const std::vector<const std::vector<float>*>& heights) {
+  float above = target.is_closed ? kClosed : 0.0f;
+  const auto over = [&](const MapPoint& point) { return top_at(point, heights) - target.z; };
+  if (target.fall.object >= 0) above = std::max(above, over(target.fall));
+  if (!(target.width > 0.0f && target.width <= widest)) return above;
+  // Snow beside a gap is low because of the gap, so the snow a width away counts, too.
+  float far = over(target.far);
+  if (target.farther.object >= 0) far = std::max(far, over(target.farther));
+  if (target.before.object >= 0) near = std::max(near, over(target.before));
+  return std::max(above, std::min(near, far) - target.width);
 }
 
 }  // namespace snowbough::snow

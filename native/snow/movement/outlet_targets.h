@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <map>
 #include <vector>
 
 #include "snow/movement/rays/map_point.h"
@@ -13,7 +14,8 @@ namespace snowbough::snow {
 
 /// What lies beyond an outlet: a rim of the surface, or its end above a wall.
 struct OutletTarget {
-  bool is_known = false;
+  /// Height of the outlet in the world, in metres.
+  float z = 0.0f;
   /// Whether a body continues there, so that nothing falls.
   bool is_closed = false;
   /// The first surface below; none if snow leaves the scene.
@@ -61,13 +63,16 @@ class OutletTargets {
   bool is_near(size_t object, const Bounds& moved) const;
   MapPoint below(const glm::dvec3& from, double over, bool& is_closed) const;
   OutletTarget find(const Repose::Outlet& outlet) const;
+  bool is_anything_across(const Repose::Outlet& outlet) const;
+  static float rise_of(const OutletTarget& target, float widest, float near,
+                       const std::vector<const std::vector<float>*>& heights);
   void find_gap(const Repose::Outlet& outlet, float widest, OutletTarget& target) const;
 
   SceneRays rays_;
   /// By object: its bounds when its targets were last forgotten.
   std::vector<Bounds> bounds_;
-  /// By object and outlet.
-  std::vector<std::vector<OutletTarget>> targets_;
+  /// By object and block, of outlets by RimLink::number.
+  std::vector<std::vector<std::map<int32_t, OutletTarget>>> targets_;
 };
 
 }  // namespace snowbough::snow

@@ -83,6 +83,45 @@ def slats(places, width=0.06, length=1.0, top=0.5):
     return [((0.0, y, top - 0.0125), (length, width, 0.025), 0.0) for y in places]
 
 
+def bevelled_slats(places, segments, bevel=0.006, width=0.06, length=1.0, height=0.025, texel=0.005):
+    """The same slats with bevels: walls, bevels and top lie side by side in one chart."""
+    turn = np.linspace(0.0, np.pi / 2, segments + 1)
+    corner = bevel * np.stack([1 - np.cos(turn), np.sin(turn)], axis=1)
+    left = np.array([[0.0, 0.0], *(corner + (0.0, height - bevel))]) - (width / 2, height)
+    outline = np.concatenate([left, (left * (-1, 1))[::-1]])
+    around = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(outline, axis=0), axis=1))])
+    count, row = len(outline), math.ceil(around[-1] / texel) + 2
+    resolution = 128
+    while resolution < max(length / texel + 2, 2 * row * len(places)):
+        resolution *= 2
+    quads = [(i, i + 1, count + i + 1, count + i) for i in range(count - 1)] + [
+        (count - 1, 0, count, 2 * count - 1)
+    ]
+    inner = range(1, count - 1)
+    ends = [(0, i, i + 1) for i in inner] + [(count, count + i + 1, count + i) for i in inner]
+    faces = np.array([(a, d, c) for a, _, c, d in quads] + [(a, c, b) for a, b, c, _ in quads] + ends)
+    positions, triangles, uv = [], [], []
+    for number, y in enumerate(places):
+        for x in (-length / 2, length / 2):
+            positions += [(x, y + across, 0.5 + up) for across, up in outline]
+        triangles.append(faces + 2 * count * number)
+        low = (1, 1 + 2 * row * number)
+        for face in faces:
+            # The ends take no snow; their chart is a point.
+            is_end = len(set(face // count)) == 1
+            on = [(0 if is_end else (v // count) * length, around[v % count]) for v in face]
+            # The underside's chart is beside.
+            up = row if {v % count for v in face} == {0, count - 1} else 0
+            shown = [(low[0] + a / texel, low[1] + up + (0 if is_end else b / texel)) for a, b in on]
+            uv.append(shown)
+    return (
+        np.array(positions, np.float32),
+        np.concatenate(triangles).astype(np.int32),
+        (np.array(uv) / resolution).astype(np.float32),
+        resolution,
+    )
+
+
 def top_chart(mesh, piece, values):
     """The texels of a piece's top."""
     uv, resolution = mesh[2][12 * piece + 10 : 12 * piece + 12].reshape(-1, 2), mesh[3]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import snowbough_native as native
 from snow_meshes import grid
-from snow_pieces import paving, pieces, slab, slats, tile_courses, top_chart
+from snow_pieces import bevelled_slats, paving, pieces, slab, slats, tile_courses, top_chart
 
 DOWN = (0.0, 0.0, -1.0)
 FRAME = 1.0 / 24.0
@@ -76,6 +76,25 @@ def test_snow_closes_the_gaps_between_slats():
 def test_thin_snow_falls_through_a_gap():
     wide = [-0.12, 0.0, 0.12]
     assert np.array_equal(on_the_middle_slat(wide, 0.02), on_the_middle_slat([0.0], 0.02))
+
+
+@pytest.mark.parametrize("segments", [1, 2, 3])
+def test_walls_in_the_chart_of_the_top_close_gaps_too(segments):
+    """Unwrapping by angle joins the lower faces of a bevel with the wall below them."""
+    sharp, bevelled = pieces(slats(PLACES)), bevelled_slats(PLACES, segments)
+    on_sharp, on_bevelled = snow_on({"seat": sharp}), snow_on({"seat": bevelled})
+    assert held(on_bevelled, "seat") > 0.8 * held(on_sharp, "seat")
+
+
+def test_a_shot_is_the_same_again_while_its_texels_are_joined():
+    """The memory of what lies beyond an outlet must not outlive the squares of texels to which it belongs."""
+    *mesh, resolution = pieces(slats(PLACES))
+    fine = {"seat": (*mesh, 4 * resolution)}
+    first = snow_on(fine, 0.3, 16).height("seat")
+    held_back = []
+    for size in (1, 10, 100, 1000, 10000, 100000):
+        held_back.append(np.zeros(size))  # other addresses
+        assert (snow_on(fine, 0.3, 16).height("seat") == first).all()
 
 
 def test_gaps_between_objects_close_too():

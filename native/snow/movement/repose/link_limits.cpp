@@ -18,18 +18,15 @@ inline void spread_bit(const uint8_t* __restrict bytes, uint8_t bit, float* __re
 }
 
 /// Positive for links that are open, if `linked` is 1, else 0: a minimum of numbers, since mixing
-/// booleans would prevent vectorisation. One cell may be a wall with the other above it; not both.
+/// booleans would prevent vectorisation. Neither cell may be a wall.
 inline void find_open(const BareWindow& bare, size_t at, int32_t step,
                       const float* __restrict linked, float* __restrict open) {
-  const float* const z = bare.z.data() + at;
   const float* const area = bare.area.data() + at;
   const float* const wall = bare.wall.data() + at;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
     const int32_t j = i + step;
-    const float over_wall =
-        (wall[j] - wall[i]) * (z[i] - z[j]) + (wall[j] == wall[i] ? 1.0f : 0.0f);
     const float there = std::min(std::min(area[i], area[j]), linked[i]);
-    open[i] = std::min(std::min(over_wall, there), 1.5f - (wall[i] + wall[j]));
+    open[i] = std::min(there, 0.5f - (wall[i] + wall[j]));
   }
 }
 

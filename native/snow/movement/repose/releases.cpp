@@ -17,6 +17,10 @@ constexpr int32_t kNoWay = std::numeric_limits<int32_t>::min();
 
 }  // namespace
 
+int32_t Repose::cell_of_wall(const RimLink& rim) const {
+  return links_->cell_of(-1 - rim.number);
+}
+
 /// The next cell along the steepest link of the snow's surface; -1 - outlet, if it leads over one;
 /// the cell itself in a hollow. Cells are numbered as by ReposeLinks::cell_of.
 int32_t Repose::next_cell(int32_t cell) const {
@@ -63,7 +67,7 @@ int32_t Repose::next_cell(int32_t cell) const {
   const auto is_before = [](const RimLink& rim, int32_t at) { return rim.cell < at; };
   for (auto rim = std::lower_bound(rims.begin(), rims.end(), inner, is_before);
        rim != rims.end() && rim->cell == inner; ++rim) {
-    consider(top - rim->bare, rim->limit, -1 - rim->number);
+    consider(top - rim->bare, rim->limit, rim->number < 0 ? cell_of_wall(*rim) : -1 - rim->number);
   }
   if ((tile.ground.forward[own] & kAtSeam) == 0) return next;
   const int32_t* const ends = &links_->end_begin[static_cast<size_t>(block)];
@@ -239,13 +243,17 @@ void Repose::collect_releases(const std::vector<Written>& written) {
   const auto unit = static_cast<double>(surface_.unit());
   std::vector<double> fallen(outlet_count(), 0.0);
   std::vector<int32_t> texel(outlet_count(), -1);
+  ways_.begin(tiles_.size());
   for (const int32_t block : chosen_) {
     for (const RimLink& rim : rims_[static_cast<size_t>(block)]) {
+      if (rim.number < 0) {
+        if (rim.fallen > 0.0) ways_.add(cell_of_wall(rim), rim.fallen);
+        continue;
+      }
       texel[static_cast<size_t>(rim.number)] = rim.texel;
       fallen[static_cast<size_t>(rim.number)] += rim.fallen;
     }
   }
-  ways_.begin(tiles_.size());
   for (const int32_t block : chosen_) {
     for (const auto& [cell, units] : tiles_[static_cast<size_t>(block)]->outlets.cuts) {
       const int32_t end = ways_.find(*this, block * kTileCells + cell);

@@ -236,11 +236,7 @@ Repose::Written Repose::write_block(int32_t block, float walls_keep,
   const auto write = [&](int32_t texel, size_t cell) {
     const bool wall = (tile.snow.kind[cell] & kWall) != 0;
     const double moved = tile.snow.moved[cell];
-    const auto release = [&](double volume) {
-      if (volume > 0.0) written.releases.push_back({Release::kOffWall, texel, volume});
-    };
-    const double onto_wall = wall ? moved * static_cast<double>(surface_.unit()) : 0.0;
-    if (wall ? tile.snow.held[cell] == 0.0f : moved == 0.0) return release(onto_wall);
+    if (wall ? tile.snow.held[cell] == 0.0f : moved == 0.0) return;
     written.has_changed = true;
     float& own = height[static_cast<size_t>(places[static_cast<size_t>(texel)])];
     if (wall) {
@@ -248,7 +244,7 @@ Repose::Written Repose::write_block(int32_t block, float walls_keep,
       const float kept = left < shared::kWallLeast ? 0.0f : std::copysign(left, own);
       const double melted =
           static_cast<double>(std::abs(own) - std::abs(kept)) * tile.ground.area[cell];
-      release(onto_wall + melted);
+      if (melted > 0.0) written.releases.push_back({Release::kOffWall, texel, melted});
       written.lost += melted / surface_.unit();
       own = kept;
       return;

@@ -22,6 +22,8 @@
 
 namespace snowbough::snow {
 
+struct TilesAround;
+
 /// Steepest slope of the snow's own surface.
 struct ReposeSettings {
   /// Angle of repose in radians from level; from kOff on snow stays where it fell, to the bit.
@@ -90,16 +92,19 @@ class Repose {
     glm::dvec2 outwards{0.0};
     /// Half a texel, in metres.
     double reach = 0.0;
+    /// Whether it is above a wall in the same chart.
+    bool is_wall = false;
   };
   /// Between set_up and run: the chosen blocks; a block's outlets, whose `top` may be raised; and
   /// properties of one of them. Heights are in metres.
   const std::vector<int32_t>& chosen() const { return chosen_; }
   std::vector<RimLink>& outlets_of(int32_t block) { return rims_[static_cast<size_t>(block)]; }
+  size_t block_count() const { return links_->block_count(); }
   size_t outlet_count() const { return across_.size() + links_->rims.size(); }
   Outlet outlet(const RimLink& rim) const;
   /// The highest snow in a block and its neighbours at the start of the step.
   float highest_near(int32_t block) const;
-  bool holds_snow(int32_t block, const RimLink& rim) const;
+  bool is_below_snow(int32_t block, const RimLink& rim) const;
   /// Height of the snow's surface above the outlet.
   float top_over(int32_t block, const RimLink& rim) const;
 
@@ -200,6 +205,10 @@ class Repose {
   void reuse_tiles(Marks& changes);
   bool cover_tile(int32_t block, const std::vector<float>& height);
   void set_up_ends(int32_t block);
+  void link_walls(int32_t block);
+  template <typename Visit>
+  void for_linked(const TilesAround& around, int32_t column, int32_t row, const Visit& visit) const;
+  Outlet wall_outlet(const RimLink& rim) const;
   bool fill_rooms(int32_t block);
   bool clear_rooms(int32_t block);
   float room_above(int32_t texel, size_t cell, ReposeTile& tile);
@@ -211,6 +220,7 @@ class Repose {
   struct Cell;
   RimLink rim_link(const Cell& a, const ReposeLinks::End& end, const glm::vec3& at) const;
   Cell across_end(int32_t link, size_t end) const;
+  static Cell cell_at(const TilesAround& around, int32_t column, int32_t row);
   float link_limit(const Cell& a, const glm::vec3& at, float curvature, float steep,
                    float leads_down) const;
   float link_limit(const Cell& a, const Cell& b, float leads_down) const;
@@ -248,6 +258,7 @@ class Repose {
     void add(int32_t end, double units);
   };
   int32_t next_cell(int32_t cell) const;
+  int32_t cell_of_wall(const RimLink& rim) const;
 
   // repose.cpp
   template <typename Chosen>

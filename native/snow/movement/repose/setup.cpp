@@ -19,20 +19,6 @@ constexpr float kOwnSurface = 0.02f;
 
 }  // namespace
 
-/// A cell of a tile.
-struct Repose::Cell {
-  const ReposeTile* tile = nullptr;
-  size_t at = 0;
-
-  bool is_there() const {
-    return tile != nullptr && tile->ground.area[at] > 0.0f && !tile->snow.is_full(at);
-  }
-  bool is_wall() const { return (tile->snow.kind[at] & kWall) != 0; }
-  glm::vec3 point() const { return {tile->ground.x[at], tile->ground.y[at], tile->ground.z[at]}; }
-  float curvature() const { return tile->ground.curvature[at]; }
-  float steep() const { return shared::bare_slope(tile->ground.up[at]); }
-};
-
 void Repose::find_links() {
   const std::vector<glm::vec3>& rest = object_->description.rest;
   links_ = link_tables_->find(object_->description.topology, shared_table(),
@@ -163,79 +149,6 @@ size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimit
   return chosen_.size();
 }
 
-/// The limit of a link from a cell to a point `at`, with the bare surface's curvature and slope
-/// there.
-float Repose::link_limit(const Cell& a, const glm::vec3& at, float curvature, float steep,
-                         float leads_down) const {
-  const glm::vec3 way = at - a.point();
-  const float even = limits_.is_granular ? kGranularRest / shared::kEven : 1.0f;
-  const float slope = shared::held_slope(even * limits_.slope, limits_.cohesion, curvature);
-  return shared::link_limit(std::sqrt(way.x * way.x + way.y * way.y), slope, way.z, steep,
-                            leads_down);
-}
-
-float Repose::link_limit(const Cell& a, const Cell& b, float leads_down) const {
-  return link_limit(a, b.point(), 0.5f * (a.curvature() + b.curvature()),
-                    0.5f * (a.steep() + b.steep()), leads_down);
-}
-
-Repose::Cell Repose::across_end(int32_t link, size_t end) const {
-  const int32_t cell = links_->across_cells[static_cast<size_t>(link)][end];
-  return {tiles_[static_cast<size_t>(cell / kTileCells)].get(),
-          static_cast<size_t>(cell % kTileCells)};
-}
-
-/// A link over a rim into the air, or over a seam onto a wall; `at`: the end of the surface.
-RimLink Repose::rim_link(const Cell& a, const ReposeLinks::End& end, const glm::vec3& at) const {
-  RimLink link;
-  link.cell = static_cast<int32_t>(a.at);
-  link.number = end.link;
-  link.texel = end.texel;
-  link.bare = link.top = at.z;
-  link.limit = kNoLink;
-  if (!a.is_there() || a.is_wall()) return link;
-  link.limit = link_limit(a, at, a.curvature(), a.steep(), shared::kAllLeadDown);
-  link.rate = shared::link_rate(a.tile->stiffness(a.at), 0.0f);
-  return link;
-}
-
-void Repose::set_up_ends(int32_t block) {
-  std::vector<RimLink>& rims = rims_[static_cast<size_t>(block)];
-  rims.clear();
-  const ReposeTile* const tile = tiles_[static_cast<size_t>(block)].get();
-  const int32_t* ends = &links_->end_begin[static_cast<size_t>(block)];
-  for (int32_t e = ends[0]; e < ends[1]; ++e) {
-    const ReposeLinks::End& end = links_->ends[static_cast<size_t>(e)];
-    const auto link = static_cast<size_t>(end.link);
-    const Cell own{tile, static_cast<size_t>(end.cell % kTileCells)};
-    if (link >= across_.size()) {
-      const ReposeLinks::Rim& rim = links_->rims[link - across_.size()];
-      rims.push_back(rim_link(own, end, surface_.point(rim.point)));
-      continue;
-    }
-    const Cell a = across_end(end.link, 0);
-    const Cell b = across_end(end.link, 1);
-    const Cell& other = end.sign < 0 ? b : a;
-    Flow& flow = across_[link];
-    if (end.sign < 0) flow.limit = kNoLink;
-    if (!own.is_there() || !other.is_there() || own.is_wall()) continue;
-    if (other.is_wall()) {
-      if (!(other.point().z < own.point().z)) continue;
-      rims.push_back(rim_link(own, end, surface_.point(links_->across[link].seam)));
-      continue;
-    }
-    if (end.sign > 0) continue;
-    flow.limit = link_limit(a, b, shared::kAllLeadDown);
-    if (stand_ != nullptr) {
-      const ReposeLinks::Across& across = links_->across[link];
-      const std::vector<int32_t>& places = table().texel;
-      flow.limit = std::max(flow.limit, stands(places[static_cast<size_t>(across.a)],
-                                               places[static_cast<size_t>(across.b)]));
-    }
-    flow.rate = shared::link_rate(a.tile->stiffness(a.at), b.tile->stiffness(b.at));
-  }
-}
-
 /// Provides the tiles of the chosen blocks, reusing those of the last run; marks the blocks that
 /// were added or removed.
 void Repose::reuse_tiles(Marks& changes) {
@@ -278,55 +191,6 @@ glm::dvec3 Repose::point_on(const ReposeLinks::Point& at,
 glm::dvec3 Repose::world_point(int32_t texel) const {
   const auto i = static_cast<size_t>(texel);
   return world_point({table().triangle[i], table().barycentric[i]});
-}
-
-Repose::Outlet Repose::outlet(const RimLink& rim) const {
-  const auto link = static_cast<size_t>(rim.number);
-  const ReposeLinks::Point& at = link >= across_.size() ? links_->rims[link - across_.size()].point
-                                                        : links_->across[link].seam;
-  Outlet outlet;
-  outlet.point = world_point(at);
-  const glm::dvec3 inwards = world_point(rim.texel) - outlet.point;
-  // The point lies on the side of its triangle that is opposite to the corner without weight.
-  const std::array<float, 3> weights{1.0f - at.weights.x - at.weights.y, at.weights.x,
-                                     at.weights.y};
-  const auto least = std::min_element(weights.begin(), weights.end()) - weights.begin();
-  const auto corner = [&](ptrdiff_t k) {
-    const auto number = 3 * static_cast<ptrdiff_t>(at.triangle) + (least + k) % 3;
-    const int32_t vertex = object_->description.topology.triangles[static_cast<size_t>(number)];
-    return glm::dvec3(object_->positions[static_cast<size_t>(vertex)]);
-  };
-  const glm::dvec3 side = corner(2) - corner(1);
-  glm::dvec2 outwards(side.y, -side.x);
-  double length = glm::length(outwards);
-  // A side that is nearly upright has no horizontal perpendicular.
-  if (!(length > 0.1 * glm::length(side))) {
-    outwards = -glm::dvec2(inwards);
-    length = glm::length(outwards);
-  }
-  if (length > 0.0) outlet.outwards = outwards / length;
-  if (glm::dot(outlet.outwards, glm::dvec2(inwards)) > 0.0) outlet.outwards *= -1.0;
-  const ReposeSurface::Texel texel = surface_.texel(rim.texel);
-  outlet.reach = 0.5 * std::sqrt(static_cast<double>(texel.area));
-  return outlet;
-}
-
-float Repose::highest_near(int32_t block) const {
-  float highest = 0.0f;
-  const int32_t* const near = &links_->near_begin[static_cast<size_t>(block)];
-  for (int32_t n = near[0]; n < near[1]; ++n) {
-    highest =
-        std::max(highest, highest_[static_cast<size_t>(links_->near[static_cast<size_t>(n)])]);
-  }
-  return highest;
-}
-
-bool Repose::holds_snow(int32_t block, const RimLink& rim) const {
-  return tiles_[static_cast<size_t>(block)]->snow.gives[static_cast<size_t>(rim.cell)] > 0.0f;
-}
-
-float Repose::top_over(int32_t block, const RimLink& rim) const {
-  return tiles_[static_cast<size_t>(block)]->snow.top[static_cast<size_t>(rim.cell)] - rim.bare;
 }
 
 /// Finds the room above the texels onto which snow may flow, and marks those whose room is full;

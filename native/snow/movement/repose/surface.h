@@ -34,6 +34,9 @@ class ReposeSurface {
   /// metre of snow holds about shared::kUnitsAMetre of them.
   float unit() const { return unit_; }
 
+  /// The point in the pose to which points are relative.
+  const glm::vec3& anchor() const { return anchor_; }
+
   /// `index`: of the texel in the TexelTable.
   Texel texel(int32_t index) const;
 

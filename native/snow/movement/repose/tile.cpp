@@ -26,7 +26,7 @@ void ReposeTile::begin_pose() {
 
 bool ReposeTile::cover(size_t cell, float height, float unit) {
   const bool changes = snow.cover(ground, cell, height, unit);
-  if (changes) outlets.set_kind(ground, snow, cell);
+  if (changes) outlets.any_wall = outlets.any_wall || snow.is_wall(cell);
   return changes;
 }
 
@@ -47,7 +47,7 @@ bool ReposeTile::cover_rows(const float* height, size_t pitch, glm::ivec2 size, 
 void ReposeTile::begin_step(bool bare) {
   links.begin_step(snow.has_moved());
   snow.begin_step(bare);
-  outlets.begin_step(ground, snow);
+  outlets.begin_step();
 }
 
 bool ReposeTile::cut() {

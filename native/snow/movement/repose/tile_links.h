@@ -37,16 +37,19 @@ struct TileLinks {
   bool is_active() const { return (active_rows.load(std::memory_order_relaxed) | flowing) != 0; }
 };
 
-/// A link from a cell over a rim of the surface, or onto a wall beyond a seam.
+/// A link from a cell over a rim of the surface, or onto a wall: an outlet.
 struct RimLink {
   int32_t cell = 0;
-  /// Of the outlet: its link in ReposeLinks, as ReposeLinks::End::link; and its texel.
+  /// Of the outlet: its link in ReposeLinks, as ReposeLinks::End::link, or -1 - the place of a wall
+  /// that is beside the cell on the map. And the cell's texel, unless it is such a wall's.
   int32_t number = 0;
   int32_t texel = 0;
   /// Height in metres of the surface's end; and of what the snow above it rests against, which is
   /// higher if snow lies beyond.
   float bare = 0.0f;
   float top = 0.0f;
+  /// Height in metres of a wall's upper end above that.
+  float rise = 0.0f;
   float limit = 0.0f;
   float rate = 0.0f;
   float flow = 0.0f;

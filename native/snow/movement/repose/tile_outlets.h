@@ -15,7 +15,7 @@ inline constexpr uint64_t kAllWindowRows = 0x1FFFFFFFFu;
 /// Bounds on the snow of a block's cells from lower outlets, the surface's rims and walls: see
 /// lower_tile_bounds.
 struct TileOutlets {
-  /// Whether any cell is a wall at the start of the step.
+  /// Whether any cell may be a wall in this pose.
   bool any_wall = false;
   /// Whether the bound of any cell is finite, and whether any was lowered since the last query.
   std::atomic<bool> has_bounds = false;
@@ -28,12 +28,18 @@ struct TileOutlets {
   /// Cells whose snow was cut to the bound in the step, and the units cut off.
   std::vector<std::pair<int32_t, float>> cuts;
 
+  /// Resets to no walls; begin_step must follow.
+  void begin_pose() {
+    any_wall = false;
+    has_bounds = true;
+  }
   /// Resets to no bounds.
-  void begin_pose();
-  /// Resets to the bounds of walls.
-  void begin_step(const TileGround& ground, const TileSnow& snow);
-  /// Bounds a cell whose kind has changed: a wall is an outlet, from which snow falls.
-  void set_kind(const TileGround& ground, const TileSnow& snow, size_t cell);
+  void begin_step() {
+    if (has_bounds) bound.fill(shared::kUnbounded);
+    has_bounds = has_fresh_bounds = false;
+    cuts.clear();
+    rows_to_pass = kAllWindowRows;
+  }
 };
 
 }  // namespace snowbough::snow

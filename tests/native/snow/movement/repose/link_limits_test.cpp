@@ -67,18 +67,17 @@ TEST(ReposeLinkLimits, AreTheSameWhereSomeOfTheSurfaceIsSteep) {
   }
 }
 
-TEST(ReposeLinkLimits, AreInfiniteWithoutALinkOrATexelAndAtTheFootOfAWall) {
+TEST(ReposeLinkLimits, AreInfiniteWithoutALinkOrATexelAndBesideAWall) {
   SteepeningRow row(0.9f);
   row.forward[3] = 0;
   row.bare->area[TileWindow::at(8, 0)] = 0.0f;
-  // Cell 19 is above the wall, cell 21 at its foot.
   row.bare->wall[TileWindow::at(20, 0)] = 1.0f;
   const auto limits = row.limits(kLimits);
-  for (const size_t i : {size_t{3}, size_t{7}, size_t{8}, size_t{20}, size_t{31}}) {
+  for (const size_t i : {size_t{3}, size_t{7}, size_t{8}, size_t{19}, size_t{20}, size_t{31}}) {
     EXPECT_EQ(limits[0][i], kNoLink) << i;
   }
   EXPECT_LT(limits[0][4], kNoLink);
-  EXPECT_LT(limits[0][19], kNoLink);
+  EXPECT_LT(limits[0][18], kNoLink);
   for (size_t k = 1; k < limits.size(); ++k) EXPECT_EQ(limits[k][5], kNoLink);
 }
 

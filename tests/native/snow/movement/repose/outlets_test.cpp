@@ -63,18 +63,6 @@ TEST(ReposeOutlets, LeaveAHeapInlandToTheRounds) {
   EXPECT_FALSE(tiles[0]->cut());
 }
 
-TEST(ReposeOutlets, TakeAWallForOne) {
-  ReposeTiles tiles = row_of(8);
-  tiles[0]->ground.z[7] = 0.0f;
-  tiles[0]->ground.up[7] = tiles[0]->ground.normal_z[7] = 0.05f;
-  cover(tiles, std::vector<float>(8, 0.2f));
-  lower_tile_bounds(tiles, 0, 1, {});
-  tiles[0]->cut();
-  // The wall's own point is far below, and no snow on it supports the snow beside it.
-  EXPECT_NEAR(tiles[0]->snow.held[6] + tiles[0]->snow.moved[6], 0.0, 1.0);
-  EXPECT_NEAR(tiles[0]->snow.top[5], 0.1f + shared::kCuts * 0.01f, 1e-5f);
-}
-
 TEST(ReposeOutlets, BoundTheSnowOfTilesBeside) {
   ReposeTiles tiles = two_tiles(std::vector<float>(64, 0.6f));
   const TileBounds done = lower_tile_bounds(tiles, 0, 2, rim_of(tiles));
