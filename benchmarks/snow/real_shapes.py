@@ -101,10 +101,13 @@ def wall(bevel):
     return boxes("Wall", items, bevel)
 
 
-def slats(bevel):
+def slats(bevel, segments=1):
     """Six slats of 6 cm, gaps of 1.5 cm."""
     return boxes(
-        "Slats", [((0.0, (i - 2.5) * 0.075, 0.49), (1.4, 0.06, 0.025), 0.0) for i in range(6)], bevel
+        "Slats",
+        [((0.0, (i - 2.5) * 0.075, 0.49), (1.4, 0.06, 0.025), 0.0) for i in range(6)],
+        bevel,
+        segments,
     )
 
 
@@ -127,6 +130,7 @@ SHAPES = {
     "wall, bevelled": (lambda: wall(0.015), lambda: plain((1.6, 0.3), 0.665), (0.7, 0.13), 0.0),
     "slats": (lambda: slats(0.0), lambda: plain((1.4, 0.435), 0.5), (0.6, 0.2), 0.0),
     "slats, bevelled": (lambda: slats(0.004), lambda: plain((1.4, 0.435), 0.5), (0.6, 0.2), 0.0),
+    "slats, bevel of 2": (lambda: slats(0.006, 2), lambda: plain((1.4, 0.435), 0.5), (0.6, 0.2), 0.0),
     "bevel of 1": (lambda: block(0.02, 1), block, (0.39, 0.39), 0.0),
     "bevel of 2": (lambda: block(0.02, 2), block, (0.39, 0.39), 0.0),
     "bevel of 3": (lambda: block(0.02, 3), block, (0.39, 0.39), 0.0),
