@@ -33,7 +33,7 @@ int64_t units_of(double volume) {
 /// Adds snow to a map, each arrival spread over a disc.
 class Splat {
  public:
-  Splat(const Repose::BareTexels& bare, double radius)
+  Splat(const BareTexels& bare, double radius)
       : bare_(bare),
         side_(static_cast<int32_t>(std::lround(std::sqrt(bare.texel_of.size())))),
         radius_(static_cast<float>(radius)) {}
@@ -127,7 +127,7 @@ class Splat {
     return x * x + y * y + z * z;
   }
 
-  const Repose::BareTexels& bare_;
+  const BareTexels& bare_;
   int32_t side_;
   float radius_;
   std::vector<std::pair<int32_t, double>> parts_;
@@ -182,7 +182,7 @@ void Landing::arrive(double dt, const LandingSettings& settings, MovingMap& map,
     at = air_.erase(at);
   }
   if (landing.empty()) return;
-  const Repose::BareTexels& bare = repose.bare_texels();
+  const BareTexels& bare = repose.bare();
   Splat splat(bare, settings.heap_grain);
   std::map<int32_t, int64_t> by_place;
   for (const auto& [place, units] : landing) {
@@ -216,18 +216,18 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
   const auto number = static_cast<int32_t>(map.object);
   int64_t listed = 0;
   double slid = 0.0;
-  const auto add = [&](const Repose::Release& release) {
+  const auto add = [&](const Release& release) {
     const int64_t units = units_of(release.volume);
     if (units <= 0) return;
     listed += units;
     Exit exit;
     exit.units = units;
     if (release.outlet >= 0) {
-      const Repose::Outlet outlet =
-          repose.outlet({.number = release.outlet, .texel = release.texel});
+      const Outlet outlet =
+          outlet_of(repose.ground(), {.number = release.outlet, .texel = release.texel});
       exit.point = outlet.point;
       exit.outwards = outlet.outwards;
-    } else if (release.outlet == Repose::Release::kInHollow) {
+    } else if (release.outlet == Release::kInHollow) {
       const std::vector<int32_t>& places =
           map.places != nullptr ? *map.places : repose.table().texel;
       const int32_t place = places[static_cast<size_t>(release.texel)];
@@ -236,9 +236,9 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
     } else {
       const TexelNow texel = texel_now(object, repose.table(), release.texel);
       exit.point = texel.point;
-      if (release.outlet == Repose::Release::kThrough) exit.point.z -= kBelowSurface;
+      if (release.outlet == Release::kThrough) exit.point.z -= kBelowSurface;
       const double flat = glm::length(glm::dvec2(texel.normal));
-      if (flat > 0.0 && release.outlet == Repose::Release::kOffWall)
+      if (flat > 0.0 && release.outlet == Release::kOffWall)
         exit.outwards = glm::dvec2(texel.normal) / flat;
     }
     for (int axis = 0; axis < 3; ++axis) {
@@ -251,26 +251,25 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
     cell.point += weight * exit.point;
     cell.outwards += weight * exit.outwards;
   };
-  for (const Repose::Release& release : repose.take_releases()) add(release);
+  for (const Release& release : repose.take_releases()) add(release);
   const bool any_slid = !map.slid_from.empty() || !map.shed_from.empty();
-  if (any_slid) repose.bare_texels();
-  std::vector<double> over(any_slid ? repose.outlet_count() : 0, 0.0);
+  std::vector<double> over(any_slid ? repose.ground().outlet_count() : 0, 0.0);
   std::vector<int32_t> texel_over(over.size(), -1);
   const auto leave = [&](int32_t place, float volume, bool is_shed) {
-    const int32_t texel = repose.bare_texels().texel_of[static_cast<size_t>(place)];
-    Repose::Release release = repose.way_down(texel);
+    const int32_t texel = repose.bare().texel_of[static_cast<size_t>(place)];
+    Release release = way_down(repose.ground(), texel);
     release.volume = static_cast<double>(volume);
     slid += release.volume;
     if (release.outlet >= 0) {
       over[static_cast<size_t>(release.outlet)] += release.volume;
       texel_over[static_cast<size_t>(release.outlet)] = release.texel;
-    } else if (is_shed && release.outlet == Repose::Release::kInHollow) {
+    } else if (is_shed && release.outlet == Release::kInHollow) {
       // A level leaf or a bowl does not keep it.
-      add({Repose::Release::kThrough, texel, release.volume});
-    } else if (release.texel == texel && release.outlet == Repose::Release::kInHollow) {
+      add({Release::kThrough, texel, release.volume});
+    } else if (release.texel == texel && release.outlet == Release::kInHollow) {
       // It has nowhere to slide to.
       float& height = (*map.height)[static_cast<size_t>(place)];
-      const auto area = static_cast<double>(repose.bare_texels().area[static_cast<size_t>(texel)]);
+      const auto area = static_cast<double>(repose.bare().area[static_cast<size_t>(texel)]);
       const float before = std::abs(height);
       const auto now = static_cast<float>(static_cast<double>(before) + release.volume / area);
       const double kept = static_cast<double>(now - before) * area;

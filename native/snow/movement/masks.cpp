@@ -46,7 +46,7 @@ void Masks::refuse(MovingMap& map, Repose& repose) {
   if (!acts_on(map.object)) return;
   const SceneObject& object = *objects_[map.object];
   const std::vector<int32_t>& places = object.table->texel;
-  const std::vector<float>& area = repose.bare_texels().area;
+  const std::vector<float>& area = repose.bare().area;
   std::vector<float>& last = last_[map.object];
   std::vector<float>& lying = lying_[map.object];
   last.resize(places.size(), 1.0f);
@@ -73,7 +73,7 @@ void Masks::limit(MovingMap& map, Repose& repose, float max_depth) const {
   const SceneObject& object = *objects_[map.object];
   if (object.mask == nullptr) return;
   const std::vector<int32_t>& places = object.table->texel;
-  const std::vector<float>& area = repose.bare_texels().area;
+  const std::vector<float>& area = repose.bare().area;
   for (size_t i = 0; i < places.size(); ++i) {
     const float mask = (*object.mask)[i];
     float& height = (*map.height)[static_cast<size_t>(places[i])];

@@ -19,7 +19,7 @@ constexpr const char* kMaskPlane = "mask";
 }  // namespace
 
 int64_t Movement::memory(const std::vector<const SceneObject*>& objects) {
-  // See Repose::BareTexels, and where ways end. A coarser map takes less memory than the blocks of
+  // See BareTexels, and where ways end. A coarser map takes less memory than the blocks of
   // the receiver's own, which it replaces.
   constexpr int64_t kPerTexel = 5 * 4 + 2 * 4;
   constexpr int64_t kPerPlace = 4;

@@ -69,8 +69,7 @@ MapPoint OutletTargets::below(const glm::dvec3& from, double over, bool& is_clos
 
 /// Searches on for the far side of a gap, up to about `widest` metres: the first surface that is no
 /// farther above or below than away. The distances do not depend on where earlier searches ended.
-void OutletTargets::find_gap(const Repose::Outlet& outlet, float widest,
-                             OutletTarget& target) const {
+void OutletTargets::find_gap(const Outlet& outlet, float widest, OutletTarget& target) const {
   const auto beyond = [&](double distance, double over, bool& is_closed) {
     return below(outlet.point + glm::dvec3(outlet.outwards * distance, 0.0), over, is_closed);
   };
@@ -105,7 +104,7 @@ void OutletTargets::find_gap(const Repose::Outlet& outlet, float widest,
   target.before = beyond(-width, width, is_closed);
 }
 
-OutletTarget OutletTargets::find(const Repose::Outlet& outlet) const {
+OutletTarget OutletTargets::find(const Outlet& outlet) const {
   OutletTarget target;
   target.z = static_cast<float>(outlet.point.z);
   const glm::dvec3 from = outlet.point + glm::dvec3(outlet.outwards * outlet.reach, 0.0);
@@ -125,7 +124,7 @@ OutletTarget OutletTargets::find(const Repose::Outlet& outlet) const {
 
 /// Whether anything stands across a gap, or lies below it: round things have many walls, and rarely
 /// another one beside them.
-bool OutletTargets::is_anything_across(const Repose::Outlet& outlet) const {
+bool OutletTargets::is_anything_across(const Outlet& outlet) const {
   const glm::dvec3 out(outlet.outwards, 0.0);
   const glm::dvec3 from = outlet.point + outlet.reach * (out - glm::dvec3(0.0, 0.0, 1.0));
   const glm::dvec3 down = (out - glm::dvec3(0.0, 0.0, 1.0)) / std::numbers::sqrt2;
@@ -136,28 +135,32 @@ bool OutletTargets::is_anything_across(const Repose::Outlet& outlet) const {
 
 void OutletTargets::raise(size_t object, Repose& repose,
                           const std::vector<const std::vector<float>*>& heights) {
-  if (repose.chosen().empty()) return;
+  if (repose.choice().chosen.empty()) return;
   std::vector<std::map<int32_t, OutletTarget>>& targets = targets_[object];
-  targets.resize(repose.block_count());
-  const std::vector<int32_t>& blocks = repose.chosen();
+  targets.resize(repose.blocks().tiles.size());
+  const std::vector<int32_t>& blocks = repose.choice().chosen;
+  const ReposeGround& ground = repose.ground();
+  ReposeBlocks& map = repose.blocks();
   base::for_each_item(blocks.size(), 1, [&](size_t i) {
-    const float widest = kDepthsOfGap * repose.highest_near(blocks[i]);
+    const float widest = kDepthsOfGap * highest_near(*ground.links, repose.choice(), blocks[i]);
     if (widest == 0.0f) return;
     std::map<int32_t, OutletTarget>& known = targets[static_cast<size_t>(blocks[i])];
-    for (RimLink& rim : repose.outlets_of(blocks[i])) {
+    for (RimLink& rim : map.rims[static_cast<size_t>(blocks[i])]) {
       // Of an earlier step, in which snow lay here.
       rim.top = rim.bare;
       if (!(rim.limit < kNoLink)) continue;
       auto target = known.find(rim.number);
       const bool is_new = target == known.end();
       if (is_new) {
-        if (!repose.is_below_snow(blocks[i], rim)) continue;
-        target = known.emplace(rim.number, find(repose.outlet(rim))).first;
+        if (!is_below_snow(ground, repose.choice().limits, map, blocks[i], rim)) continue;
+        target = known.emplace(rim.number, find(outlet_of(ground, rim))).first;
       }
-      if (target->second.searched < widest) find_gap(repose.outlet(rim), widest, target->second);
-      const float above = rise_of(target->second, widest, repose.top_over(blocks[i], rim), heights);
+      if (target->second.searched < widest)
+        find_gap(outlet_of(ground, rim), widest, target->second);
+      const float above = rise_of(target->second, widest, top_over(map, blocks[i], rim), heights);
       // What is known must not depend on earlier steps.
-      if (above > 0.0f && (is_new || repose.is_below_snow(blocks[i], rim))) {
+      if (above > 0.0f &&
+          (is_new || is_below_snow(ground, repose.choice().limits, map, blocks[i], rim))) {
         rim.top = rim.bare + rim.rise + above;
       }
     }

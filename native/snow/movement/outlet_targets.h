@@ -62,11 +62,11 @@ class OutletTargets {
  private:
   bool is_near(size_t object, const Bounds& moved) const;
   MapPoint below(const glm::dvec3& from, double over, bool& is_closed) const;
-  OutletTarget find(const Repose::Outlet& outlet) const;
-  bool is_anything_across(const Repose::Outlet& outlet) const;
+  OutletTarget find(const Outlet& outlet) const;
+  bool is_anything_across(const Outlet& outlet) const;
   static float rise_of(const OutletTarget& target, float widest, float near,
                        const std::vector<const std::vector<float>*>& heights);
-  void find_gap(const Repose::Outlet& outlet, float widest, OutletTarget& target) const;
+  void find_gap(const Outlet& outlet, float widest, OutletTarget& target) const;
 
   SceneRays rays_;
   /// By object: its bounds when its targets were last forgotten.

@@ -276,7 +276,7 @@ void Pressing::press(MovingMap& map, Repose& repose, double slope) {
         !overlap(pressers_[i]->bounds(), objects_[map.object]->bounds, own.deepest + kUnder)) {
       continue;
     }
-    const Repose::BareTexels& bare = repose.bare_texels();
+    const BareTexels& bare = repose.bare();
     PressedMap pressed{map.object, objects_[map.object], &repose.links(),
                        &bare,      &own.points,          map.height};
     press_with(i, map, pressed, slope);

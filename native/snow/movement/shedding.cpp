@@ -78,7 +78,7 @@ void Shedding::shed(uint32_t step_number, double dt, MovingMap& map, Repose& rep
       const auto i = static_cast<size_t>(texel);
       float& height = (*map.height)[static_cast<size_t>(table.texel[i])];
       const auto volume = static_cast<float>(static_cast<double>(std::abs(height)) *
-                                             static_cast<double>(repose.bare_texels().area[i]));
+                                             static_cast<double>(repose.bare().area[i]));
       map.slid += static_cast<double>(volume);
       map.shed_from.emplace_back(table.texel[i], volume);
       height = 0.0f;

@@ -95,8 +95,7 @@ const std::vector<float>& Thaw::noise_of(size_t object) {
 
 const LinkedRuns& Thaw::runs_of(size_t object, Repose& repose) {
   if (runs_[object] == nullptr) {
-    repose.bare_texels();
-    runs_[object] = std::make_unique<LinkedRuns>(*objects_[object]->table, repose.links());
+    runs_[object] = std::make_unique<LinkedRuns>(*objects_[object]->table, *repose.ground().links);
   }
   return *runs_[object];
 }
@@ -106,7 +105,7 @@ const std::vector<float>& Thaw::melt(const MeltSettings& settings, const std::ve
   melted_.clear();
   if (!(settings.depth > 0.0)) return melted_;
   const std::vector<int32_t>& places = objects_[map.object]->table->texel;
-  const Repose::BareTexels& bare = repose.bare_texels();
+  const BareTexels& bare = repose.bare();
   const auto thickness = [&](size_t i) {
     return std::abs((*map.height)[static_cast<size_t>(places[i])]);
   };

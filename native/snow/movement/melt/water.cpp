@@ -44,12 +44,12 @@ void Water::forget_pose(size_t object) {
 void Water::find_ways(size_t object, Repose& repose) {
   Surface& own = surfaces_[object];
   if (!own.next.empty()) return;
-  const Repose::BareTexels& bare = repose.bare_texels();
+  const BareTexels& bare = repose.bare();
   const size_t count = bare.x.size();
   own.next.assign(count, kStays);
   base::for_each_item(count, 1024, [&](size_t i) {
     const auto texel = static_cast<int32_t>(i);
-    const int32_t next = repose.next_down(texel, true);
+    const int32_t next = next_down(repose.ground(), texel, true);
     own.next[i] = next == texel ? kStays : next < 0 ? next - 1 : next;
   });
   // Texels without others above them first.
@@ -104,7 +104,7 @@ void Water::soak_sideways(const MeltSettings& settings, double dt, const LinkedR
 MapPoint Water::below(size_t object, int32_t from, int32_t texel, Repose& repose) const {
   glm::dvec3 point;
   if (from >= 0) {
-    const Repose::Outlet outlet = repose.outlet({.number = from, .texel = texel});
+    const Outlet outlet = outlet_of(repose.ground(), {.number = from, .texel = texel});
     point = outlet.point + glm::dvec3(outlet.outwards * kDropsOutside, 0.0);
   } else {
     const SceneObject& own = *rays_->objects()[object];
@@ -118,7 +118,7 @@ MapPoint Water::below(size_t object, int32_t from, int32_t texel, Repose& repose
 
 void Water::run_down(const MeltSettings& settings, size_t object, Repose& repose) {
   Surface& own = surfaces_[object];
-  const Repose::BareTexels& bare = repose.bare_texels();
+  const BareTexels& bare = repose.bare();
   const auto soak = static_cast<float>(settings.soak);
   for (const int32_t texel : own.order) {
     const auto i = static_cast<size_t>(texel);
@@ -147,7 +147,7 @@ void Water::flow(const MeltSettings& settings, double dt, const std::vector<floa
   Surface& own = surfaces_[map.object];
   const std::vector<int32_t>& places = rays_->objects()[map.object]->table->texel;
   const bool rains = settings.rain > 0.0 && rain != nullptr;
-  own.area = repose.bare_texels().area;
+  own.area = repose.bare().area;
   if (own.depth.empty()) {
     if (melted.empty() && !rains) return;
     own.depth.assign(places.size(), 0.0f);

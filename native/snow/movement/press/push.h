@@ -17,7 +17,7 @@ struct PressedMap {
   size_t number = 0;
   const SceneObject* object = nullptr;
   const ReposeLinks* links = nullptr;
-  const Repose::BareTexels* bare = nullptr;
+  const BareTexels* bare = nullptr;
   /// World positions of the texels in metres.
   const std::vector<glm::vec3>* points = nullptr;
   std::vector<float>* height = nullptr;

@@ -1,13 +1,12 @@
-// Repose: the outlets of blocks, over which snow leaves the map: rims of the surface and walls.
+#include "snow/movement/repose/outlets.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
 #include "shaders/lib/texel_repose.h"
-#include "snow/movement/rays/map_point.h"
 #include "snow/movement/repose/granular.h"
-#include "snow/movement/repose/repose.h"
 #include "snow/movement/repose/tiles_around.h"
 
 namespace snowbough::snow {
@@ -16,10 +15,8 @@ namespace {
 /// Least depth of snow, in horizontal ways from there to an outlet.
 constexpr float kDepthsOfWay = 1.0f;
 
-}  // namespace
-
 /// A cell of a tile.
-struct Repose::Cell {
+struct Cell {
   const ReposeTile* tile = nullptr;
   size_t at = 0;
 
@@ -34,36 +31,37 @@ struct Repose::Cell {
 
 /// The limit of a link from a cell to a point `at`, with the bare surface's curvature and slope
 /// there.
-float Repose::link_limit(const Cell& a, const glm::vec3& at, float curvature, float steep,
-                         float leads_down) const {
+float link_limit(const ReposeLimits& limits, const Cell& a, const glm::vec3& at, float curvature,
+                 float steep, float leads_down) {
   const glm::vec3 way = at - a.point();
-  const float even = limits_.is_granular ? kGranularRest / shared::kEven : 1.0f;
-  const float slope = shared::held_slope(even * limits_.slope, limits_.cohesion, curvature);
+  const float even = limits.is_granular ? kGranularRest / shared::kEven : 1.0f;
+  const float slope = shared::held_slope(even * limits.slope, limits.cohesion, curvature);
   return shared::link_limit(std::sqrt(way.x * way.x + way.y * way.y), slope, way.z, steep,
                             leads_down);
 }
 
-float Repose::link_limit(const Cell& a, const Cell& b, float leads_down) const {
-  return link_limit(a, b.point(), 0.5f * (a.curvature() + b.curvature()),
+float link_limit(const ReposeLimits& limits, const Cell& a, const Cell& b, float leads_down) {
+  return link_limit(limits, a, b.point(), 0.5f * (a.curvature() + b.curvature()),
                     0.5f * (a.steep() + b.steep()), leads_down);
 }
 
 /// The cell in a column and a row of a block, or of those around.
-Repose::Cell Repose::cell_at(const TilesAround& around, int32_t column, int32_t row) {
+Cell cell_at(const TilesAround& around, int32_t column, int32_t row) {
   constexpr int32_t kInner = kReposeBlock - 1;
   const ReposeTile* const tile =
       around.at(column < 0 ? -1 : column / kReposeBlock, row < 0 ? -1 : row / kReposeBlock);
   return {tile, static_cast<size_t>((row & kInner) * kReposeBlock + (column & kInner))};
 }
 
-Repose::Cell Repose::across_end(int32_t link, size_t end) const {
-  const int32_t cell = links_->across_cells[static_cast<size_t>(link)][end];
-  return {tiles_[static_cast<size_t>(cell / kTileCells)].get(),
+Cell across_end(const ReposeLinks& links, const ReposeTiles& tiles, int32_t link, size_t end) {
+  const int32_t cell = links.across_cells[static_cast<size_t>(link)][end];
+  return {tiles[static_cast<size_t>(cell / kTileCells)].get(),
           static_cast<size_t>(cell % kTileCells)};
 }
 
 /// A link over a rim into the air, or over a seam onto a wall; `at`: the end of the surface.
-RimLink Repose::rim_link(const Cell& a, const ReposeLinks::End& end, const glm::vec3& at) const {
+RimLink rim_link(const ReposeLimits& limits, const Cell& a, const ReposeLinks::End& end,
+                 const glm::vec3& at) {
   RimLink link;
   link.cell = static_cast<int32_t>(a.at);
   link.number = end.link;
@@ -71,53 +69,14 @@ RimLink Repose::rim_link(const Cell& a, const ReposeLinks::End& end, const glm::
   link.bare = link.top = at.z;
   link.limit = kNoLink;
   if (!a.is_there() || a.is_wall()) return link;
-  link.limit = link_limit(a, at, a.curvature(), a.steep(), shared::kAllLeadDown);
+  link.limit = link_limit(limits, a, at, a.curvature(), a.steep(), shared::kAllLeadDown);
   link.rate = shared::link_rate(a.tile->stiffness(a.at), 0.0f);
   return link;
 }
 
-void Repose::set_up_ends(int32_t block) {
-  std::vector<RimLink>& rims = rims_[static_cast<size_t>(block)];
-  rims.clear();
-  const ReposeTile* const tile = tiles_[static_cast<size_t>(block)].get();
-  const int32_t* ends = &links_->end_begin[static_cast<size_t>(block)];
-  for (int32_t e = ends[0]; e < ends[1]; ++e) {
-    const ReposeLinks::End& end = links_->ends[static_cast<size_t>(e)];
-    const auto link = static_cast<size_t>(end.link);
-    const Cell own{tile, static_cast<size_t>(end.cell % kTileCells)};
-    if (link >= across_.size()) {
-      const ReposeLinks::Rim& rim = links_->rims[link - across_.size()];
-      rims.push_back(rim_link(own, end, surface_.point(rim.point)));
-      continue;
-    }
-    const Cell a = across_end(end.link, 0);
-    const Cell b = across_end(end.link, 1);
-    const Cell& other = end.sign < 0 ? b : a;
-    Flow& flow = across_[link];
-    if (end.sign < 0) flow.limit = kNoLink;
-    if (!own.is_there() || !other.is_there() || own.is_wall()) continue;
-    if (other.is_wall()) {
-      if (!(other.point().z < own.point().z)) continue;
-      rims.push_back(rim_link(own, end, surface_.point(links_->across[link].seam)));
-      continue;
-    }
-    if (end.sign > 0) continue;
-    flow.limit = link_limit(a, b, shared::kAllLeadDown);
-    if (stand_ != nullptr) {
-      const ReposeLinks::Across& across = links_->across[link];
-      const std::vector<int32_t>& places = table().texel;
-      flow.limit = std::max(flow.limit, stands(places[static_cast<size_t>(across.a)],
-                                               places[static_cast<size_t>(across.b)]));
-    }
-    flow.rate = shared::link_rate(a.tile->stiffness(a.at), b.tile->stiffness(b.at));
-  }
-  link_walls(block);
-}
-
 /// Calls visit(cell, column, row) for the cells around one on the map to which it is linked.
 template <typename Visit>
-void Repose::for_linked(const TilesAround& around, int32_t column, int32_t row,
-                        const Visit& visit) const {
+void for_linked(const TilesAround& around, int32_t column, int32_t row, const Visit& visit) {
   const Cell own = cell_at(around, column, row);
   for (int32_t k = 0; k < kForwardLinks; ++k) {
     for (const int32_t sign : {1, -1}) {
@@ -133,8 +92,9 @@ void Repose::for_linked(const TilesAround& around, int32_t column, int32_t row,
 }
 
 /// Adds links onto walls beside a block's cells: snow falls over them as over rims.
-void Repose::link_walls(int32_t block) {
-  const TilesAround around(tiles_, links_->blocks_a_side, block);
+void link_walls(const ReposeGround& ground, const ReposeLimits& limits,
+                const std::vector<float>* stand, int32_t block, ReposeBlocks& blocks) {
+  const TilesAround around(blocks.tiles, ground.links->blocks_a_side, block);
   const auto has_wall = [](const ReposeTile* tile) {
     return tile != nullptr && tile->outlets.any_wall;
   };
@@ -143,11 +103,11 @@ void Repose::link_walls(int32_t block) {
       })) {
     return;
   }
-  std::vector<RimLink>& rims = rims_[static_cast<size_t>(block)];
+  std::vector<RimLink>& rims = blocks.rims[static_cast<size_t>(block)];
   const size_t before = rims.size();
   const auto place_of = [&](int32_t column, int32_t row) {
-    return (block / links_->blocks_a_side * kReposeBlock + row) * links_->resolution +
-           block % links_->blocks_a_side * kReposeBlock + column;
+    return (block / ground.links->blocks_a_side * kReposeBlock + row) * ground.links->resolution +
+           block % ground.links->blocks_a_side * kReposeBlock + column;
   };
   for (int32_t own = 0; own < kTileCells; ++own) {
     const Cell a{around.at(0, 0), static_cast<size_t>(own)};
@@ -163,9 +123,9 @@ void Repose::link_walls(int32_t block) {
       // The wall's upper end, halfway down the cell's own slope.
       const glm::vec3 way = b.point() - a.point();
       link.rise = -way.z - 0.5f * std::min(-way.z, a.steep() * std::hypot(way.x, way.y));
-      link.limit = link_limit(a, b, shared::kLeadsDown);
-      if (stand_ != nullptr) {
-        link.limit = std::max(link.limit, stands(place_of(column, row), place_of(x, y)));
+      link.limit = link_limit(limits, a, b, shared::kLeadsDown);
+      if (stand != nullptr) {
+        link.limit = std::max(link.limit, stands(*stand, place_of(column, row), place_of(x, y)));
       }
       link.rate = shared::link_rate(a.tile->stiffness(a.at), 0.0f);
       rims.push_back(link);
@@ -176,76 +136,61 @@ void Repose::link_walls(int32_t block) {
                    [](const RimLink& one, const RimLink& other) { return one.cell < other.cell; });
 }
 
-Repose::Outlet Repose::outlet(const RimLink& rim) const {
-  if (rim.number < 0) return wall_outlet(rim);
-  const auto link = static_cast<size_t>(rim.number);
-  const ReposeLinks::Point& at = link >= across_.size() ? links_->rims[link - across_.size()].point
-                                                        : links_->across[link].seam;
-  Outlet outlet;
-  outlet.point = world_point(at);
-  const glm::dvec3 inwards = world_point(rim.texel) - outlet.point;
-  // The point lies on the side of its triangle that is opposite to the corner without weight.
-  const std::array<float, 3> weights{1.0f - at.weights.x - at.weights.y, at.weights.x,
-                                     at.weights.y};
-  const auto least = std::min_element(weights.begin(), weights.end()) - weights.begin();
-  const auto corner = [&](ptrdiff_t k) {
-    const auto number = 3 * static_cast<ptrdiff_t>(at.triangle) + (least + k) % 3;
-    const int32_t vertex = object_->description.topology.triangles[static_cast<size_t>(number)];
-    return glm::dvec3(object_->positions[static_cast<size_t>(vertex)]);
-  };
-  const glm::dvec3 side = corner(2) - corner(1);
-  glm::dvec2 outwards(side.y, -side.x);
-  double length = glm::length(outwards);
-  // A side that is nearly upright has no horizontal perpendicular.
-  if (!(length > 0.1 * glm::length(side))) {
-    outwards = -glm::dvec2(inwards);
-    length = glm::length(outwards);
+}  // namespace
+
+float stands(const std::vector<float>& stand, int32_t a, int32_t b) {
+  return std::max(stand[static_cast<size_t>(a)], stand[static_cast<size_t>(b)]);
+}
+
+void set_up_outlets(const ReposeGround& ground, const ReposeLimits& limits,
+                    const std::vector<float>* stand, int32_t block, ReposeBlocks& blocks) {
+  std::vector<RimLink>& rims = blocks.rims[static_cast<size_t>(block)];
+  rims.clear();
+  const ReposeTile* const tile = blocks.tiles[static_cast<size_t>(block)].get();
+  const int32_t* ends = &ground.links->end_begin[static_cast<size_t>(block)];
+  for (int32_t e = ends[0]; e < ends[1]; ++e) {
+    const ReposeLinks::End& end = ground.links->ends[static_cast<size_t>(e)];
+    const auto link = static_cast<size_t>(end.link);
+    const Cell own{tile, static_cast<size_t>(end.cell % kTileCells)};
+    if (link >= ground.links->across.size()) {
+      const ReposeLinks::Rim& rim = ground.links->rims[link - ground.links->across.size()];
+      rims.push_back(rim_link(limits, own, end, ground.surface.point(rim.point)));
+      continue;
+    }
+    const Cell a = across_end(*ground.links, blocks.tiles, end.link, 0);
+    const Cell b = across_end(*ground.links, blocks.tiles, end.link, 1);
+    const Cell& other = end.sign < 0 ? b : a;
+    SeamFlows::Link& flow = blocks.flows.links[link];
+    if (end.sign < 0) flow.limit = kNoLink;
+    if (!own.is_there() || !other.is_there() || own.is_wall()) continue;
+    if (other.is_wall()) {
+      if (!(other.point().z < own.point().z)) continue;
+      rims.push_back(
+          rim_link(limits, own, end, ground.surface.point(ground.links->across[link].seam)));
+      continue;
+    }
+    if (end.sign > 0) continue;
+    flow.limit = link_limit(limits, a, b, shared::kAllLeadDown);
+    if (stand != nullptr) {
+      const ReposeLinks::Across& across = ground.links->across[link];
+      const std::vector<int32_t>& places = ground.table().texel;
+      flow.limit = std::max(flow.limit, stands(*stand, places[static_cast<size_t>(across.a)],
+                                               places[static_cast<size_t>(across.b)]));
+    }
+    flow.rate = shared::link_rate(a.tile->stiffness(a.at), b.tile->stiffness(b.at));
   }
-  if (length > 0.0) outlet.outwards = outwards / length;
-  if (glm::dot(outlet.outwards, glm::dvec2(inwards)) > 0.0) outlet.outwards *= -1.0;
-  const ReposeSurface::Texel texel = surface_.texel(rim.texel);
-  outlet.reach = 0.5 * std::sqrt(static_cast<double>(texel.area));
-  return outlet;
+  link_walls(ground, limits, stand, block, blocks);
 }
 
-/// The outlet above a wall: at its upper end.
-Repose::Outlet Repose::wall_outlet(const RimLink& rim) const {
-  const TexelNow wall = texel_now(*object_, table(), texel_at(table(), -1 - rim.number));
-  Outlet outlet;
-  outlet.point = wall.point;
-  // Poses differ by a turn about the vertical and a translation.
-  outlet.point.z = static_cast<double>(surface_.anchor().z + rim.bare + rim.rise) +
-                   static_cast<double>(object_->positions.front().z) -
-                   static_cast<double>(pose_.positions().front().z);
-  outlet.outwards = glm::dvec2(wall.normal);
-  const double length = glm::length(outlet.outwards);
-  // Undersides have no horizontal direction.
-  outlet.outwards = length > 0.1 ? outlet.outwards / length : glm::dvec2(0.0);
-  outlet.reach = 0.5 * std::sqrt(wall.area);
-  outlet.is_wall = true;
-  return outlet;
-}
-
-float Repose::highest_near(int32_t block) const {
-  float highest = 0.0f;
-  const int32_t* const near = &links_->near_begin[static_cast<size_t>(block)];
-  for (int32_t n = near[0]; n < near[1]; ++n) {
-    highest =
-        std::max(highest, highest_[static_cast<size_t>(links_->near[static_cast<size_t>(n)])]);
-  }
-  return highest;
-}
-
-/// Whether snow lies on the first cell up the slope from an outlet that is not too steep for it,
-/// and is thick beside the way there: bevels carry none themselves.
-bool Repose::is_below_snow(int32_t block, const RimLink& rim) const {
-  const TilesAround around(tiles_, links_->blocks_a_side, block);
+bool is_below_snow(const ReposeGround& ground, const ReposeLimits& limits,
+                   const ReposeBlocks& blocks, int32_t block, const RimLink& rim) {
+  const TilesAround around(blocks.tiles, ground.links->blocks_a_side, block);
   int32_t column = rim.cell % kReposeBlock;
   int32_t row = rim.cell / kReposeBlock;
   Cell cell = cell_at(around, column, row);
   const glm::vec2 from(cell.point());
   // Farther ones may be in blocks beyond those around.
-  for (int32_t step = 0; step < kReposeBlock / 2 && cell.steep() > limits_.slope; ++step) {
+  for (int32_t step = 0; step < kReposeBlock / 2 && cell.steep() > limits.slope; ++step) {
     Cell next = cell;
     glm::ivec2 at(column, row);
     for_linked(around, column, row, [&](const Cell& other, int32_t x, int32_t y) {
@@ -262,9 +207,9 @@ bool Repose::is_below_snow(int32_t block, const RimLink& rim) const {
   return thick > 0.0f && thick >= kDepthsOfWay * glm::distance(glm::vec2(cell.point()), from);
 }
 
-float Repose::top_over(int32_t block, const RimLink& rim) const {
-  return tiles_[static_cast<size_t>(block)]->snow.top[static_cast<size_t>(rim.cell)] - rim.bare -
-         rim.rise;
+float top_over(const ReposeBlocks& blocks, int32_t block, const RimLink& rim) {
+  return blocks.tiles[static_cast<size_t>(block)]->snow.top[static_cast<size_t>(rim.cell)] -
+         rim.bare - rim.rise;
 }
 
 }  // namespace snowbough::snow

@@ -6,6 +6,7 @@
 
 #include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
+#include "snow/movement/repose/tiles_around.h"
 
 namespace snowbough::snow {
 namespace {
@@ -39,71 +40,41 @@ SNOWBOUGH_WIDE uint32_t rows_to_write(const ReposeTile& tile) {
 
 }  // namespace
 
-void Repose::mark_near(int32_t block, Marks& marks) const {
-  const auto b = static_cast<size_t>(block);
-  for (int32_t n = links_->near_begin[b]; n < links_->near_begin[b + 1]; ++n) {
-    marks[static_cast<size_t>(links_->near[static_cast<size_t>(n)])] = 1;
-  }
-}
-
-/// Marks the blocks around one whose bit is set in `around`: see TileWindow::seen_by.
-void Repose::mark_around(int32_t block, uint32_t around, Marks& marks) const {
-  const int32_t side = links_->blocks_a_side;
-  for (; around != 0; around &= around - 1) {
-    const int32_t bit = std::countr_zero(around);
-    const int32_t column = block % side + bit % 3 - 1;
-    const int32_t row = block / side + bit / 3 - 1;
-    if (column < 0 || column >= side || row < 0 || row >= side) continue;
-    marks[static_cast<size_t>(row * side + column)] = 1;
-  }
-}
-
-/// These blocks and their neighbours, ascending.
-Repose::Blocks Repose::near(const Blocks& blocks) const {
-  Marks marks(links_->block_count(), 0);
-  for (const int32_t block : blocks) mark_near(block, marks);
-  Blocks result;
-  for (size_t b = 0; b < marks.size(); ++b) {
-    if (marks[b] != 0) result.push_back(static_cast<int32_t>(b));
-  }
-  return result;
-}
-
 double Repose::run(std::vector<float>& height, float dt, bool lists_releases) {
-  if (chosen_.empty()) return 0.0;
-  if (!is_partial_) empty_over_outlets();
+  if (choice_.chosen.empty()) return 0.0;
+  if (!choice_.is_partial) empty_over_outlets();
   run_rounds(std::clamp(dt / kUsualStep, 1.0f, kMostWorkFactor));
   const float walls_keep = std::exp2(-dt / shared::kWallHalfLife);
-  std::vector<Written> written(chosen_.size());
-  for_each(chosen_.size(),
-           [&](size_t i) { written[i] = write_block(chosen_[i], walls_keep, height); });
+  std::vector<Written> written(choice_.chosen.size());
+  for_each(choice_.chosen.size(),
+           [&](size_t i) { written[i] = write_block(choice_.chosen[i], walls_keep, height); });
   double fallen = 0.0;
   for (const Written& own : written) {
     fallen += own.lost;
     has_changed_ = has_changed_ || own.has_changed;
   }
-  if (lists_releases) collect_releases(written);
-  tiles_.swap(stored_tiles_);
-  return fallen * static_cast<double>(surface_.unit());
+  if (lists_releases) {
+    releases_ = collect_releases(ground_, blocks_, choice_.chosen, ways_);
+    for (const Written& own : written) {
+      releases_.insert(releases_.end(), own.releases.begin(), own.releases.end());
+    }
+  }
+  blocks_.tiles.swap(stored_tiles_);
+  return fallen * static_cast<double>(ground_.surface.unit());
 }
 
 /// Updates a tile's links, if needed.
 void Repose::link_tile(int32_t block) {
-  if (tiles_[static_cast<size_t>(block)]->links.has_limits) return;
-  set_up_tile_links(tiles_, block, links_->blocks_a_side, limits_);
+  if (blocks_.tiles[static_cast<size_t>(block)]->links.has_limits) return;
+  set_up_tile_links(blocks_.tiles, block, ground_.links->blocks_a_side, choice_.limits);
   if (stand_ != nullptr) raise_limits(block);
-}
-
-/// The height to which snow stands at either of two places.
-float Repose::stands(int32_t a, int32_t b) const {
-  return std::max((*stand_)[static_cast<size_t>(a)], (*stand_)[static_cast<size_t>(b)]);
 }
 
 /// Raises the limits of a tile's links where snow stands.
 void Repose::raise_limits(int32_t block) {
-  const BlockRect rect = rect_of(block);
-  const int32_t side = links_->resolution;
-  TileLinks& links = tiles_[static_cast<size_t>(block)]->links;
+  const BlockRect rect = rect_of(*ground_.links, block);
+  const int32_t side = ground_.links->resolution;
+  TileLinks& links = blocks_.tiles[static_cast<size_t>(block)]->links;
   for (int32_t row = 0; row < rect.size.y; ++row) {
     for (int32_t column = 0; column < rect.size.x; ++column) {
       const int32_t place = static_cast<int32_t>(rect.place) + row * side + column;
@@ -112,7 +83,8 @@ void Repose::raise_limits(int32_t block) {
             links.limit[static_cast<size_t>(k)][static_cast<size_t>(row * kReposeBlock + column)];
         // Links end on the map.
         if (!(limit < kNoLink)) continue;
-        limit = std::max(limit, stands(place, place + kForwardRow[k] * side + kForwardColumn[k]));
+        limit = std::max(limit,
+                         stands(*stand_, place, place + kForwardRow[k] * side + kForwardColumn[k]));
       }
     }
   }
@@ -122,9 +94,9 @@ void Repose::raise_limits(int32_t block) {
 /// offset: no two of them touch.
 template <typename Chosen>
 Repose::Blocks Repose::blocks_of_colour(int32_t colour, const Chosen& chosen) const {
-  const int32_t side = links_->blocks_a_side;
+  const int32_t side = ground_.links->blocks_a_side;
   Blocks blocks;
-  for (const int32_t block : chosen_) {
+  for (const int32_t block : choice_.chosen) {
     const int32_t own = block / side % 2 * 2 + block % side % 2;
     if (own == colour && chosen(block)) blocks.push_back(block);
   }
@@ -133,9 +105,9 @@ Repose::Blocks Repose::blocks_of_colour(int32_t colour, const Chosen& chosen) co
 
 /// Removes snow above rims and walls that is steeper than allowed.
 void Repose::empty_over_outlets() {
-  Marks active(links_->block_count(), 0);
-  for (const int32_t block : chosen_) active[static_cast<size_t>(block)] = 1;
-  const int32_t side = links_->blocks_a_side;
+  Marks active(ground_.links->block_count(), 0);
+  for (const int32_t block : choice_.chosen) active[static_cast<size_t>(block)] = 1;
+  const int32_t side = ground_.links->blocks_a_side;
   for (bool continues = true; continues;) {
     continues = false;
     for (int32_t colour = 0; colour < 4; ++colour) {
@@ -144,19 +116,23 @@ void Repose::empty_over_outlets() {
       std::vector<TileBounds> done(blocks.size());
       for_each(blocks.size(), [&](size_t i) {
         link_tile(blocks[i]);
-        done[i] = lower_tile_bounds(tiles_, blocks[i], side, rims_[static_cast<size_t>(blocks[i])]);
+        done[i] = lower_tile_bounds(blocks_.tiles, blocks[i], side,
+                                    blocks_.rims[static_cast<size_t>(blocks[i])]);
       });
       for (size_t i = 0; i < blocks.size(); ++i) {
-        mark_around(blocks[i], done[i].seen_by, active);
+        mark_around(side, blocks[i], done[i].seen_by, active);
         continues = continues || done[i].has_changed;
       }
       for (const int32_t block : blocks) active[static_cast<size_t>(block)] = 0;
     }
-    continues = lower_across(active) || continues;
+    continues =
+        lower_across(*ground_.links, blocks_.tiles, choice_.chosen, blocks_.flows, active) ||
+        continues;
   }
-  Marks cuts(chosen_.size(), 0);
-  for_each(chosen_.size(),
-           [&](size_t i) { cuts[i] = tiles_[static_cast<size_t>(chosen_[i])]->cut() ? 1 : 0; });
+  Marks cuts(choice_.chosen.size(), 0);
+  for_each(choice_.chosen.size(), [&](size_t i) {
+    cuts[i] = blocks_.tiles[static_cast<size_t>(choice_.chosen[i])]->cut() ? 1 : 0;
+  });
   has_changed_ =
       has_changed_ || std::any_of(cuts.begin(), cuts.end(), [](uint8_t c) { return c != 0; });
 }
@@ -166,13 +142,14 @@ double Repose::run_colour(const Blocks& blocks, int first_round, int rounds_at_o
   std::vector<TileRounds> done(blocks.size());
   for_each(blocks.size(), [&](size_t i) {
     link_tile(blocks[i]);
-    done[i] = run_tile_rounds(tiles_, blocks[i], links_->blocks_a_side,
-                              rims_[static_cast<size_t>(blocks[i])], first_round, rounds_at_once);
+    done[i] =
+        run_tile_rounds(blocks_.tiles, blocks[i], ground_.links->blocks_a_side,
+                        blocks_.rims[static_cast<size_t>(blocks[i])], first_round, rounds_at_once);
   });
   double rounds = 0.0;
   for (size_t i = 0; i < blocks.size(); ++i) {
     const TileRounds& own = done[i];
-    if (own.has_changed) note_active(blocks[i]);
+    if (own.has_changed) note_active(*ground_.links, blocks_.flows, blocks[i]);
     rounds += own.rounds;
     seams_are_pending_ = seams_are_pending_ || own.has_changed;
     has_changed_ = has_changed_ || own.has_changed;
@@ -182,35 +159,36 @@ double Repose::run_colour(const Blocks& blocks, int first_round, int rounds_at_o
 
 /// Ahead of a blade snow need not rest before the blade does.
 bool Repose::runs(int32_t block, int round) const {
-  const bool is_ahead = !blades_.empty() && blades_[static_cast<size_t>(block)] != 0;
-  return is_ahead ? round < kBladeRounds : !is_partial_;
+  const bool is_ahead = !choice_.blades.empty() && choice_.blades[static_cast<size_t>(block)] != 0;
+  return is_ahead ? round < kBladeRounds : !choice_.is_partial;
 }
 
 void Repose::run_rounds(float work_factor) {
-  for (Flow& link : across_) {
+  for (SeamFlows::Link& link : blocks_.flows.links) {
     link.flow = 0.0f;
     link.is_listed = false;
   }
-  listed_.clear();
-  for (const int32_t block : chosen_) {
-    if (runs(block, 0)) note_active(block);
+  blocks_.flows.listed.clear();
+  for (const int32_t block : choice_.chosen) {
+    if (runs(block, 0)) note_active(*ground_.links, blocks_.flows, block);
   }
   seams_are_pending_ = true;
   double work = static_cast<double>(work_factor) *
-                (kRoundsAMap + kRoundsABlock * static_cast<double>(links_->block_count()));
-  const int most =
-      is_partial_ ? kBladeRounds : static_cast<int>(static_cast<float>(kMostRounds) * work_factor);
+                (kRoundsAMap + kRoundsABlock * static_cast<double>(ground_.links->block_count()));
+  const int most = choice_.is_partial
+                       ? kBladeRounds
+                       : static_cast<int>(static_cast<float>(kMostRounds) * work_factor);
   int round = 0;
   int round_across = 0;
   int at_once = kRounds;
   for (bool continues = true; continues && round < most && work > 0.0; round += at_once) {
     continues = false;
-    at_once = !blades_.empty() && round < kBladeRounds ? kBladeRoundsAtOnce : kRounds;
+    at_once = !choice_.blades.empty() && round < kBladeRounds ? kBladeRoundsAtOnce : kRounds;
     for (int32_t i = 0; i < 4; ++i) {
       // Heaps of grains would show which blocks are always first.
-      const int32_t colour = limits_.is_granular && round / kRounds % 2 == 1 ? 3 - i : i;
+      const int32_t colour = choice_.limits.is_granular && round / kRounds % 2 == 1 ? 3 - i : i;
       const Blocks blocks = blocks_of_colour(colour, [&](int32_t block) {
-        return runs(block, round) && tiles_[static_cast<size_t>(block)]->links.is_active();
+        return runs(block, round) && blocks_.tiles[static_cast<size_t>(block)]->links.is_active();
       });
       if (!blocks.empty()) {
         const double rounds = run_colour(blocks, round, at_once);
@@ -218,21 +196,24 @@ void Repose::run_rounds(float work_factor) {
         work -= rounds;
         continues = true;
       }
-      if (!across_.empty() && seams_are_pending_) {
-        seams_are_pending_ = flow_across(shared::flow_momentum(round_across++));
+      if (!blocks_.flows.links.empty() && seams_are_pending_) {
+        seams_are_pending_ = flow_across(
+            *ground_.links, blocks_.tiles, blocks_.flows,
+            [&](int32_t block) { return runs(block, 0); }, shared::flow_momentum(round_across++));
+        has_changed_ = has_changed_ || seams_are_pending_;
       }
     }
-    continues = continues || (!across_.empty() && seams_are_pending_);
+    continues = continues || (!blocks_.flows.links.empty() && seams_are_pending_);
   }
 }
 
 /// Writes moved snow. Snow that sticks to walls falls, except the fraction `walls_keep`.
 Repose::Written Repose::write_block(int32_t block, float walls_keep,
                                     std::vector<float>& height) const {
-  const ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
+  const ReposeTile& tile = *blocks_.tiles[static_cast<size_t>(block)];
   Written written;
   if (!tile.snow.has_moved() && !tile.outlets.any_wall) return written;
-  const std::vector<int32_t>& places = table().texel;
+  const std::vector<int32_t>& places = ground_.table().texel;
   const auto write = [&](int32_t texel, size_t cell) {
     const bool wall = (tile.snow.kind[cell] & kWall) != 0;
     const double moved = tile.snow.moved[cell];
@@ -245,18 +226,18 @@ Repose::Written Repose::write_block(int32_t block, float walls_keep,
       const double melted =
           static_cast<double>(std::abs(own) - std::abs(kept)) * tile.ground.area[cell];
       if (melted > 0.0) written.releases.push_back({Release::kOffWall, texel, melted});
-      written.lost += melted / surface_.unit();
+      written.lost += melted / ground_.surface.unit();
       own = kept;
       return;
     }
     const double depth =
-        static_cast<double>(std::abs(own)) + moved * (static_cast<double>(surface_.unit()) /
+        static_cast<double>(std::abs(own)) + moved * (static_cast<double>(ground_.surface.unit()) /
                                                       static_cast<double>(tile.ground.area[cell]));
     const auto now = static_cast<float>(std::max(depth, 0.0));
     own = (tile.snow.kind[cell] & kBack) != 0 && now > 0.0f ? -now : now;
     written.lost -= moved;
   };
-  links_->for_texels(block, places, write, rows_to_write(tile));
+  ground_.links->for_texels(block, places, write, rows_to_write(tile));
   return written;
 }
 

@@ -73,6 +73,18 @@ std::array<uint32_t, kReposeBlock> cells_below_snow(const TilesAround& around, f
   return below;
 }
 
+void mark_around(int32_t blocks_a_side, int32_t block, uint32_t around,
+                 std::vector<uint8_t>& marks) {
+  const int32_t side = blocks_a_side;
+  for (; around != 0; around &= around - 1) {
+    const int32_t bit = std::countr_zero(around);
+    const int32_t column = block % side + bit % 3 - 1;
+    const int32_t row = block / side + bit / 3 - 1;
+    if (column < 0 || column >= side || row < 0 || row >= side) continue;
+    marks[static_cast<size_t>(row * side + column)] = 1;
+  }
+}
+
 void activate_cell(const TilesAround& around, int32_t column, int32_t row) {
   const auto activate = [&](int32_t x, int32_t y) {
     const int32_t dx = x < 0 ? -1 : x / kReposeBlock;

@@ -56,6 +56,10 @@ struct TilesAround {
   }
 };
 
+/// Marks the blocks around one whose bit is set in `around`: see TileWindow::seen_by.
+void mark_around(int32_t blocks_a_side, int32_t block, uint32_t around,
+                 std::vector<uint8_t>& marks);
+
 /// The cells of a block beside which snow is steeper than `slope` (a tangent), so that it may flow
 /// onto them: one bit per column, by row.
 std::array<uint32_t, kReposeBlock> cells_below_snow(const TilesAround& around, float slope);

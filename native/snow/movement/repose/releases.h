@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "snow/movement/repose/ground.h"
+#include "snow/movement/repose/outlets.h"
+
+namespace snowbough::snow {
+
+/// Where ways over cells end, each cell looked at once in a run, and the units that have gone each
+/// way. Cells are numbered as by ReposeLinks::cell_of.
+struct CellWays {
+  struct Block {
+    /// The run for which it was filled.
+    uint64_t run = 0;
+    std::array<int32_t, kTileCells> end;
+    std::array<double, kTileCells> units;
+  };
+  uint64_t run = 0;
+  std::vector<std::unique_ptr<Block>> blocks;
+  std::vector<int32_t> passed;
+  /// Cells to which units have gone.
+  std::vector<int32_t> ends;
+
+  void begin(size_t count);
+  Block& block_of(int32_t cell);
+  int32_t find(const ReposeLinks& links, const ReposeBlocks& map, int32_t cell);
+  void add(int32_t end, double units);
+};
+
+/// Lists what has fallen over outlets, and what was cut above them, in the chosen blocks.
+std::vector<Release> collect_releases(const ReposeGround& ground, const ReposeBlocks& blocks,
+                                      const std::vector<int32_t>& chosen, CellWays& ways);
+
+}  // namespace snowbough::snow
