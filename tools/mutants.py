@@ -217,7 +217,7 @@ MUTANTS = (
     moving("landing", "return !shared::is_wall(side", "return true || !shared::is_wall(side", LANDING),
     moving("landing", "return broadest;", "return place;", LANDING),
     moving("landing", "std::min(std::sqrt(2.0 * snow.drop / kGravity), settings.longest_fall);", "0.0;", LANDING),
-    moving("landing", "left_ += units_of(map.slid + slid) - listed;", "", LANDING),
+    moving("landing", "landed.push_back(one);", "", LANDING),
     moving("landing", "cell.units / kRays + (ray < cell.units % kRays ? 1 : 0);", "cell.units / kRays;", LANDING),
     moving("landing", "cell.outwards * (settings.throw_speed * speed);", "cell.outwards * 0.0;", LANDING),
     moving("landing", "on_floors_ += snow.units;", "left_ += snow.units;", LANDING),

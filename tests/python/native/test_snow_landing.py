@@ -82,6 +82,29 @@ def test_what_falls_off_a_shelf_lies_below_its_edge(engine):
     assert row[:50].max() < 0.2001 and row.max() > 0.21
 
 
+@both_engines
+@pytest.mark.parametrize("before", [0.0, 0.02])
+def test_what_lands_on_a_ground_that_faces_down_lies_on_its_back(engine, before):
+    """The ground is bare, because the shelf shelters all of it, or has snow already. Heights on a back are negative."""
+    ground = sheet(0.5, resolution=64)
+    shelf = sheet(0.6, 1.0, 64)
+    meshes = {"ground": (ground[0], ground[1][:, ::-1], *ground[2:]), "shelf": shelf}
+    sim = simulation(meshes, engine=engine, throw_speed=0.0, slide_half_life=0.05, flutter=0.0)
+    away = np.float32([5.0, 0.0, 0.0])
+    if before:
+        sim.step({"ground": ground[0], "shelf": shelf[0] + away}, before, DOWN, FRAME)
+    sim.step({"ground": ground[0], "shelf": shelf[0]}, 0.05, DOWN, FRAME)
+    level = sim.height("ground")
+    assert level[32, 32] == pytest.approx(-before, abs=1e-6)
+    turned = rotated(shelf[0] - np.float32([0, 0, 1]), "x", 80.0) + np.float32([0, 0, 1])
+    sim.step({"shelf": turned}, 0.0, DOWN, FRAME)
+    wait(sim)
+    assert_nothing_is_lost(sim)
+    heights = sim.height("ground")
+    assert sim.statistics()["objects"]["ground"]["total"]["landed_volume"] > 1e-3
+    assert heights.max() <= 0.0 and heights.min() < -before - 0.01
+
+
 def test_snow_takes_its_time_to_fall():
     """After the snowfall a board tips over."""
     meshes = shelf_over_ground(2.0)
@@ -155,6 +178,90 @@ def test_steps_without_duration_land_nothing():
     sim.step({}, 0.0, DOWN, 1.0)
     assert sim.statistics()["objects"]["ground"]["total"]["landed_volume"] > 0.0
     assert_nothing_is_lost(sim)
+
+
+def test_falling_snow_is_counted_in_whole_units():
+    """From 8 m each heap falls along six rays, which share its units."""
+    roof = sheet(1.0, resolution=64)
+    meshes = {"ground": sheet(6.0, -8.0, 128), "roof": (rotated(roof[0], "x", 50.0), *roof[1:])}
+    sim = simulation(meshes, max_depth=0.02, slide_half_life=0.5)
+    fall(sim, meshes, 0.02, 1)
+    state = native.simulation_state(sim)["landing"]
+    in_air = sum(snow[4] for snow in state["air"])
+    slid = sim.statistics()["total"]["slid_volume"] * 2.0**44
+    assert in_air > 1e9 and in_air + state["on_floors"] + state["left"] == slid
+
+
+def test_snow_that_is_thrown_against_a_wall_falls_to_its_foot():
+    """The wall stands 5 cm beside the shelf and carries no snow."""
+    corners = np.float32([(0.2, -0.5, 0.0), (0.2, 0.5, 0.0), (0.2, 0.5, 2.0), (0.2, -0.5, 2.0)])
+    uv = np.full((2, 3, 2), 0.5, np.float32)
+    wall = corners, np.int32([(0, 1, 2), (0, 2, 3)]), uv, 16
+    meshes = {**shelf_over_ground(2.0), "wall": wall}
+    sim = simulation(meshes, shade=["wall"], throw_speed=2.0)
+    fall(sim, meshes, 0.2, 16)
+    wait(sim)
+    now = assert_nothing_is_lost(sim)
+    assert now["objects"]["ground"]["total"]["landed_volume"] > 1e-3
+    assert now["floor_volume"] == 0.0
+
+
+def folded(profile, width, resolution):
+    """A sheet along a profile of (x, z), in one chart: u along its width, v along its length."""
+    profile = np.asarray(profile, float)
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(profile, axis=0), axis=1))])
+    positions, triangles, uv = grid(width, 1.0, cells=len(profile) - 1)
+    across, along = (
+        np.tile(np.linspace(-0.5, 0.5, len(profile)), len(profile)),
+        np.repeat(np.arange(len(profile)), len(profile)),
+    )
+    positions = np.column_stack([profile[along, 0], across * width, profile[along, 1]])
+    corner = np.column_stack([across + 0.5, way[along] / way[-1]]) * 0.96 + 0.02
+    return (
+        positions.astype(np.float32),
+        triangles[:, ::-1],
+        corner[triangles[:, ::-1]].astype(np.float32),
+        resolution,
+    )
+
+
+def test_snow_lands_beside_a_wall_and_not_on_it():
+    """A trough in one chart, 0.5 m wide with walls of 0.5 m, below a shelf. What lay on a wall would fall again."""
+    trough = folded([(-0.25, 1.0), (-0.25, 0.5), (0.25, 0.5), (0.25, 1.0)], 2.0, 128)
+    shelf = pieces([((0.0, 0.0, 0.9), (0.38, 1.0, 0.04), 0.0)])
+    meshes = {"shelf": shelf, "trough": trough}
+    sim = simulation(meshes, throw_speed=0.0)
+    fall(sim, meshes, 0.1, 8)
+    wait(sim)
+    objects = assert_nothing_is_lost(sim)["objects"]
+    assert objects["shelf"]["total"]["slid_volume"] > 5e-3
+    assert objects["trough"]["total"]["landed_volume"] == pytest.approx(
+        objects["shelf"]["total"]["slid_volume"], rel=1e-3
+    )
+
+
+def test_what_lands_on_the_treads_of_a_wall_falls_on():
+    """Treads of 3 mm between risers of 4 cm: texels of 5 cm are all wall."""
+    steps = [(0.003 * (k // 2), 0.04 * ((k + 1) // 2)) for k in range(161)]
+    wall = folded([(x - 0.1, z) for x, z in steps], 3.0, 64)
+    shelf = pieces([((0.1, 0.0, 4.0), (0.3, 0.6, 0.04), 0.0)])
+    meshes = {"ground": sheet(3.0, resolution=128), "shelf": shelf, "wall": wall}
+    sim = simulation(meshes, throw_speed=0.0)
+    fall(sim, meshes, 0.2, 16)
+    wait(sim)
+    now = assert_nothing_is_lost(sim)
+    assert now["objects"]["wall"]["total"]["landed_volume"] > 1e-4
+
+
+def test_snow_that_has_nowhere_to_slide_to_stays():
+    """At the bottom of an inverted pyramid. As if it had slid, its volume would count as stretched."""
+    positions, triangles, uv = grid(1.0, 1.0, cells=16)
+    positions[:, 2] = np.maximum(np.abs(positions[:, 0]), np.abs(positions[:, 1]))
+    meshes = {"pit": (positions, triangles, uv, 65)}
+    sim = simulation(meshes, max_depth=0.02, slide_half_life=0.01)
+    fall(sim, meshes, 0.1, 4)
+    assert_nothing_is_lost(sim)
+    assert abs(sim.statistics()["total"]["stretched_volume"]) < 1e-6
 
 
 def test_objects_without_a_map_keep_what_falls_on_them():
