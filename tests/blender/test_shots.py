@@ -133,6 +133,52 @@ def test_a_receiver_may_pop_in_after_the_first_frame(tmp_path, ground_of, points
     assert level(points_in("Roof", 4)) == pytest.approx(1.0 + 2 * QUARTER, abs=0.002)
 
 
+def sizes(surface, *times):
+    """Extents of a surface at (frame, subframe)."""
+    return [spread(points_at(surface, frame, subframe)) for frame, subframe in times]
+
+
+@pytest.mark.parametrize("old", [100, 200])
+@pytest.mark.parametrize("hide", [hide_by_key, hide_by_scale])
+def test_snow_of_a_hidden_receiver_does_not_shrink_between_frames(tmp_path, hide, old):
+    """As motion blur sees it: whole around the frames on which it shows. Also if the shot is stretched after the bake."""
+    roof = s.square("Roof", z=1.0)
+    hide(roof, {3})
+    for curve in addon_module("base.compat").curves_of(roof):
+        for key in curve.keyframe_points:
+            key.interpolation = "CONSTANT"
+    (surface,) = bake_surfaces(tmp_path / "cache", roof)
+    bpy.context.scene.render.frame_map_old = old
+    for curve in addon_module("base.compat").curves_of(
+        roof
+    ):  # the receiver follows its keys, which are moved
+        for key in curve.keyframe_points:
+            key.co.x *= old / 100
+    around = [(1, 0.75), (2, 0.25), (2, 0.4), (3, 0.6), (3, 0.75), (4, 0.25)]
+    surface.parent = None
+    assert sizes(surface, *around) == pytest.approx([2.03] * 6, abs=0.03)
+    assert sizes(surface, (2, 0.75), (3, 0.0), (3, 0.25)) == [0.0] * 3
+    assert len(set(sizes(surface, (1, 0.0), (1, 0.25), (1, 0.5)))) == 3  # it grows steadily elsewhere
+
+
+@pytest.mark.parametrize("method", ["KEYS", "CACHE"])
+def test_applied_snow_of_a_hidden_receiver_does_not_shrink_between_frames(tmp_path, method):
+    """Also in a stretched shot that begins at frame 11."""
+    roof = s.square("Roof", z=1.0)
+    hide_by_key(roof, ())
+    scene = bpy.context.scene
+    scene.render.frame_map_new = 200
+    for frame, is_hidden in ((5.5, False), (6.5, True), (7.0, False)):
+        roof.hide_render = is_hidden
+        roof.keyframe_insert("hide_render", frame=frame)
+    (surface,) = bake_surfaces(tmp_path / "cache", roof, frames=(11, 14))
+    assert sizes(surface, (12, 0.0), (13, 0.0), (14, 0.0))[1] == 0.0
+    bpy.ops.snowbough.apply_snow(frames=method, directory=str(tmp_path / "applied"))
+    applied = bpy.data.objects["Roof Snow Applied"]
+    for time in ((11, 0.0), (11, 0.5), (12, 0.0), (12, 0.25), (12, 0.75), (13, 0.0), (13, 0.75), (14, 0.0)):
+        assert points_at(applied, *time) == pytest.approx(points_at(surface, *time), abs=1e-5), time
+
+
 def test_a_receiver_may_grow_from_scale_0(tmp_path, native):
     """Its map and texels are those of its full size: 2 m in 256 texels."""
     cart = s.square("Cart")

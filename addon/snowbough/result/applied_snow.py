@@ -13,7 +13,7 @@ import numpy as np
 
 from ..base import compat
 from ..base.names import SURFACE_BARE_ATTRIBUTE, SURFACE_MODIFIER
-from ..surface.point_cache import PointCacheWriter
+from ..surface.point_cache import PointCacheWriter, collapsed
 from . import snow_surface, surface_files
 
 # Shape keys lie in the .blend file; more bytes than this in one mesh are refused.
@@ -74,8 +74,8 @@ def _copy(surface):
 
 
 def _animate_keys(obj, points, start, length):
-    """Gives an object a shape key for each sample of points (samples, V, 3). Sample 0 belongs to frame `start`; the
-    samples are `length` frames apart."""
+    """Gives an object a shape key for each sample of points (samples, V, 3). Sample 0 belongs to rendered frame
+    `start`; a rendered frame has `length` frames of keys (compat.frame_length)."""
     for number, sample in enumerate(points):
         key = obj.shape_key_add(name=f"Snow {number}", from_mix=False)
         key.data.foreach_set("co", np.ascontiguousarray(sample, np.float32).ravel())
@@ -84,11 +84,14 @@ def _animate_keys(obj, points, start, length):
     keys.use_relative = False
     _, new_curve = compat.action_curves(keys, obj.name)
     curve = new_curve("eval_time", 0, "Snow")
-    curve.keyframe_points.add(2)
-    times = (start, 0.0, start + (len(points) - 1) * length, keys.key_blocks[-1].frame)
-    curve.keyframe_points.foreach_set("co", times)
-    for point in curve.keyframe_points:
-        point.interpolation = "LINEAR"
+    frames = [key.frame for key in keys.key_blocks]
+    shown = {0: ("LINEAR", 0), len(points) - 1: ("LINEAR", len(points) - 1)}
+    # Between samples of which the receiver is hidden in one, the nearer one shows (snow_surface.jump_where_hidden).
+    for sample in np.flatnonzero(np.diff(collapsed(points))).tolist():
+        shown.update({sample: ("CONSTANT", sample), sample + 0.5: ("CONSTANT", sample + 1)})
+        shown.setdefault(sample + 1, ("LINEAR", sample + 1))
+    for time, (interpolation, sample) in sorted(shown.items()):
+        curve.keyframe_points.insert((start + time) * length, frames[sample]).interpolation = interpolation
     curve.update()
 
 
@@ -143,6 +146,7 @@ def of_shot(receiver, folder=None):
             modifier.cache_format, modifier.interpolation = "PC2", "LINEAR"
             modifier.filepath = snow_surface.blend_path(files[number])
             modifier.frame_start, modifier.frame_scale = shown.frame_start, shown.frame_scale
+            snow_surface.jump_where_hidden(plain, modifier, points[number])
         surface.hide_render = True
         surface.hide_set(True)
         applied.append(plain)

@@ -24,7 +24,7 @@ from ..cache.files import SURFACE_FACES, SURFACE_POINTS
 from ..scene.libraries import library_name
 from ..surface.compute import read_summary
 from ..surface.mesh_file import read_mesh
-from ..surface.point_cache import read_point_cache
+from ..surface.point_cache import collapsed, read_point_cache
 from . import baked_images, original_state, surface_material
 from .snowfall import read_snowfall
 
@@ -107,6 +107,33 @@ def show_points(scene, obj, path, first):
     obj.update_tag()
 
 
+def jump_where_hidden(obj, modifier, points):
+    """Lets a Mesh Cache modifier show the nearer of two samples of its points (samples, V, 3) if the receiver is hidden in
+    only one of them, where all points are in one place: between frames, in motion blur, snow would shrink."""
+    changes = np.flatnonzero(np.diff(collapsed(points))).tolist()
+    if not changes:
+        return
+    _, new_curve = compat.action_curves(obj, obj.name)
+    curve = new_curve(f'modifiers["{modifier.name}"].interpolation', 0, "Snow")
+    linear, nearest = 1, 0
+    keys = {0: linear, **{sample + 1: linear for sample in changes}, **dict.fromkeys(changes, nearest)}
+    for sample, value in sorted(keys.items()):
+        key = curve.keyframe_points.insert((modifier.frame_start + sample) / modifier.frame_scale, value)
+        key.interpolation = "CONSTANT"
+
+
+def stretch(obj, length):
+    """Lets a surface follow another length of frames."""
+    modifier = obj.modifiers[SURFACE_MODIFIER]
+    for curve in compat.curves_of(obj):
+        if curve.data_path == f'modifiers["{SURFACE_MODIFIER}"].interpolation':
+            for key in curve.keyframe_points:
+                key.co.x *= length * modifier.frame_scale
+            curve.update()
+            obj.animation_data.action.update_tag()
+    modifier.frame_scale = 1.0 / length
+
+
 def _make_one(scene, member):
     """Makes the surface object of one member. Returns None if no surface was computed."""
     summary = read_summary(member.folder)
@@ -134,6 +161,7 @@ def _make_one(scene, member):
     modifier.cache_format = "PC2"
     modifier.interpolation = "LINEAR"
     show_points(scene, obj, member.folder / SURFACE_POINTS, summary["first"])
+    jump_where_hidden(obj, modifier, points)
     _collection_of(scene, member.parent).objects.link(obj)
     return obj
 
@@ -203,13 +231,15 @@ def touched_materials(receiver):
 
 
 def delete_object(surface):
-    """Deletes a surface with its mesh and material, or a shell of an earlier version with its nodes."""
-    mesh = surface.data
+    """Deletes a surface with its mesh, material and action, or a shell of an earlier version with its nodes."""
+    mesh, action = surface.data, surface.animation_data and surface.animation_data.action
     trees = [modifier.node_group for modifier in surface.modifiers if modifier.type == "NODES"]
     materials = [slot.material for slot in surface.material_slots]
     bpy.data.objects.remove(surface)
     if mesh.users == 0:
         bpy.data.meshes.remove(mesh)
+    if action is not None and action.users == 0:
+        bpy.data.actions.remove(action)
     for tree in trees:
         if tree is not None and tree.users == 0:
             bpy.data.node_groups.remove(tree)

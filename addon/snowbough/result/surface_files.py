@@ -14,6 +14,7 @@ from ..base import compat, session
 from ..base.names import REALTIME_ENGINE, SURFACE_MODIFIER
 from ..cache.errors import CacheError
 from ..surface.point_cache import read_point_cache
+from . import snow_surface
 
 # Surfaces in one message.
 MOST_NAMED = 3
@@ -114,9 +115,9 @@ def _follow_stretching(*_):
         if session.frame_lengths.get(scene.name) == length:
             continue
         session.frame_lengths[scene.name] = length
-        for obj, modifier in _modifiers(scene):
+        for obj, _ in _modifiers(scene):
             if obj.library is None:
-                modifier.frame_scale = 1.0 / length
+                snow_surface.stretch(obj, length)
 
 
 HANDLERS = (

@@ -98,3 +98,11 @@ def read_point_cache(path):
         return np.memmap(path, "<f4", "r", _HEADER.size, (samples, points, 3))
     except (OSError, ValueError, struct.error) as error:
         raise CacheError(f"{path} cannot be read ({error}): free the bake, then bake again") from error
+
+
+def collapsed(points):
+    """Whether all points are in one place, for each sample of points (samples, V, 3): compares sixteen of them."""
+    if not points.shape[1]:
+        return np.zeros(len(points), bool)
+    some = points[:, :: max(1, points.shape[1] // 16)]
+    return np.array([bool((sample == sample[0]).all()) for sample in some])
