@@ -141,7 +141,7 @@ def sizes(surface, *times):
 @pytest.mark.parametrize("old", [100, 200])
 @pytest.mark.parametrize("hide", [hide_by_key, hide_by_scale])
 def test_snow_of_a_hidden_receiver_does_not_shrink_between_frames(tmp_path, hide, old):
-    """As motion blur sees it: whole around the frames on which it shows. Also if the shot is stretched after the bake."""
+    """As motion blur sees it: whole around the frames on which it shows. Also if the shot is stretched later."""
     roof = s.square("Roof", z=1.0)
     hide(roof, {3})
     for curve in addon_module("base.compat").curves_of(roof):
@@ -260,6 +260,26 @@ def test_the_check_names_the_frames_on_which_a_receiver_is_hidden(addon, tmp_pat
     found = s.issues(addon, "INFO")
     assert "'Roof' is hidden, or its scale is 0, in frames 2-3" in found
     assert "'Ground' is hidden, or its scale is 0, in frames 4" in found
+
+
+def test_the_check_names_what_hides_a_receiver_through_its_parent_its_driver_or_its_collection(
+    addon, tmp_path
+):
+    roof, ground = s.square("Roof", z=1.0), s.square("Ground")
+    parent = bpy.data.objects.new("Parent", None)
+    bpy.context.scene.collection.objects.link(parent)
+    roof.parent = parent
+    hide_by_scale(parent, {3, 4})
+    ground.driver_add("hide_render").driver.expression = "frame == 3"
+    member = s.square("Member")
+    hide_by_key(member, {2})
+    empty = mirrored_by_instancer(member)
+    s.receive(roof, ground, empty)
+    s.settings(tmp_path)
+    found = s.issues(addon, "INFO")
+    assert "'Roof' is hidden, or its scale is 0, in frames 3-4" in found
+    assert "A driver hides 'Ground' in renders on some frames" in found
+    assert "'Member' in 'Empty' is hidden, or its scale is 0, in frames 2" in found
 
 
 # -- mirrored receivers -----------------------------------------------------------------------------------------
@@ -504,6 +524,25 @@ def test_a_stretched_shot_is_refused_where_blender_shows_other_images(tmp_path, 
     assert "Time Stretching" in s.issues(addon, "ERROR")
 
 
+@pytest.mark.parametrize(("old", "new"), [(100, 100), (100, 200), (100, 50)])
+def test_snow_follows_a_receiver_with_a_mesh_cache_in_a_stretched_shot(tmp_path, addon, old, new):
+    """The receiver's own Mesh Cache raises it by 0.1 m a frame of its keys."""
+    cart = s.square("Cart")
+    points = np.array([vertex.co for vertex in cart.data.vertices], np.float32)
+    with addon("surface.point_cache").PointCacheWriter(tmp_path / "own.pc2", 4) as cache:
+        for sample in range(20):
+            cache.add(points + np.float32([0.0, 0.0, 0.1 * sample]))
+        cache.publish()
+    own = cart.modifiers.new("Own", "MESH_CACHE")
+    own.cache_format, own.filepath, own.frame_start = "PC2", str(tmp_path / "own.pc2"), 0
+    scene = bpy.context.scene
+    scene.render.frame_map_old, scene.render.frame_map_new = old, new
+    (surface,) = bake_surfaces(tmp_path / "cache", cart, frames=(1, 8))
+    for frame in (1, 3, 8):
+        expected = 0.1 * frame * old / new + 0.0125 * frame
+        assert level(points_at(surface, frame)) == pytest.approx(expected, abs=0.002)
+
+
 def test_a_frame_step_bakes_every_frame(tmp_path, ground_of):
     bpy.context.scene.frame_step = 2
     _, surface = rising(tmp_path / "cache")
@@ -640,6 +679,26 @@ def test_objects_of_all_rendered_layers_stop_snow(tmp_path, ground_of, addon, fl
     assert ground_of() == quarters(0, 0, 0, 0)
     assert [layer.name for layer in bpy.context.scene.view_layers] == layers and main.use and effects.use
     assert "Only in 1 view layer of 2 (FX): 'Roof'" in s.issues(addon, "INFO")
+
+
+@pytest.mark.usefixtures("handlers")
+@pytest.mark.parametrize("own_name", ["Main", "FX"])
+def test_a_layer_whose_collection_a_handler_excludes_lets_snow_fall_through(tmp_path, ground_of, own_name):
+    """Only this layer shows the roof, and not in frame 3."""
+    main, _ = layer_with_roof(tmp_path / "cache")
+    if own_name == "Main":
+        main.layer_collection.children["Effects"].exclude = False
+        bpy.context.scene.view_layers["FX"].layer_collection.children["Effects"].exclude = True
+    bpy.app.handlers.frame_change_pre.append(
+        lambda scene, *_: setattr(
+            scene.view_layers[own_name].layer_collection.children["Effects"],
+            "exclude",
+            scene.frame_current == 3,
+        )
+    )
+    s.bake()
+    assert ground_of() == quarters(0, 0, 1, 1)
+    assert [layer.name for layer in bpy.context.scene.view_layers] == ["Main", "FX"]
 
 
 def test_layers_that_do_not_render_do_not_count(tmp_path, ground_of, addon):

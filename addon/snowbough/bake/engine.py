@@ -8,9 +8,9 @@ holds plain data only.
 
 Settings that the render needs are changed before and restored after: engine, size, a temporary camera if there is none,
 the view layers, and Snowbough's own displacement, or a second bake would snow on the snow of the first. A bake renders
-one view layer with all that the rendered layers show, whichever is active: one of them, or a temporary one if they
-differ. The settings are stored by name, since an undo would make references invalid. The engine's class is registered
-only during a bake, so it appears in no menu.
+one view layer with all that the rendered layers show, whichever is active: the only one, or a temporary one. The
+settings are stored by name, since an undo would make references invalid. The engine's class is registered only during a
+bake, so it appears in no menu.
 """
 
 import math
@@ -231,18 +231,29 @@ def _class_is_registered():
 
 
 def _common_layer(scene):
-    """A view layer with the collections of all rendered ones: one of them if they agree, else a new one."""
+    """A view layer with the collections of all rendered ones: the only one, or a new one."""
     layers = visibility.rendered_layers(scene)
-    excluded = [visibility.excluded(layer) for layer in layers]
-    if all(paths == excluded[0] for paths in excluded):
+    if len(layers) == 1:
         return layers[0]
     made = scene.view_layers.new(LAYER)
-    nowhere = set.intersection(*excluded)
-    for path, collection in visibility.layer_collections(
-        made
-    ).items():  # parents first: they change their children
-        collection.exclude = path in nowhere
+    _join_layers(layers, made)
     return made
+
+
+def _join_layers(layers, joined):
+    """Excludes from a view layer the collections that all others exclude."""
+    nowhere = set.intersection(*map(visibility.excluded, layers))
+    # Parents first: they change their children.
+    for path, collection in visibility.layer_collections(joined).items():
+        if collection.exclude != (path in nowhere):
+            collection.exclude = path in nowhere
+
+
+def _follow_layers(scene, *_):
+    """Frame handlers, which run before this one, may exclude collections."""
+    joined = scene.view_layers.get(_prepared.layer) if _prepared is not None else None
+    if joined is not None and joined.name not in _prepared.rendered:
+        _join_layers([layer for layer in scene.view_layers if layer.name in _prepared.rendered], joined)
 
 
 class _PreparedScene:
@@ -264,14 +275,18 @@ class _PreparedScene:
         self._muted.__enter__()
         for name in self._settings:
             setattr(render, name, RENDER_SETTINGS[name])
-        baked = _common_layer(scene)
+        self.rendered = {layer.name for layer in visibility.rendered_layers(scene)}
+        self.layer = _common_layer(scene).name
         for layer in scene.view_layers:
-            layer.use = layer.name == baked.name
+            layer.use = layer.name == self.layer
+        bpy.app.handlers.frame_change_pre.append(_follow_layers)
         if self._temporary_camera:
             scene.camera = bpy.data.objects.new(CAMERA, bpy.data.cameras.new(CAMERA))
         preferences.render_display_type = "NONE"
 
     def restore(self, keep_engine=False):
+        if _follow_layers in bpy.app.handlers.frame_change_pre:
+            bpy.app.handlers.frame_change_pre.remove(_follow_layers)
         bpy.context.preferences.view.render_display_type = self._display
         scene = bpy.data.scenes.get(self._scene_name)
         if scene is not None:

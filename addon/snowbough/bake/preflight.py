@@ -304,12 +304,18 @@ def _hidden(scene, obj, shown):
             yield Issue("ERROR", f"'{name}' is hidden in renders", name, "SHOW_IN_RENDER")
         else:
             yield Issue("ERROR", f"'{name}' has scale 0 along an axis: apply the scale (Ctrl+A)", name)
-    elif frames:
-        text = (
-            f"'{name}' is hidden, or its scale is 0, in frames {visibility.frames_text(frames)}: there it keeps its "
-            "snow, gets none, and its surface is empty"
-        )
+        return
+    kept = "there it keeps its snow, gets none, and its surface is empty"
+    if frames:
+        text = f"'{name}' is hidden, or its scale is 0, in frames {visibility.frames_text(frames)}: {kept}"
         yield Issue("INFO", text, name)
+    for own in (obj, *receivers.members(obj)):
+        if visibility.is_driven(own):
+            yield Issue("INFO", f"A driver hides '{own.name}' in renders on some frames: {kept}", name)
+        shown_frames = visibility.frames_text(visibility.hidden_frames(scene, own)) if own != obj else ""
+        if shown_frames and own.animation_data is not None:
+            text = f"'{own.name}' in '{name}' is hidden, or its scale is 0, in frames {shown_frames}: {kept}"
+            yield Issue("INFO", text, name)
 
 
 def _layers(shown):

@@ -108,8 +108,8 @@ def show_points(scene, obj, path, first):
 
 
 def jump_where_hidden(obj, modifier, points):
-    """Lets a Mesh Cache modifier show the nearer of two samples of its points (samples, V, 3) if the receiver is hidden in
-    only one of them, where all points are in one place: between frames, in motion blur, snow would shrink."""
+    """Lets a Mesh Cache modifier show the nearer of two samples of its points (samples, V, 3) if the receiver is hidden
+    in only one of them, where all points are in one place: between frames, in motion blur, snow would shrink."""
     changes = np.flatnonzero(np.diff(collapsed(points))).tolist()
     if not changes:
         return

@@ -109,6 +109,11 @@ def add(context, obj):
     return entry
 
 
+def members(obj):
+    """The meshes of the collection that an object instances, also by nested instancers."""
+    return sorted({own for own, _ in _all_members(obj)}, key=lambda own: own.name)
+
+
 def members_without_map(obj):
     """Names of the meshes of the collection that an object instances, also by nested instancers, that have no UV map
     and can only be unwrapped themselves. They carry no snow."""

@@ -49,28 +49,40 @@ def _shown_by(layer):
 
 
 def hidden_frames(scene, obj):
-    """The frames of the scene's shot on which an object is hidden in renders, or has scale 0 along an axis, by its
-    properties and keys. Drivers, parents and handlers are not followed."""
+    """The frames of the scene's shot on which an object is hidden in renders, or it or a parent has scale 0 along an
+    axis, by properties and keys. Drivers and handlers are not followed."""
+    owners = [obj]
+    while owners[-1].parent is not None:
+        owners.append(owners[-1].parent)
     curves = {
-        (curve.data_path, curve.array_index): curve
-        for curve in compat.curves_of(obj)
+        (owner, curve.data_path, curve.array_index): curve
+        for owner in owners
+        for curve in compat.curves_of(owner)
         if curve.data_path in ("hide_render", "scale") and not curve.mute
     }
     frames = range(scene.snowbough.frame_start, scene.snowbough.frame_end + 1)
     if not curves:
-        return list(frames) if obj.hide_render or 0.0 in obj.scale else []
+        return list(frames) if obj.hide_render or any(0.0 in owner.scale for owner in owners) else []
 
-    def value(path, index, own, time):
-        curve = curves.get((path, index))
+    def value(owner, path, index, own, time):
+        curve = curves.get((owner, path, index))
         return own if curve is None else curve.evaluate(time)
 
     hidden = []
     for frame in frames:
         time = frame * compat.frame_length(scene)
-        scales = [value("scale", axis, obj.scale[axis], time) for axis in range(3)]
-        if value("hide_render", 0, obj.hide_render, time) >= 0.5 or 0.0 in scales:
+        scales = [
+            value(owner, "scale", axis, owner.scale[axis], time) for owner in owners for axis in range(3)
+        ]
+        if value(obj, "hide_render", 0, obj.hide_render, time) >= 0.5 or 0.0 in scales:
             hidden.append(frame)
     return hidden
+
+
+def is_driven(obj):
+    """Whether a driver hides an object in renders."""
+    animation = obj.animation_data
+    return animation is not None and any(driver.data_path == "hide_render" for driver in animation.drivers)
 
 
 def frames_text(frames):
