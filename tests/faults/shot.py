@@ -24,6 +24,7 @@ from snowbough.bake.job import BakeJob  # noqa: E402
 from snowbough.bake.map_writer import WriteFailed  # noqa: E402
 from snowbough.bake.request import BakeRequest  # noqa: E402
 from snowbough.base import native as native_loader  # noqa: E402
+from snowbough.base.map_kinds import ON_REQUEST  # noqa: E402
 from snowbough.base.names import EXIT_CACHE, EXIT_LOCK_LOST  # noqa: E402
 from snowbough.cache import journal, manifest, owner  # noqa: E402
 from snowbough.cache.errors import CacheBusy, CacheError, LockLost  # noqa: E402
@@ -81,14 +82,15 @@ def request(cache, **changes):
     """The BakeRequest of the whole shot."""
     snow = {
         "flutter": 0.05, "noise_density": 0.5, "repose": REPOSE, "slide_half_life": 0.5,
-        "mapping": "COMPUTE", "seed": 1, "landing": True,
+        "mapping": "COMPUTE", "seed": 1, "landing": True, **manifest.LATER,
     }  # fmt: skip
     whole = {
         "scene_name": "Scene", "cache": str(cache), "cache_id": "0123456789abcdef", "frame_start": 1,
         "frame_end": FRAMES, "first": 1, "last": FRAMES, "fps": 24.0, "start_depth": 0.0, "end_depth": 0.1,
         "rates": (1.0,) * FRAMES, "snow": snow, "texel_size": 0.01, "pixel_size": 0.04, "blur_radius": 1.0,
-        "substeps": 1, "directions": 4, "checkpoint_interval": INTERVAL, "maps": {"normal": True}, "receivers": SPECS,
-        "engine": "CPU", "blend": str(Path(cache).parent / "shot.blend"),
+        "substeps": 1, "directions": 4, "checkpoint_interval": INTERVAL, "receivers": SPECS,
+        "maps": {kind.name: kind.name == "normal" for kind in ON_REQUEST}, "engine": "CPU",
+        "blend": str(Path(cache).parent / "shot.blend"),
     }  # fmt: skip
     return BakeRequest(**{**whole, **changes})
 

@@ -67,7 +67,7 @@ def is_whole(manifest, lines):
 
 
 # Later settings of the simulation, with the values that bakes from before them have.
-_LATER = {
+LATER = {
     **{"adhesion": 0.0, "rising": 0.0, "granular": False},
     **{"density": 100.0, "sun_share": 0.7, "unevenness": 0.25},
     **{"rain": 0.0, "soak": 0.002, "wet_spread": 0.05, "drying": 4.0},
@@ -78,7 +78,7 @@ def _with_later(settings):
     """The settings with all later ones, and with the switches of all maps: a bake from before a kind of map did not
     write it."""
     switches = {kind.setting: False for kind in ON_REQUEST}
-    return {**settings, "snowfall": {**switches, **_LATER, **settings["snowfall"]}}
+    return {**settings, "snowfall": {**switches, **LATER, **settings["snowfall"]}}
 
 
 def _from_format_1(manifest):

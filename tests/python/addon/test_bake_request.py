@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Settings as passed to a simulation and a manifest (snowbough.bake.request, .simulation), without Blender."""
 
+import importlib
 import math
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -69,3 +71,10 @@ def test_the_native_module_gets_all_snow_settings_as_they_are():
         "wait_for_gpu": False,
         **SNOW,
     }
+
+
+def test_the_shot_of_the_tests_of_faults_has_a_switch_for_every_kind_of_map(monkeypatch, tmp_path):
+    """Those tests run at night only."""
+    monkeypatch.syspath_prepend(Path(__file__).resolve().parents[2] / "faults")
+    shot = importlib.import_module("shot").request(tmp_path).shot()
+    assert {kind.setting for kind in ON_REQUEST} <= shot.keys()
