@@ -55,6 +55,37 @@ def leafy(tmp_path, addon):
     return leafy_file(tmp_path, addon("base.native").load())
 
 
+@pytest.fixture
+def ground_of(tmp_path, native):
+    """Mean heights of a receiver's open parts in the frames 1 to `last`, from its maps in the folder cache."""
+    import snow_scene as s
+
+    def heights(name="Ground", last=4, version=1):
+        maps = [s.height(native, tmp_path / "cache", name, frame, version) for frame in range(1, last + 1)]
+        return [s.open_ground(map_) for map_ in maps]
+
+    return heights
+
+
+@pytest.fixture
+def points_in(tmp_path):
+    """points_in(receiver, frame): the points of its surface in the files of the folder cache, in its own space."""
+    import snow_scene as s
+
+    read = addon_module("surface.point_cache").read_point_cache
+    return lambda name, frame: read(s.folder_of(tmp_path / "cache", name) / "surface.pc2")[frame].astype(
+        float
+    )
+
+
+@pytest.fixture
+def handlers():
+    """Removes the frame handlers of a test."""
+    before = list(bpy.app.handlers.frame_change_pre)
+    yield
+    bpy.app.handlers.frame_change_pre[:] = before
+
+
 @pytest.fixture(autouse=True)
 def empty_scene():
     """Every test starts in an empty file, with the add-on enabled."""

@@ -45,7 +45,8 @@ def _is_in(scene, collection):
 def _collection_of(scene, obj):
     """The collection for an object's surface: one of its own, unless other scenes show it, too."""
     for collection in obj.users_collection:
-        if collection.library is None and [s for s in bpy.data.scenes if _is_in(s, collection)] == [scene]:
+        is_own = collection.library is None and collection.override_library is None
+        if is_own and [s for s in bpy.data.scenes if _is_in(s, collection)] == [scene]:
             return collection
     return scene.collection
 
