@@ -131,15 +131,32 @@ def replace(temporary, path):
     os.replace(temporary, path)
 
 
+def remove_half_written(path):
+    """Removes what killed writes of a file have left. Another bake that is writing it now writes it once more."""
+    path = Path(path)
+    half_written = re.compile(re.escape(path.name) + r"\.[0-9a-f]{8}" + re.escape(TEMPORARY_SUFFIX))
+    with contextlib.suppress(OSError):
+        for beside in path.parent.iterdir():
+            if half_written.fullmatch(beside.name) and is_regular(beside):
+                beside.unlink()
+
+
 def write_bytes(path, data):
     """Writes data completely or not at all. Raises CacheError with path and reason."""
     temporary = Path(f"{path}.{uuid.uuid4().hex[:8]}{TEMPORARY_SUFFIX}")
-    try:
+
+    def write():
         with open(temporary, "wb") as stream:
             stream.write(data)
             stream.flush()
             os.fsync(stream.fileno())
         replace(temporary, path)
+
+    try:
+        try:
+            write()
+        except FileNotFoundError:  # see remove_half_written
+            write()
     except OSError as error:
         with contextlib.suppress(OSError):
             temporary.unlink()

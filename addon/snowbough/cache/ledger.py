@@ -13,7 +13,7 @@ import math
 from pathlib import Path
 
 from .errors import CacheError
-from .files import LEDGER
+from .files import LEDGER, remove_half_written
 from .manifest import read_manifest
 from .sealed import FORMAT, read_sealed, write_sealed
 from .shapes import frame, number
@@ -42,6 +42,7 @@ def write_ledger(version, keys):
     """Writes the ledger of the folder `version` if the receivers `keys`, all of the shot, are finished there. Bakes of
     earlier versions of Snowbough lack some of the numbers and get none."""
     version = Path(version)
+    remove_half_written(version / LEDGER)
     try:
         manifests = [read_manifest(version / key) for key in sorted(keys)]
         if all(manifest is not None and manifest["complete"] for manifest in manifests):

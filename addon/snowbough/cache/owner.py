@@ -11,7 +11,7 @@ import socket
 from pathlib import Path
 
 from .errors import CacheBusy
-from .files import OWNER, digest
+from .files import OWNER, digest, remove_half_written
 from .sealed import FORMAT, read_sealed, write_sealed
 from .shapes import text
 
@@ -56,6 +56,7 @@ def is_owner(root, blend):
 def claim(root, blend):
     """Makes a .blend the owner of a scene's folder. Raises CacheBusy if another one was faster."""
     own = _named(blend, root)
+    remove_half_written(Path(root) / OWNER)
     if is_owner(root, blend) and _recorded(root) != own:
         write_sealed(Path(root) / OWNER, own)
     if not is_owner(root, blend):

@@ -17,7 +17,7 @@ from cache_files import write_manifest, write_old_manifest, written
 from snowbough.bake import log
 from snowbough.base import names
 from snowbough.base.map_kinds import MAP_KINDS
-from snowbough.cache import errors, files, folder, lock, manifest, sealed, versions
+from snowbough.cache import errors, files, folder, ledger, lock, manifest, owner, sealed, versions
 from snowbough.scene.inputs import SceneInputs, fingerprint
 
 UNITS = {"end_depth": "m", "flutter": "°"}
@@ -70,6 +70,38 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path):
     with pytest.raises(errors.CacheError, match="could not be written"):
         files.write_bytes(tmp_path / "target", b"x")
     assert sorted(os.listdir(tmp_path)) == ["target"]
+
+
+def test_what_killed_writes_have_left_goes_and_the_files_of_others_stay(tmp_path):
+    own = ("owner.json.0123abcd.tmp", "owner.json.ffffffff.tmp")
+    others = ("owner.json", "owner.json.tmp", "owner.json.mine.tmp", "my owner.json.0123abcd.tmp")
+    for name in (*own, *others):
+        (tmp_path / name).write_bytes(b"x")
+    (tmp_path / "owner.json.00000000.tmp").symlink_to(tmp_path / "owner.json")
+    files.remove_half_written(tmp_path / "owner.json")
+    assert sorted(os.listdir(tmp_path)) == sorted([*others, "owner.json.00000000.tmp"])
+
+
+def test_a_file_whose_half_is_removed_by_another_bake_is_written_once_more(tmp_path, monkeypatch):
+    flush, path = os.fsync, tmp_path / "owner.json"
+
+    def flush_and_remove(descriptor):
+        flush(descriptor)
+        monkeypatch.setattr(os, "fsync", flush)
+        files.remove_half_written(path)
+
+    monkeypatch.setattr(os, "fsync", flush_and_remove)
+    files.write_bytes(path, b"whole")
+    assert path.read_bytes() == b"whole" and os.listdir(tmp_path) == ["owner.json"]
+
+
+@pytest.mark.parametrize("name", [files.OWNER, files.LEDGER])
+def test_a_bake_removes_what_killed_writes_of_its_common_files_left(tmp_path, name):
+    half = tmp_path / f"{name}.0123abcd.tmp"
+    half.write_bytes(b"x")
+    owner.claim(tmp_path, tmp_path / "shot.blend")
+    ledger.write_ledger(tmp_path, [])
+    assert not half.exists()
 
 
 def test_equal_manifests_are_equal_bytes():

@@ -261,6 +261,41 @@ def test_a_broom_removes_what_it_sweeps():
     assert world.at(0.0, 0.0) == 0.0
 
 
+def test_a_thin_blade_pushes_nothing_behind_itself():
+    """Snow that stays where it lies shows the lane as the blade left it."""
+    mesh = block(1.0, 0.4)
+    blade = mesh[0] * np.float32([0.02, 1.0, 1.0])
+    world = World(1.6, 128, repose=STAYS)
+    world.add("tool", (blade, mesh[1]), "PLOUGH", rim_width=0.1)
+    world.press([blade + np.float32([-0.3 + 0.05 * i, 0.0, 0.2]) for i in range(9)])
+    world.balance()
+    lane = [world.at(x, y) for x in np.linspace(-0.25, 0.05, 13) for y in np.linspace(-0.3, 0.3, 7)]
+    assert max(lane) < 1e-6 and world.height().max() > 1.5 * DEPTH
+
+
+def test_snow_with_nowhere_to_go_is_pressed():
+    """The plate is larger than the ground."""
+    world = World(0.8, 64, repose=STAYS)
+    positions, triangles = block(1.0, 0.2)
+    world.add("tool", (positions, triangles), pushed_aside=0.5)
+    world.press(sinking((positions, triangles), 0.1))
+    total = world.balance()
+    assert total["pressed_volume"] == pytest.approx(0.05 * 0.8**2, rel=0.02)
+
+
+def test_a_rod_presses_on_its_way_between_two_poses_over_the_snow():
+    """It turns by 120 degrees in a step; upright it would reach 4 cm into the snow."""
+    positions, triangles = block(1.0, 1.0)
+    rod = positions * np.float32([0.5, 0.1, 0.1])
+    world = World(0.8, 128, repose=STAYS)
+    world.add("tool", (rod, triangles), pushed_aside=0.0)
+    poses = [rotated(rod, "y", angle) + np.float32([0.0, 0.0, 0.36]) for angle in (30.0, 150.0)]
+    assert min(pose[:, 2].min() for pose in poses) > DEPTH + 0.01
+    world.press(poses)
+    world.balance()
+    assert 0.36 - 0.26 < world.height()[8:-8, 8:-8].min() < DEPTH - 0.02
+
+
 def test_an_object_over_the_snow_changes_no_byte():
     plain, pressed = World(repose=1.0), World(repose=1.0)
     for world in (plain, pressed):

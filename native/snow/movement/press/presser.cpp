@@ -43,15 +43,17 @@ void Presser::begin(const std::vector<glm::vec3>& last) {
 double Presser::travel(const Bounds& box) const {
   const std::vector<glm::vec3>& now = object_->positions;
   if (last_->size() != now.size()) return 0.0;
-  const auto is_in = [&](const glm::dvec3& point) {
-    return glm::all(glm::greaterThanEqual(point, box.low)) &&
-           glm::all(glm::lessThanEqual(point, box.high));
-  };
+  std::vector<glm::vec3> half_way;
+  motion_->pose(0.5, half_way);
   double longest = 0.0;
   for (size_t i = 0; i < now.size(); ++i) {
     const glm::dvec3 from((*last_)[i]);
     const glm::dvec3 to(now[i]);
-    if (is_in(from) || is_in(to)) longest = std::max(longest, glm::length(to - from));
+    Bounds way;
+    for (const glm::dvec3& point : {from, glm::dvec3(half_way[i]), to}) way.include(point);
+    const bool is_in = glm::all(glm::greaterThanEqual(way.high, box.low)) &&
+                       glm::all(glm::lessThanEqual(way.low, box.high));
+    if (is_in) longest = std::max(longest, glm::length(to - from));
   }
   return longest;
 }

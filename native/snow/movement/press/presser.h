@@ -30,7 +30,7 @@ class Presser {
   /// Begins a step, in which the object moves from `last` to its positions; both must stay until
   /// the step ends.
   void begin(const std::vector<glm::vec3>& last);
-  /// The longest straight way in metres of a vertex that begins or ends it in a box.
+  /// The longest straight way in metres of a vertex that may pass a box on it.
   double travel(const Bounds& box) const;
   /// A box around the object in the whole step, and at the last call of `move_to`.
   const Bounds& swept() const { return swept_; }
