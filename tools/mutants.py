@@ -65,6 +65,10 @@ def module_tests(*names):
 LANDING = module_tests("landing")
 MASKS = module_tests("masks")
 PRESSING = module_tests("pressing")
+THAW = module_tests("melt")
+SHEDDING = module_tests("shedding")
+TURNS = Linked("snowbough_snow_tests", ("--gtest_filter=RigidTurn*",))
+COARSE = Linked("snowbough_snow_tests", ("--gtest_filter=CoarseMap*",))
 SURFACE = Linked("snowbough_surface_tests", ("--gtest_filter=SnowSurface.*-*Blades*:*Twice*",))
 SURFACE_PARTS = Linked("snowbough_surface_tests", ("--gtest_filter=FaceParts*:PointTree*",))
 KEPT = Linked("snowbough_tree_uv_tests", ("--gtest_filter=Kept*",))
@@ -235,17 +239,38 @@ MUTANTS = (
     moving("pressing", "map.cleared += lost;", "", PRESSING),
     moving("pressing", "own.packed[i] += static_cast<float>(", "own.packed[i] = static_cast<float>(", PRESSING),
     moving("pressing", "presses ? settings.pushed_aside : 1.0;", "1.0;", PRESSING),
-    moving("pressing", "own.deepest = std::max(own.deepest, thickness);", "", PRESSING),
+    moving("pressing", "own.pressed_to[i] = now;", "", PRESSING),
     moving("pressing", "- kRefill * loose", "", PRESSING),
     moving("pressing", "map.pressed += static_cast<double>(kept) * kPushUnit;", "", PRESSING),
     moving("pressing", "  load_plane(kStandsPlane, own.stands);\n", "", PRESSING),
     moving("pressing", "object.hidden) {\n      last_[i].clear();", "object.hidden) {", PRESSING),
     moving("press/push", "- kAhead * glm::dot(step, way_[from])", "", PRESSING),
-    moving("press/push", "units[cell_at(centre.x, centre.y)] += rest;", "", PRESSING),
+    moving("press/push", "rest -= given;", "", PRESSING),
     moving("press/push", "(ahead_only && glm::dot(way, heap.way) < 0.0)", "false", PRESSING),
     moving("press/presser", "leaves ? 0.0 : std::max", "std::max", PRESSING),
     moving("press/presser", "  swept_.low -= margin;\n", "", PRESSING),
-    moving("repose/rigid_turn", "most = std::max(most, glm::length(glm::dvec3(to[i]) - there));", "", PRESSING),
+    moving("repose/rigid_turn", "most = std::max(most, glm::length(glm::dvec3(to[i]) - there));", "", TURNS),
+    moving("press/presser", "half_way[i]), to}", "half_way[i])}", PRESSING),
+    # Thaw, water and shedding.
+    moving("melt/thaw", "settings.depth * (1.0 - sun + sun *", "settings.depth * (sun *", THAW),
+    moving("melt/thaw", "    map.melted += volume;\n", "", THAW),
+    moving("melt/thaw", "kBareMelts * settings.unevenness", "0.0 * settings.unevenness", THAW),
+    moving("melt/thaw", "std::copysign(left, height)", "left", THAW),
+    moving("melt/water", "- part * own.depth[i];", ";", THAW),
+    moving("melt/water", "    own.depth[b] += flow / own.area[b];\n", "", THAW),
+    moving("melt/water", "/ (1.0f + decay * speed)", "", THAW),
+    moving("melt/water", "static_cast<double>(melted[i]) * water", "static_cast<double>(melted[i])", THAW),
+    moving("melt/water", "if (is_new) known->second = below(object, from, texel, repose);", "", THAW),
+    moving("melt/linked_runs", "(links.forward[static_cast<size_t>(cell)] & link) != 0;", "true;", THAW),
+    moving("shedding", "-std::expm1(-dt / half_life * std::log(2.0))", "dt / half_life", SHEDDING),
+    moving("shedding", "glm::floor(at / edge)", "glm::floor(at / 1e-3)", SHEDDING),
+    moving("shedding", "      map.slid += static_cast<double>(volume);\n", "", SHEDDING),
+    # Coarser maps.
+    moving("coarse_map", "std::min(least, 0.5f * std::abs(a + b))", "0.0f", COARSE),
+    moving("coarse_map", "std::max(level + part.rise, 0.0)", "std::max(level, 0.0)", COARSE),
+    moving("coarse_map", "level = std::min(level, (volume - lifted) / area);", "level = volume / area;", COARSE),
+    moving("coarse_map", "map.slid += moved.slid;", "", COARSE),
+    moving("coarse_map", "std::numbers::sqrt2 * side * level.texel_size < wanted", "false", COARSE),
     # Fronts of snow, and the parts and points among which they are found.
     surface("fronts", "front.bridged = opposite.nearness;", "front.bridged = 0.0f;", SURFACE),
     surface("fronts", "if (!std::isfinite(drop) && may_bridge && distance > kBeyond[0]) break;", "", SURFACE),

@@ -526,18 +526,47 @@ def test_members_that_get_no_snow_are_named(nested, addon):
     assert "Members of 'Set' are hidden in renders and get no snow: 'Pole'" in s.issues(addon, "INFO")
 
 
-def test_a_modifier_that_changes_the_area_is_not_called_a_setting(tmp_path, addon):
-    """Subdivision makes the box rounder and smaller, and with it the automatic pixel."""
-    stone = box("Stone", 2.0)
+def smooth_more(stone):
+    """Subdivision makes the box rounder and smaller."""
     modifier = stone.modifiers.new("Round", "SUBSURF")
     modifier.render_levels = 0
+    return lambda: setattr(modifier, "render_levels", 2)
+
+
+def simplify(stone):
+    """As smooth_more, the other way round."""
+    stone.modifiers.new("Round", "SUBSURF").render_levels = 2
+
+    def switch_on():
+        bpy.context.scene.render.use_simplify = True
+        bpy.context.scene.render.simplify_subdivision_render = 0
+
+    return switch_on
+
+
+def weld(stone):
+    """Joins two corners of the box."""
+    modifier = stone.modifiers.new("Weld", "WELD")
+    stone.vertex_groups.new(name="Two").add([4, 5], 1.0, "REPLACE")
+    modifier.vertex_group, modifier.merge_threshold = "Two", 0.001
+    return lambda: setattr(modifier, "merge_threshold", 2.5)
+
+
+@pytest.mark.parametrize("modify", [smooth_more, simplify, weld])
+def test_a_modifier_that_changes_the_area_is_not_called_a_setting(tmp_path, addon, modify):
+    """The area decides on the automatic pixel."""
+    stone = box("Stone", 2.0)
+    change = modify(stone)
     s.receive(stone, resolution=128)
     s.settings(tmp_path, pixel_size=0.0)
     s.bake()
-    modifier.render_levels = 2
+    change()
     refused = str(s.bake_part(addon, resume=True).error)
     assert "was baked with other automatic sizes (pixel size: " in refused
-    assert "because Texel Size or the area of a receiver differs, which Subdivision Surface" in refused
+    assert (
+        "because Texel Size or the area of a receiver differs, which Subdivision Surface, Weld, Simplify"
+        in refused
+    )
 
 
 def test_a_duplicate_of_a_surface_stays_and_a_renamed_surface_is_replaced(tmp_path):
