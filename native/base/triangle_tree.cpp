@@ -167,9 +167,20 @@ void TriangleTree::build(int32_t begin, int32_t end) {
   build(middle, end);
 }
 
-TriangleTree::Nearest TriangleTree::nearest(int32_t group, const glm::dvec3& p) const {
+TriangleTree::Nearest TriangleTree::nearest(int32_t group, const glm::dvec3& p,
+                                            int32_t hint) const {
   Nearest best;
   if (roots_[group] < 0) return best;
+  const auto compare = [&](int32_t triangle) {
+    const auto& [a, b, c] = corners_[triangle];
+    const glm::dvec3 point = nearest_on_triangle(p, {a, b, c});
+    const double distance = squared(p - point);
+    if (distance < best.squared_distance ||
+        (distance == best.squared_distance && triangle < best.triangle)) {
+      best = {triangle, point, distance};
+    }
+  };
+  if (hint >= 0) compare(hint);
   // The tree's depth: each level halves the range.
   std::array<int32_t, 64> stack{};
   int32_t pending = 0;
@@ -179,15 +190,7 @@ TriangleTree::Nearest TriangleTree::nearest(int32_t group, const glm::dvec3& p) 
     const Node& node = nodes_[number];
     if (squared_distance(node.box.low, node.box.high, p) > best.squared_distance) continue;
     if (node.second < 0) {
-      for (int32_t i = node.begin; i < node.end; ++i) {
-        const auto& [a, b, c] = corners_[order_[i]];
-        const glm::dvec3 point = nearest_on_triangle(p, {a, b, c});
-        const double distance = squared(p - point);
-        if (distance < best.squared_distance ||
-            (distance == best.squared_distance && order_[i] < best.triangle)) {
-          best = {order_[i], point, distance};
-        }
-      }
+      for (int32_t i = node.begin; i < node.end; ++i) compare(order_[i]);
       continue;
     }
     const auto distance_to = [&](int32_t child) {

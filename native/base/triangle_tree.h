@@ -31,7 +31,8 @@ class TriangleTree {
                const std::vector<int32_t>& group_begin);
 
   /// The nearest triangle; of equally near ones, the one with the smallest index.
-  Nearest nearest(int32_t group, const glm::dvec3& p) const;
+  /// @param hint a triangle of the group that is probably near, or -1; does not change the result.
+  Nearest nearest(int32_t group, const glm::dvec3& p, int32_t hint = -1) const;
 
   /// Moves the vertices; the triangles stay. The tree may become slower, results stay the same.
   /// O(triangles).

@@ -107,6 +107,14 @@ Metres, Z up.)")
       .def_property_readonly("face_side", origins([](const FaceOrigin& o) { return o.side; }))
       .def_property_readonly("face_part", origins([](const FaceOrigin& o) { return o.part; }),
                              "0 wall, 1 inset around a child's hole, 2 tip cap, 3 root cap")
+      .def_property_readonly(
+          "base",
+          [](const BoundMesh& m) -> object {
+            if (!m.mesh.base) return py::none();
+            return py::cast(BoundMesh{*m.mesh.base, m.report, {}});
+          },
+          "With a detail: the four-sided base from which it was refined, with all bones; else "
+          "None.")
       .def_property_readonly("warnings", [](const BoundMesh& m) { return m.mesh.warnings; })
       .def_property_readonly(
           "report",

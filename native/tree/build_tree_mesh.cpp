@@ -130,6 +130,7 @@ TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& option
   base::report_progress(execution.progress, kChartsDone);
 
   if (options.detail) {
+    mesh.base = std::make_shared<const TreeMesh>(mesh);
     refine(mesh, surface, paths, scale, *options.detail, options.max_influences,
            whole.part(base_done, 1.0f));
   }

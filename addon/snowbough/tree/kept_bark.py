@@ -3,12 +3,12 @@
 the skeleton: their coordinates on the four-sided base that the real-time renderer draws, and the material of each quad.
 """
 
-import base64
-import zlib
 from typing import NamedTuple
 
 import bpy
 import numpy as np
+
+from .skeleton_text import packed, unpacked
 
 FORMAT = b"bark 1\n"
 
@@ -22,15 +22,15 @@ class KeptBark(NamedTuple):
 
 def keep(armature, base, finest):
     """Stores a four-sided native_tree.BarkMesh on a new armature. finest: the mesh whose object has the slots. Stores
-    nothing if the mesh has no coordinates."""
-    if base.original_uv is None:
+    nothing if the export has no coordinates: base is None then."""
+    if base is None:
         return
     count = 1 + max(int(made.face_material.max(initial=-1)) for made in (base, finest))
     # As in objects.create_bark: slots for the used materials in order, faces without a material last.
     used = np.unique(finest.face_material % (count + 1))
     slots = np.searchsorted(used, base.face_material % (count + 1)).clip(max=len(used) - 1)
     data = slots.astype("<i4").tobytes() + np.ascontiguousarray(base.original_uv, "<f4").tobytes()
-    armature.snowbough_bark = base64.b85encode(zlib.compress(FORMAT + data, 6)).decode("ascii")
+    armature.snowbough_bark = packed(FORMAT + data)
 
 
 def kept(armature):
@@ -38,8 +38,8 @@ def kept(armature):
     if not armature.snowbough_bark:
         return None
     try:
-        data = zlib.decompress(base64.b85decode(armature.snowbough_bark))
-    except (ValueError, zlib.error):
+        data = unpacked(armature.snowbough_bark)
+    except ValueError:
         return None
     data = data[len(FORMAT) :] if data.startswith(FORMAT) else b""
     quads, rest = divmod(len(data), 4 + 32)

@@ -44,7 +44,7 @@ class NativeTree:
 
     skeleton: object
     meshes: list  # of BarkMesh, the coarsest first
-    base: BarkMesh  # the four-sided base, which may be the coarsest of them
+    base: BarkMesh | None  # the four-sided base, which may be the coarsest of them; None without original_uv
     leaf_bones: object
     leaf_layout: dict  # the leaves' UV map `snow` and its resolution; None without leaves
     report: dict
@@ -96,11 +96,13 @@ def _build_meshes(module, skeleton, options, progress):
     return built[meshes[0]][0], [built[detail][1] for detail in meshes]
 
 
-def _base_of(module, skeleton, options, meshes):
-    """The BarkMesh of the four-sided base."""
+def _base_of(module, skeleton, meshes):
+    """The BarkMesh of the four-sided base; None if the export has no coordinates."""
+    if meshes[0].original_uv is None:
+        return None
     if meshes[0].detail == BASE:
         return meshes[0]
-    base = module.build_tree_mesh(skeleton, options.width, options.species)
+    base = meshes[0].native.base
     return BarkMesh(BASE, base, *module.original_uvs(skeleton, base))
 
 
@@ -196,7 +198,7 @@ def _build(name, read, options, progress, units_per_metre):
             if options.keep_surface:
                 reduced = meshes[0].native
                 kept = _keep_surface(module, skeleton, whole, reduced, options, part(built, 0.95))
-            base = _base_of(module, skeleton, options, meshes)
+            base = _base_of(module, skeleton, meshes)
             leaf_layout = leaf_charts.result()
         except BaseException:
             stopped.set()

@@ -11,6 +11,8 @@ namespace snowbough::render {
 namespace {
 
 constexpr float kTurn = 6.2831853f;
+/// Patches with the number 1 are dropped without fading.
+constexpr float kLastNumber = 0.9999f;
 
 DropSize size_of(const TreePatches& tree, const shared::TreePatch& patch) {
   DropSize size;
@@ -21,8 +23,37 @@ DropSize size_of(const TreePatches& tree, const shared::TreePatch& patch) {
   }
   const bool is_cap = patch.place.x < 0;
   size.length = is_cap ? 0.0f : tree.sections[static_cast<size_t>(patch.place.x)].begin.w;
-  size.number = is_cap ? 1.0f : patch.rest[2].w;
+  size.number = is_cap ? 1.0f : 0.0f;
   return size;
+}
+
+/// Numbers of patches with which the patches drawn from far away cover what all do, whatever their
+/// sizes: systematic sampling with chances in proportion to the areas. Patches are ordered by
+/// patch_number over area; the k-th gets the number at which k areas' worth of patches are drawn.
+void number_patches(std::vector<DropSize>& sizes) {
+  const auto area = [&](size_t f) { return sizes[f].reach * sizes[f].length; };
+  std::vector<size_t> by_area, order;
+  for (size_t f = 0; f < sizes.size(); ++f) {
+    if (sizes[f].number >= 1.0f || !(area(f) > 0.0f)) continue;
+    by_area.push_back(f);
+    sizes[f].number = shared::patch_number(static_cast<int32_t>(f));
+  }
+  order = by_area;
+  std::stable_sort(by_area.begin(), by_area.end(),
+                   [&](size_t f, size_t g) { return area(f) > area(g); });
+  std::stable_sort(order.begin(), order.end(), [&](size_t f, size_t g) {
+    return sizes[f].number * area(g) < sizes[g].number * area(f);
+  });
+  double smaller = 0.0;
+  for (const size_t f : by_area) smaller += area(f);
+  // Of the largest patches all are drawn.
+  size_t all = 0;
+  for (size_t k = 0; k < order.size(); ++k) {
+    const auto scale = [&] { return (static_cast<double>(k - all) + 0.5) / smaller; };
+    while (all < k && scale() * area(by_area[all]) > 1.0) smaller -= area(by_area[all++]);
+    const double number = scale() * area(order[k]);
+    sizes[order[k]].number = std::min(static_cast<float>(number), kLastNumber);
+  }
 }
 
 /// Numbers things by their first use.
@@ -60,9 +91,12 @@ void order_patches(TreePatches& tree) {
   std::vector<DropSize> sizes;
   std::vector<float> points;
   for (size_t f = 0; f < count; ++f) {
-    tree.patches[f].rest[2].w = shared::patch_number(static_cast<int32_t>(f));
     sizes.push_back(size_of(tree, tree.patches[f]));
-    points.push_back(drop_point(sizes.back(), 0.0f));
+  }
+  number_patches(sizes);
+  for (size_t f = 0; f < count; ++f) {
+    tree.patches[f].rest[2].w = sizes[f].number;
+    points.push_back(drop_point(sizes[f], 0.0f));
   }
   tree.quads.resize(count);
   std::iota(tree.quads.begin(), tree.quads.end(), 0);

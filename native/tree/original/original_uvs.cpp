@@ -3,14 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <glm/geometric.hpp>
+#include <span>
 
+#include "base/group_by_key.h"
 #include "base/triangle_tree.h"
 #include "tree/original/unrolled.h"
 
 namespace snowbough::tree {
 namespace {
 
-/// Faces per thread at a time.
+/// Faces or vertices per thread at a time.
 constexpr size_t kBlock = 1024;
 
 /// Polylines, one per branch, and nearest-place queries on them.
@@ -73,65 +75,96 @@ class Axes {
   base::TriangleTree near_ours_, near_original_;
 };
 
-/// Looks up the faces of a mesh, one by one.
+/// Looks up the faces of a mesh.
 class FaceLookup {
  public:
-  FaceLookup(const Skeleton& skeleton, const TreeMesh& mesh)
-      : mesh_(mesh),
+  FaceLookup(const Skeleton& skeleton, const TreeMesh& mesh, const base::Execution& execution)
+      : skeleton_(skeleton),
+        mesh_(mesh),
         wood_(skeleton.wood),
+        execution_(execution),
         axes_(skeleton),
         triangles_(wood_.vertices, wood_.triangles, wood_.piece_begin),
-        unrolled_(wood_) {}
+        unrolled_(wood_),
+        middle_(mesh.quads.size(), -1) {}
 
-  /// Computes the places of all vertices on the first branch that uses them: most faces then need
-  /// no searches for their corners.
-  void place_vertices(const base::Execution& execution) {
-    branch_of_.assign(mesh_.vertices.size(), -1);
-    for (size_t f = 0; f < mesh_.quads.size(); ++f) {
-      for (const int32_t v : mesh_.quads[f]) {
-        if (branch_of_[v] < 0) branch_of_[v] = mesh_.origins[f].branch;
-      }
-    }
-    places_.resize(mesh_.vertices.size());
-    base::parallel_for(places_.size(), kBlock, execution, [&](size_t begin, size_t end) {
-      for (size_t v = begin; v < end; ++v) {
-        const int32_t branch = branch_of_[v];
-        if (branch >= 0) places_[v] = axes_.place(branch, glm::dvec3(mesh_.vertices[v]));
+  /// Finds the triangle at each face's centre.
+  /// @param material receives their materials.
+  void find_middles(std::vector<int32_t>& material) {
+    base::parallel_for(mesh_.quads.size(), kBlock, execution_, [&](size_t begin, size_t end) {
+      int32_t before = -1, piece_before = -1;
+      for (size_t f = begin; f < end; ++f) {
+        const int32_t branch = mesh_.origins[f].branch;
+        const int32_t piece = skeleton_.branches[branch].piece;
+        if (piece < 0 || wood_.piece_begin[piece] == wood_.piece_begin[piece + 1]) continue;
+        glm::dvec3 centre(0.0);
+        for (const int32_t v : mesh_.quads[f]) centre += glm::dvec3(mesh_.vertices[v]) / 4.0;
+        const AxisPlace place = axes_.place(branch, centre);
+        // Relative to the original's axis, not the rebuilt one.
+        const glm::dvec3 there = place.axis + place.across + place.along * place.beyond;
+        // Successive faces are close together.
+        const int32_t hint = piece == piece_before ? before : -1;
+        before = triangles_.nearest(piece, there, hint).triangle;
+        piece_before = piece;
+        middle_[f] = unrolled_.walk(place, before).triangle;
+        material[f] = wood_.triangle_material[middle_[f]];
       }
     });
   }
 
-  /// @param uv receives the coordinates, if the piece has any.
-  /// @return the face's material.
-  int32_t look_up(size_t face, int32_t branch, int32_t piece, QuadUv& uv) const {
-    const Quad& quad = mesh_.quads[face];
-    glm::dvec3 centre(0.0);
-    for (const int32_t v : quad) centre += glm::dvec3(mesh_.vertices[v]) / 4.0;
-    const AxisPlace place = axes_.place(branch, centre);
-    // Relative to the original's axis, not the rebuilt one.
-    const glm::dvec3 there = place.axis + place.across + place.along * place.beyond;
-    const int32_t nearest = triangles_.nearest(piece, there).triangle;
-    const int32_t middle = unrolled_.walk(place, nearest).triangle;
-    if (wood_.piece_textured[piece] != 0) {
-      for (int k = 0; k < 4; ++k) {
-        const int32_t v = quad[k];
-        const AxisPlace corner = branch_of_[v] == branch
-                                     ? places_[v]
-                                     : axes_.place(branch, glm::dvec3(mesh_.vertices[v]));
-        uv[k] = unrolled_.walk(corner, middle).uv;
+  /// Walks from the faces' middles to their corners. Faces around a vertex mostly have one middle
+  /// or two: as many walks are made.
+  /// @param uv receives the coordinates of faces whose piece has any.
+  void find_corners(std::vector<QuadUv>& uv) const {
+    std::vector<size_t> first;
+    std::vector<int32_t> corners;
+    const auto for_corners = [&](const auto& visit) {
+      for (size_t f = 0; f < mesh_.quads.size(); ++f) {
+        const bool textured =
+            middle_[f] >= 0 &&
+            wood_.piece_textured[skeleton_.branches[mesh_.origins[f].branch].piece] != 0;
+        for (int k = 0; textured && k < 4; ++k) {
+          visit(mesh_.quads[f][k], static_cast<int32_t>(4 * f) + k);
+        }
       }
-    }
-    return wood_.triangle_material[middle];
+    };
+    base::group_by_key(mesh_.vertices.size(), for_corners, first, corners);
+    base::parallel_for(mesh_.vertices.size(), kBlock, execution_, [&](size_t begin, size_t end) {
+      for (size_t v = begin; v < end; ++v) {
+        const std::span around(corners.data() + first[v], first[v + 1] - first[v]);
+        AxisPlace place;
+        int32_t branch = -1;
+        for (size_t i = 0; i < around.size(); ++i) {
+          const int32_t face = around[i] / 4;
+          glm::vec2& found = uv[face][around[i] % 4];
+          const auto same = std::find_if(around.begin(), around.begin() + i, [&](int32_t other) {
+            return middle_[other / 4] == middle_[face] &&
+                   mesh_.origins[other / 4].branch == mesh_.origins[face].branch;
+          });
+          if (same != around.begin() + i) {
+            found = uv[*same / 4][*same % 4];
+            continue;
+          }
+          if (mesh_.origins[face].branch != branch) {
+            branch = mesh_.origins[face].branch;
+            place = axes_.place(branch, glm::dvec3(mesh_.vertices[v]));
+          }
+          found = unrolled_.walk(place, middle_[face]).uv;
+        }
+      }
+    });
   }
 
  private:
+  const Skeleton& skeleton_;
   const TreeMesh& mesh_;
   const OriginalWood& wood_;
+  const base::Execution& execution_;
   Axes axes_;
   base::TriangleTree triangles_;
   Unrolled unrolled_;
-  std::vector<int32_t> branch_of_;
-  std::vector<AxisPlace> places_;
+  /// Per face: the triangle at its centre, or -1 if its piece has none.
+  std::vector<int32_t> middle_;
 };
 
 }  // namespace
@@ -141,28 +174,19 @@ OriginalUvs original_uvs(const Skeleton& skeleton, const TreeMesh& mesh,
   const OriginalWood& wood = skeleton.wood;
   OriginalUvs result;
   result.material.assign(mesh.quads.size(), -1);
-  const auto piece_of = [&](size_t face) {
-    return skeleton.branches[mesh.origins[face].branch].piece;
-  };
   for (size_t f = 0; f < mesh.quads.size(); ++f) {
-    if (piece_of(f) >= 0) result.material[f] = wood.piece_material[piece_of(f)];
+    const int32_t piece = skeleton.branches[mesh.origins[f].branch].piece;
+    if (piece >= 0) result.material[f] = wood.piece_material[piece];
   }
   if (wood.triangles.empty()) return result;
 
-  const bool textured = std::find(wood.piece_textured.begin(), wood.piece_textured.end(), 1) !=
-                        wood.piece_textured.end();
-  if (textured) result.uv = mesh.uv_bark;
-  FaceLookup lookup(skeleton, mesh);
-  if (textured) lookup.place_vertices(execution);
-  base::parallel_for(mesh.quads.size(), kBlock, execution, [&](size_t begin, size_t end) {
-    QuadUv none{};
-    for (size_t f = begin; f < end; ++f) {
-      const int32_t piece = piece_of(f);
-      if (piece < 0 || wood.piece_begin[piece] == wood.piece_begin[piece + 1]) continue;
-      QuadUv& uv = textured ? result.uv[f] : none;
-      result.material[f] = lookup.look_up(f, mesh.origins[f].branch, piece, uv);
-    }
-  });
+  FaceLookup lookup(skeleton, mesh, execution);
+  lookup.find_middles(result.material);
+  if (std::find(wood.piece_textured.begin(), wood.piece_textured.end(), 1) !=
+      wood.piece_textured.end()) {
+    result.uv = mesh.uv_bark;
+    lookup.find_corners(result.uv);
+  }
   return result;
 }
 

@@ -152,13 +152,14 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
   // Brent's cycle detection: one place is remembered, each time twice as long.
   int32_t kept = -1;
   int keep_at = kSureSteps;
+  Flat flat = unroll(place, corners(from));
+  const Flat first_flat = flat;
   for (int step = 0;; ++step) {
     const bool circles = at == kept;
     if (step == keep_at) {
       kept = at;
       keep_at *= 2;
     }
-    const Flat flat = unroll(place, corners(at));
     shares = shares_at_origin(flat);
     if (!finite(shares)) {
       shares = nearest_shares(flat);
@@ -168,6 +169,7 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
     int out = -1;
     double farthest = -1e-9;
     bool open = false;
+    Flat next_flat{};
     for (int k = 0; k < 3; ++k) {
       const Across& next = across_[at][(k + 1) % 3];
       if (shares[k] >= farthest) continue;
@@ -185,6 +187,7 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
       if (!is_continued) continue;
       out = k;
       farthest = shares[k];
+      next_flat = beyond;
     }
     if (out < 0 || circles || step == kMostSteps) {
       const bool inside = *std::min_element(shares.begin(), shares.end()) >= -1e-9;
@@ -196,10 +199,11 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
     shift += next.shift;
     before = at;
     at = next.triangle;
+    flat = next_flat;
   }
   if (at != from) {
     // In a crotch of a forking surface the walk may have gone up the other limb.
-    const std::array<double, 3> first = nearest_shares(unroll(place, corners(from)));
+    const std::array<double, 3> first = nearest_shares(first_flat);
     if (radius_at(place, corners(at), shares) >
         kOtherLimb * radius_at(place, corners(from), first)) {
       at = from;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -104,6 +105,8 @@ struct TreeMesh {
   Bones bones;
   /// Messages for the user (children clamped to their parent, missing room).
   std::vector<std::string> warnings;
+  /// With a detail: the four-sided base from which the mesh was refined.
+  std::shared_ptr<const TreeMesh> base;
 };
 
 }  // namespace snowbough::tree

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What goes into a glTF file (snowbough.gltf): heights, textures, the skeleton as a text, fewer branches and leaves."""
 
+import base64
+import zlib
 from types import SimpleNamespace
 
 import glb
@@ -104,7 +106,13 @@ def test_a_skeleton_comes_back_bit_for_bit():
             assert np.array_equal(getattr(before, name), getattr(after, name)), name
 
 
-@pytest.mark.parametrize("text", ["", "nonsense", "c$" * 40])
+def test_a_skeleton_that_an_older_version_stored_comes_back():
+    data = skeleton_text.unpacked(skeleton_text.to_text([branch("a", 0, -1, [(0, 0, 1)], (0, 0, 0))], {"old": 1}))
+    found, built = skeleton_text.from_text(base64.b85encode(zlib.compress(data, 6)).decode())
+    assert [one.name for one in found] == ["a"] and built == {"old": 1}
+
+
+@pytest.mark.parametrize("text", ["", "nonsense", "c$" * 40, "64:", "64:ä", "64:eJwB"])
 def test_what_is_no_skeleton_is_refused(text):
     with pytest.raises(ValueError, match="import the tree again"):
         skeleton_text.from_text(text)
