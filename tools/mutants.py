@@ -63,6 +63,7 @@ def module_tests(*names):
 
 
 LANDING = module_tests("landing")
+EDGES = module_tests("edges")
 MASKS = module_tests("masks")
 PRESSING = module_tests("pressing")
 THAW = module_tests("melt")
@@ -213,6 +214,13 @@ MUTANTS = (
     cache("ledger", "entry.get(name, 0.0)", "0.0", LEDGER),
     cache("ledger", "if last[name] >= LEAST * last", "if last[name] > 0.0 * last", LEDGER),
     cache("ledger", 'math.fsum(entry["slid"] for entry in entries)', "0.0", LEDGER),
+    # What lies beyond outlets.
+    moving("repose/outlets", "link.rise = -way.z", "link.rise = 0.0f * -way.z", EDGES),
+    moving("repose/outlets", "thick > 0.0f && thick >= ", "thick >= 0.0f * ", EDGES),
+    moving("repose/outlets", "  link_walls(ground, limits, stand, block, blocks);\n", "", EDGES),
+    moving("outlet_targets", "std::min(near, far) - target.width", "near - target.width", EDGES),
+    moving("outlet_targets", "width == 0.0 && target.searched < widest", "false", EDGES),
+    moving("movement", "targets_.forget(map->object);", ";", EDGES),
     # Landing.
     moving("landing", "  clock_ = state.clock;\n", "", LANDING),
     moving("landing", "is_back ? -now : now;\n    map", "now;\n    map", LANDING),
