@@ -247,7 +247,6 @@ MUTANTS = (
     moving("pressing", "map.cleared += lost;", "", PRESSING),
     moving("pressing", "own.packed[i] += static_cast<float>(", "own.packed[i] = static_cast<float>(", PRESSING),
     moving("pressing", "presses ? settings.pushed_aside : 1.0;", "1.0;", PRESSING),
-    moving("pressing", "own.pressed_to[i] = now;", "", PRESSING),
     moving("pressing", "- kRefill * loose", "", PRESSING),
     moving("pressing", "map.pressed += static_cast<double>(kept) * kPushUnit;", "", PRESSING),
     moving("pressing", "  load_plane(kStandsPlane, own.stands);\n", "", PRESSING),
@@ -258,7 +257,7 @@ MUTANTS = (
     moving("press/presser", "leaves ? 0.0 : std::max", "std::max", PRESSING),
     moving("press/presser", "  swept_.low -= margin;\n", "", PRESSING),
     moving("repose/rigid_turn", "most = std::max(most, glm::length(glm::dvec3(to[i]) - there));", "", TURNS),
-    moving("press/presser", "half_way[i]), to}", "half_way[i])}", PRESSING),
+    moving("press/presser", "glm::dvec3(half_way[i]), to}", "to}", PRESSING),
     # Thaw, water and shedding.
     moving("melt/thaw", "settings.depth * (1.0 - sun + sun *", "settings.depth * (sun *", THAW),
     moving("melt/thaw", "    map.melted += volume;\n", "", THAW),

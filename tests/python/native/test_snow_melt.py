@@ -9,7 +9,7 @@ import snowbough_native as native
 from checkpoints import restore, save
 from child import in_child
 from snow_fall import new_simulation
-from snow_meshes import box, grid, rotated
+from snow_meshes import box, grid, rotated, turned_over
 from snow_rays import texel_points
 
 DT = 1.0 / 24.0
@@ -93,6 +93,61 @@ def test_uneven_thaw_leaves_patches():
             assert balanced(sim)
     assert covered[0.0] == 1.0
     assert 0.2 < covered[0.25] < 0.8
+
+
+def test_snow_beside_bare_ground_melts_faster():
+    """A roof keeps half of the ground bare. Unevenness is the same near and far, on average over many texels."""
+    with simulation(unevenness=0.1, flutter=0.0) as sim:
+        positions, triangles, uv = grid(1.0, 2.0)
+        sim.add_object("roof", triangles, uv, receive=False)
+        ground_positions, ground_triangles, ground_uv = grid(2.0, 2.0, 4)
+        sim.add_object("ground", ground_triangles, ground_uv, resolution=128)
+        sim.step({"roof": positions + np.float32([-0.5, 0.0, 1.0]), "ground": ground_positions}, 0.2)
+        points, _, places, _ = texel_points(native, ground_positions, ground_triangles, ground_uv, 128)
+        before = sim.height("ground").ravel()[places]
+        sim.step({}, -0.05, dt=DT)
+        lost = before - sim.height("ground").ravel()[places]
+    near, far = (points[:, 0] > 0.02) & (points[:, 0] < 0.06), points[:, 0] > 0.3
+    assert before[near].min() > 0.15
+    assert np.mean(lost[near]) > 1.1 * np.mean(lost[far])
+    assert np.mean(lost[far]) == pytest.approx(0.05, rel=0.1)
+
+
+def test_snow_on_the_back_melts_there():
+    with simulation() as sim:
+        positions, triangles, uv = turned_over(grid(2.0, 2.0, 4))
+        sim.add_object("ground", triangles, uv, resolution=128)
+        sim.step({"ground": positions}, 0.2)
+        sim.step({}, -0.05, dt=DT)
+        assert np.median(sim.height("ground")[10:-10, 10:-10]) == pytest.approx(-0.15, rel=1e-4)
+        assert balanced(sim)
+
+
+def test_water_crosses_a_seam_and_none_is_lost():
+    """The ground's map has two charts, side by side; rain falls on one of them only."""
+    positions, triangles, _ = grid(2.0, 2.0, 2)
+    middle = positions[triangles].mean(axis=1)
+    uv = np.float32([0.5, 0.5]) + 0.2 * positions[triangles][:, :, :2]
+    uv[:, :, 0] += np.where(middle[:, 0] < 0.0, -0.02, 0.02)[:, None]
+    with simulation(wet=True, drying=1e9, wet_spread=0.3, rain=0.001 / DT, flutter=0.0) as sim:
+        sim.add_object("ground", triangles, uv.astype(np.float32), resolution=256)
+        roof, roof_triangles, roof_uv = grid(1.2, 2.4)
+        sim.add_object("roof", roof_triangles, roof_uv, receive=False)
+        sim.step({"ground": positions, "roof": roof + np.float32([-0.6, 0.0, 1.0])}, 0.0, dt=DT)
+        sim.change_settings(rain=0.0)
+        area = sim.texel_area("ground")
+
+        def volumes():
+            water = native.simulation_state(sim)["objects"]["ground"]["planes"]["water"].astype(float) * area
+            return water[:, :128].sum(), water[:, 128:].sum()
+
+        before = volumes()
+        for _ in range(24):
+            sim.step({}, 0.0, dt=DT)
+        after = volumes()
+    assert sum(before) > 1e-3 and after[0] > before[0] + 1e-5
+    # Water thinner than 0.1 micrometres counts as dry.
+    assert sum(after) == pytest.approx(sum(before), rel=2e-4)
 
 
 def test_the_sun_moves_no_snow_and_without_thaw_nothing_changes():
