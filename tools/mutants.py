@@ -4,15 +4,13 @@ and checks that a test fails for each change.
 
     python3 tools/mutants.py [--only WORD] [--list]
 
-Each mutant is applied to a copy of the tree, in a temporary folder, and removed again. The module in build/python is
-used as it is. A C++ mutant is compiled alone, and linked into the tests of its room or into a module of its own before
-the release build's objects (`cmake --build build/release`). A mutant that survives means that a test is missing. The
-exit code is 0 only if all are killed.
+Each mutant is applied to a copy of the tree, in a temporary folder, and removed again. Python's use the module in
+build/python; for those of C++ the tests of their room, or a module, are built in the copy, file by file (the first
+takes minutes). A mutant that survives means that a test is missing. The exit code is 0 only if all are killed.
 """
 
 import argparse
 import os
-import shlex
 import shutil
 import subprocess
 import sys
@@ -22,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-COPIED = ("addon", "native", "shaders", "tests", "pyproject.toml")
+COPIED = ("CMakeLists.txt", "addon", "cmake", "native", "shaders", "tests", "pyproject.toml")
 # Seconds that tests may take; with a mutant at least LEAST_TIMEOUT, or this many times as long as without one.
 TIMEOUT = 1200
 LEAST_TIMEOUT, SLOWER = 120, 5
@@ -33,21 +31,10 @@ REPAIRS = ("tests/faults/test_repairs.py",)
 CALLS = ("tests/faults/test_file_calls.py", "-k", "flushed")
 MEMORY = ("tests/faults/test_memory.py", "-k", "does_not_fit")
 
-# Sources of the C++ tests: the mutated ones and the tests themselves.
-NATIVE_SOURCES = (
-    "native/image/atomic_file.cpp",
-    "native/image/open_file_posix.cpp",
-    "native/snow/state/check_sum.cpp",
-    "native/snow/state/checkpoint.cpp",
-    "tests/native/image/atomic_file_test.cpp",
-    "tests/native/snow/state/checkpoint_test.cpp",
-)
-NATIVE = "native"
-
 
 @dataclass(frozen=True)
 class Linked:
-    """Tests of a target of the release build that is linked again with the mutated file."""
+    """Tests of a target that is built again with the mutated file."""
 
     target: str
     arguments: tuple = ()
@@ -55,6 +42,8 @@ class Linked:
 
 
 MODULE = "snowbough_native"
+FILES = Linked("snowbough_image_tests", ("--gtest_filter=AtomicFile*",))
+CHECKPOINTS = Linked("snowbough_map_tests", ("--gtest_filter=Checkpoint*",))
 
 
 def module_tests(*names):
@@ -87,7 +76,7 @@ class Mutant:
     """Occurs once in the file."""
     after: str
     tests: tuple = CACHE
-    """Arguments of pytest, NATIVE, or Linked."""
+    """Arguments of pytest, or Linked."""
 
 
 def cache(name, before, after, tests=CACHE):
@@ -99,11 +88,11 @@ def bake(name, before, after, tests=REPAIRS):
 
 
 def image(name, before, after):
-    return Mutant(f"native/image/{name}.cpp", before, after, NATIVE)
+    return Mutant(f"native/image/{name}.cpp", before, after, FILES)
 
 
 def state(before, after):
-    return Mutant("native/snow/state/checkpoint.cpp", before, after, NATIVE)
+    return Mutant("native/snow/state/checkpoint.cpp", before, after, CHECKPOINTS)
 
 
 def moving(name, before, after, tests):
@@ -216,7 +205,6 @@ MUTANTS = (
     cache("ledger", 'math.fsum(entry["slid"] for entry in entries)', "0.0", LEDGER),
     # What lies beyond outlets.
     moving("repose/outlets", "link.rise = -way.z", "link.rise = 0.0f * -way.z", EDGES),
-    moving("repose/outlets", "thick > 0.0f && thick >= ", "thick >= 0.0f * ", EDGES),
     moving("repose/outlets", "  link_walls(ground, limits, stand, block, blocks);\n", "", EDGES),
     moving("outlet_targets", "std::min(near, far) - target.width", "near - target.width", EDGES),
     moving("outlet_targets", "width == 0.0 && target.searched < widest", "false", EDGES),
@@ -328,6 +316,7 @@ class Tree:
 
     def __init__(self, folder):
         self.folder = folder
+        self.objects = folder / "objects"
         self.allowed = TIMEOUT
         for name in COPIED:
             source = ROOT / name
@@ -335,13 +324,10 @@ class Tree:
             copy(source, folder / name)
         (folder / "build").symlink_to(ROOT / "build")
 
-    def run(self, tests, mutated=None):
+    def run(self, tests):
         """(whether the tests pass, seconds)"""
         begun = time.monotonic()
-        if isinstance(tests, Linked):
-            passes = self._linked(tests, mutated)
-        else:
-            passes = self._native(mutated) if tests == NATIVE else self._python(tests)
+        passes = self._built(tests) if isinstance(tests, Linked) else self._python(tests)
         return passes, time.monotonic() - begun
 
     def kills(self, mutant, seconds):
@@ -351,7 +337,7 @@ class Tree:
         text = path.read_text(encoding="utf-8")
         path.write_text(text.replace(mutant.before, mutant.after), encoding="utf-8")
         try:
-            passes, seconds = self.run(mutant.tests, mutant.file)
+            passes, seconds = self.run(mutant.tests)
         finally:
             path.write_text(text, encoding="utf-8")
         return not passes, seconds
@@ -366,46 +352,25 @@ class Tree:
         command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
         return self._ends_well(command, environment)
 
-    def _native(self, mutated):
-        objects = []
-        for source in NATIVE_SOURCES:
-            compiled = self.folder / f"{source.replace('/', '_')}{'.mutant' if source == mutated else ''}.o"
-            if source == mutated or not compiled.exists():
-                flags = ["-std=c++20", "-w", "-I", ".", "-I", "native", "-I", "tests"]
-                subprocess.run(["c++", *flags, "-c", source, "-o", compiled], cwd=self.folder, check=True)
-            objects.append(compiled)
-        libraries = ["-lgmock", "-lgtest", "-lgtest_main", "-lz", "-pthread"]
-        subprocess.run(["c++", *objects, "-o", "native_tests", *libraries], cwd=self.folder, check=True)
-        return self._ends_well(["./native_tests"], os.environ)
-
-    def _linked(self, tests, mutated):
-        """Links the target of the release build with the mutated file, whose functions are taken before the others."""
-        flags = [
-            "-std=c++20",
-            "-O1" if tests.target == MODULE else "-O0",
-            "-w",
-            "-fPIC",
-            "-fvisibility=hidden",
-            "-ffp-contract=off",
-            "-I",
-            ".",
-            "-I",
-            "native",
-        ]
-        subprocess.run(["c++", *flags, "-c", mutated, "-o", "mutant.o"], cwd=self.folder, check=True)
-        build = ROOT / "build" / "release"
-        commands = subprocess.run(
-            ["ninja", "-C", build, "-t", "commands", tests.target], check=True, capture_output=True, text=True
-        ).stdout.splitlines()
-        link = shlex.split(next(part for part in commands[-1].split(" && ") if " -o " in part))
-        output = self.folder / "linked" / Path(link[link.index("-o") + 1]).name
-        output.parent.mkdir(exist_ok=True)
-        link[link.index("-o") + 1] = output
-        link[1:1] = [self.folder / "mutant.o", "-Wl,--allow-multiple-definition"]
-        subprocess.run(link, cwd=build, check=True)
+    def _built(self, tests):
+        """Builds a target, every file by itself and without warnings as errors, and runs its tests."""
+        if not (self.objects / "CMakeCache.txt").exists():
+            settings = {
+                "CMAKE_BUILD_TYPE": "Release",
+                "CMAKE_CXX_FLAGS_RELEASE": "-O1 -w",
+                "Python_EXECUTABLE": sys.executable,
+                "SNOWBOUGH_PYTHON_DIR": self.objects / "python",
+                "SNOWBOUGH_UNITY": "OFF",
+            }
+            command = ["cmake", "-S", self.folder, "-B", self.objects, "-G", "Ninja"]
+            command += [f"-D{name}={value}" for name, value in settings.items()]
+            subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        command = ["cmake", "--build", self.objects, "--target", tests.target]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         if tests.target == MODULE:
-            return self._python(tests.arguments, str(output.parent))
-        return self._ends_well([output, *tests.arguments], os.environ)
+            return self._python(tests.arguments, str(self.objects / "python"))
+        (program,) = self.objects.rglob(tests.target)
+        return self._ends_well([program, *tests.arguments], os.environ)
 
     def _ends_well(self, command, environment):
         try:
@@ -439,16 +404,15 @@ def main():
         tree = Tree(Path(folder))
         whole = {}
         for mutant in chosen:
-            key = mutant.tests, mutant.file if isinstance(mutant.tests, Linked) else None
-            if key not in whole:
+            if mutant.tests not in whole:
                 tree.allowed = TIMEOUT
-                passes, whole[key] = tree.run(*key)
+                passes, whole[mutant.tests] = tree.run(mutant.tests)
                 if not passes:
-                    del whole[key]
+                    del whole[mutant.tests]
                     survived += 1
                     print(f"UNTESTED         {mutant.file}: {mutant.tests} fail without a mutant", flush=True)
                     continue
-            killed, seconds = tree.kills(mutant, whole[key])
+            killed, seconds = tree.kills(mutant, whole[mutant.tests])
             survived += not killed
             change = f"{mutant.before.strip()}  ->  {mutant.after.strip()}"
             print(

@@ -86,6 +86,15 @@ def test_walls_in_the_chart_of_the_top_close_gaps_too(segments):
     assert held(on_bevelled, "seat") > 0.8 * held(on_sharp, "seat")
 
 
+@pytest.mark.parametrize("texel", [0.0025, 0.005, 0.01])
+@pytest.mark.parametrize("segments", [1, 2, 3])
+def test_snow_falls_over_walls_in_the_chart_of_the_top(segments, texel):
+    """Wherever texels lie that are partly wall."""
+    broad = snow_on({"seat": bevelled_slats([0.0], segments, texel=texel)})
+    narrow = snow_on({"seat": bevelled_slats([0.0], segments, bevel=0.001, texel=texel)})
+    assert held(broad, "seat") == pytest.approx(held(narrow, "seat"), rel=0.2)
+
+
 def test_a_shot_is_the_same_again_while_its_texels_are_joined():
     """The memory of what lies beyond an outlet must not outlive the squares of texels to which it belongs."""
     *mesh, resolution = pieces(slats(PLACES))

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <limits>
 
 #include "shaders/lib/texel_repose.h"
@@ -12,8 +13,23 @@
 namespace snowbough::snow {
 namespace {
 
-/// Rays from a texel pass surfaces within this fraction of its half width.
+/// Rays from a texel begin this fraction of its half width beside its surface, so that they do not
+/// graze the edges of a wall on which its middle lies, and pass surfaces within this fraction.
 constexpr float kOwnSurface = 0.02f;
+
+/// Where the ray upwards from a texel's middle begins, if the vertices are at `positions`.
+glm::dvec3 beside_surface(const ReposeGround& ground, int32_t texel, double away,
+                          const std::vector<glm::vec3>& positions) {
+  const auto i = static_cast<size_t>(texel);
+  const ReposeLinks::Point at{ground.table().triangle[i], ground.table().barycentric[i]};
+  const int32_t* const corners =
+      &ground.object->description.topology.triangles[3 * static_cast<size_t>(at.triangle)];
+  const auto corner = [&](int k) { return glm::dvec3(positions[static_cast<size_t>(corners[k])]); };
+  const glm::dvec3 normal = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
+  const double size = glm::length(normal);
+  const glm::dvec2 aside = size > 0.0 ? glm::dvec2(normal) * (away / size) : glm::dvec2(0.0);
+  return point_on(ground, at, positions) + glm::dvec3(aside, 0.0);
+}
 
 /// The vertical distance from a texel to the first surface above, 0 within a body.
 float room_above(ReposeGround& ground, const SceneRays& rays, int32_t texel, size_t cell,
@@ -27,16 +43,13 @@ float room_above(ReposeGround& ground, const SceneRays& rays, int32_t texel, siz
     return above.is_inside(false) || room < reach ? 0.0f : room;
   };
   const bool is_rigid = ground.pose.is_rigid();
-  const float others = room_below(rays.first_along(world_point(ground, texel), up, least,
-                                                   std::numeric_limits<double>::infinity(),
-                                                   is_rigid ? ground.object : nullptr));
+  const float others = room_below(rays.first_along(
+      beside_surface(ground, texel, least, ground.object->positions), up, least,
+      std::numeric_limits<double>::infinity(), is_rigid ? ground.object : nullptr));
   if (!is_rigid) return others;
   float& own = tile.ground.own_room[cell];
   if (own < 0.0f) {
-    const auto i = static_cast<size_t>(texel);
-    const glm::dvec3 from =
-        point_on(ground, {ground.table().triangle[i], ground.table().barycentric[i]},
-                 ground.pose.positions());
+    const glm::dvec3 from = beside_surface(ground, texel, least, ground.pose.positions());
     const auto hit =
         ground.own_rays.first_along(from, up, least, std::numeric_limits<double>::infinity());
     own = room_below(ground.own_rays.surface_at(hit, 0, from, up));
