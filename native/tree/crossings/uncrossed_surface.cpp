@@ -11,6 +11,8 @@ namespace {
 constexpr int kRounds = 6;
 /// Number of rounds without improvement after which the search stops.
 constexpr int kRoundsWithoutGain = 2;
+/// Number of attempts to take narrowing back.
+constexpr int kRoundsBack = 3;
 
 /// Adds a narrowing step to branches that intersect: of two, the one farther from the trunk; in
 /// later rounds both, except the junction's own limb.
@@ -57,6 +59,44 @@ std::vector<int32_t> crossing_children(const Surface& surface, const JunctionCro
   return children;
 }
 
+/// Takes narrowing back where it avoids nothing: first of limbs that intersect nevertheless, then
+/// of all. Those keep it without which others would intersect.
+/// @param best, narrowing  the best round; receive the result.
+template <typename Build>
+void take_back(const Build& build, int threads, UncrossedSurface& best,
+               std::vector<uint8_t>& narrowing) {
+  std::vector<uint8_t> needed(narrowing.size(), 0), crosses(narrowing.size(), 0);
+  for (const int32_t child : best.crossing) crosses[child] = 1;
+  for (int round = 0; round < kRoundsBack; ++round) {
+    std::vector<uint8_t> less(narrowing);
+    for (size_t b = 0; b < less.size(); ++b) {
+      const int32_t parent = best.surface.parents[b];
+      // The knuckles of its siblings are on the same limb.
+      const bool is_beside = parent >= 0 && needed[parent] != 0;
+      if (needed[b] == 0 && !is_beside) less[b] = 0;
+    }
+    if (less == narrowing) return;
+    Surface wider = build(less);
+    const JunctionCrossings crossings = find_crossings(wider, {}, threads);
+    bool more = false;
+    for (size_t j = 0; j < crossings.size(); ++j) {
+      const int32_t child = wider.junctions[j].child;
+      if (crossings[j].empty() || crosses[child] != 0) continue;
+      more = true;
+      needed[child] = 1;
+      for (const auto& [f, g] : crossings[j]) {
+        needed[wider.origins[f].branch] = 1;
+        needed[wider.origins[g].branch] = 1;
+      }
+    }
+    if (more) continue;
+    best.crossing = crossing_children(wider, crossings);
+    best.surface = std::move(wider);
+    narrowing = std::move(less);
+    return;
+  }
+}
+
 }  // namespace
 
 UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
@@ -91,6 +131,7 @@ UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
       best_narrowing = narrowing_steps;
     }
   }
+  take_back(build, execution.threads, best, best_narrowing);
   for (size_t b = 0; b < best_narrowing.size(); ++b) {
     if (best_narrowing[b] > 0) {
       best.narrowed.push_back(static_cast<int32_t>(b));

@@ -107,7 +107,9 @@ def test_a_skeleton_comes_back_bit_for_bit():
 
 
 def test_a_skeleton_that_an_older_version_stored_comes_back():
-    data = skeleton_text.unpacked(skeleton_text.to_text([branch("a", 0, -1, [(0, 0, 1)], (0, 0, 0))], {"old": 1}))
+    data = skeleton_text.unpacked(
+        skeleton_text.to_text([branch("a", 0, -1, [(0, 0, 1)], (0, 0, 0))], {"old": 1})
+    )
     found, built = skeleton_text.from_text(base64.b85encode(zlib.compress(data, 6)).decode())
     assert [one.name for one in found] == ["a"] and built == {"old": 1}
 

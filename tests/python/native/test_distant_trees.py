@@ -10,6 +10,7 @@ import pytest
 import snowbough_native as native
 
 ROOT = Path(__file__).resolve().parents[3]
+ACER = ROOT / ".." / "shared" / "data" / "trees" / "levels" / "Acer_saccharum_y1.obj"
 SIZE = (1280, 720)
 LIGHT = {"shadow_resolution": 0, "background": (4.0, 4.0, 4.0)}
 #: All patches, tessellated so finely that limbs are round.
@@ -41,6 +42,38 @@ def camera(mesh, away, turned=False):
 def darkness(renderer, mesh, away, **settings):
     picture = renderer.render_light(camera(mesh, away), native.RenderSettings(**LIGHT, **settings), 4)
     return float((4.0 - picture[..., :3]).sum())
+
+
+def mean_share(renderer, mesh, away):
+    """Darkness of a tree as it is drawn, relative to all its patches, over views from all around. A view of a tree of
+    ten pixels shows a dozen patches: by itself it is no measure."""
+    low, high = mesh.vertices.min(0), mesh.vertices.max(0)
+    middle = (low + high) / 2
+    # As many pixels per metre as the pictures above, but only around the tree.
+    size = int(0.7 * np.linalg.norm(high - low) * SIZE[1] / np.tan(0.4) / away) + 4
+    narrow = 2 * np.arctan(size / SIZE[1] * np.tan(0.4))
+
+    def seen(eye, finer, **settings):
+        camera = native.Camera(
+            eye=eye, target=middle, width=finer * size, height=finer * size, field_of_view=narrow
+        )
+        picture = renderer.render_light(camera, native.RenderSettings(**LIGHT, **settings), 16)
+        return float((4.0 - picture[..., :3]).sum()) / finer**2
+
+    turns = np.arange(24) * (2 * np.pi / 24)
+    eyes = [middle + away * np.array([np.sin(t), -np.cos(t), 0.1 * np.sin(3 * t)]) for t in turns]
+    # Thin triangles between samples are counted by finer ones.
+    return sum(seen(eye, 1) for eye in eyes) / sum(seen(eye, 4, **FINE) for eye in eyes)
+
+
+@pytest.mark.parametrize("away", [80, 160])
+def test_a_small_tree_far_away_covers_as_much_in_the_mean_over_views(away):
+    if not ACER.is_file():
+        pytest.skip(f"{ACER.name} is not in shared/data/trees")
+    mesh = native.build_tree_mesh(native.read_tree(ACER))
+    with native.Renderer() as made:
+        made.add_tree("tree", mesh)
+        assert mean_share(made, mesh, away) == pytest.approx(1.0, abs=0.1)
 
 
 def triangles(renderer, mesh, away, **options):
