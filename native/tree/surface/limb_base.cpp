@@ -46,7 +46,15 @@ constexpr int kRingSamples = 8;
 /// Per narrowing step: factor of the base's width, and displacement of its first ring as a fraction
 /// of the parent's corner radius.
 constexpr double kNarrowingFactor = 0.7;
+/// Limbs with over this fraction of their parent's width keep at least the same fraction of their
+/// own: a wire at a fork shows more than faces that intersect.
+constexpr double kThick = 0.5;
 constexpr double kNarrowingMargin = 0.25;
+
+/// Factor of the width of a base. @param child, parent  widths of both.
+double narrowing_of(int steps, double child, double parent) {
+  return std::max(std::pow(kNarrowingFactor, steps), child > kThick * parent ? kThick : 0.0);
+}
 
 glm::dvec3 across(const glm::dvec3& v, const glm::dvec3& axis) {
   return v - axis * glm::dot(v, axis);
@@ -283,7 +291,7 @@ Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
   const double widest = narrowing_steps == 0 ? kWidest * side : side;
   exit.clamped = wanted > 1.0001 * widest;
   exit.request.width = std::min(wanted, widest);
-  exit.request.width *= std::pow(kNarrowingFactor, narrowing_steps);
+  exit.request.width *= narrowing_of(narrowing_steps, wanted, side);
   exit.request.width = std::max(exit.request.width, 2.0 * kSideDistance * scale.smallest_corner);
   exit.request.hole_length = exit.request.width;
   exit.request.length = exit.request.width < kInsetHoleBelow * side
@@ -300,7 +308,8 @@ LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbHull& p
   }
   const double margin =
       scale.smallest_gap + kNarrowingMargin * narrowing_steps * hole.parent_corner;
-  const double narrowing = std::pow(kNarrowingFactor, narrowing_steps);
+  const double start_corner = corner_at(child, nearest_length(child, hole.centre));
+  const double narrowing = narrowing_of(narrowing_steps, start_corner, hole.parent_corner);
   const size_t last = child.points.size() - 1;
   auto [first, first_corner] = first_ring(child, hole, parent, scale, margin, narrowing);
   glm::dvec3 first_point = child.points[first];

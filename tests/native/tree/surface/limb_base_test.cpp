@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
 
 #include "native/tree/built_surface.h"
 #include "tree/build_tree_mesh.h"
@@ -46,6 +47,25 @@ TEST(Surface, NoSliverLiesAcrossALimbBesideAHole) {
                   build(make_skeleton({trunk(), side_branch(5.5f, 0.05f, direction)})).surface, 0),
               0.04);
   }
+}
+
+/// Width of the second limb's base after narrowing steps, relative to none.
+double narrowed_width(float radius, uint8_t steps) {
+  const Skeleton skeleton = make_skeleton({trunk(), side_branch(5.5f, radius)});
+  const SurfaceScale scale = surface_scale(skeleton);
+  const std::vector<LimbPath> paths = limb_paths(skeleton, limb_widths(skeleton, {}), scale);
+  const auto width = [&](uint8_t of) {
+    const Surface surface = build_surface(skeleton, paths, scale, {}, {0, of});
+    const auto& hole = surface.limbs[1].rings[0].vertices;
+    return glm::distance(surface.vertices[hole[0]], surface.vertices[hole[2]]);
+  };
+  return width(steps) / width(0);
+}
+
+TEST(Surface, OfNarrowedLimbsThickOnesKeepHalfTheirWidth) {
+  EXPECT_NEAR(narrowed_width(0.12f, 1), 0.7, 0.05);
+  EXPECT_NEAR(narrowed_width(0.12f, 6), 0.5, 0.05);
+  EXPECT_LT(narrowed_width(0.02f, 6), 0.2);
 }
 
 /// `count` branches as thick as their parent, one above the other on half a metre of it.
