@@ -215,13 +215,15 @@ class BakedReceiver:
         with self._writing():
             self.recorder.add(frame, pose.known_at(self.key))
 
+    def finish_recording(self):
+        """Writes the receiver's shape. Surfaces also read the shapes of the receivers beside theirs."""
+        if self.recorder is not None and self.last_frame is not None:
+            with self._writing():
+                self.recorder.finish()
+
     def make_surface(self, native, progress):
         """Computes the snow surface of all baked frames. Returns False if progress(0 to 1) asked to stop."""
-        if self.recorder is None or self.last_frame is None:
-            return True
-        with self._writing():
-            self.recorder.finish()
-        if self.recorder.changed_at is not None:
+        if self.recorder is None or self.last_frame is None or self.recorder.changed_at is not None:
             return True
         with self._writing():
             return update_surface(native, self.folder, self.spec.surface, progress, self.lock.check)

@@ -201,6 +201,8 @@ class BakeJob:
             shaping(share)
             return not cancelled(share)
 
+        for receiver in self.receivers:
+            receiver.finish_recording()
         jobs = [partial(receiver.make_surface, self.native) for receiver in self.receivers]
         if not run_side_by_side(jobs, progress):
             raise BakeCancelled

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Computes the faces and points of a receiver's snow surface from its folder in the cache. No ``bpy``.
 
-Reads only the manifest, the maps, ``receiver.ply`` and ``positions.pc2``: no scene is evaluated and nothing is
-simulated. Writes ``surface.ply`` (faces), ``surface.pc2`` (points: one sample without snow, then one per frame) and
-``surface.json`` (the style, the counts, and whether it lacks points).
+Reads only the manifest, the maps, ``receiver.ply`` and ``positions.pc2``, also of the receivers beside it: no scene
+is evaluated and nothing is simulated. Writes ``surface.ply`` (faces), ``surface.pc2`` (points: one sample without
+snow, then one per frame) and ``surface.json`` (the style, the counts, and whether it lacks points).
 """
 
 import hashlib
@@ -18,6 +18,7 @@ from ..cache.files import POSITIONS, RECEIVER, SURFACE, SURFACE_FACES, SURFACE_P
 from ..cache.manifest import read_manifest
 from ..cache.sealed import FORMAT, read_sealed, write_sealed
 from ..cache.shapes import Maybe, checksums, dict_of, either, flag, frame, number, text, whole
+from . import neighbours
 from .mesh_file import FileMesh, read_mesh, write_mesh
 from .point_cache import PointCacheWriter, read_point_cache
 from .style import WantedPoints
@@ -174,6 +175,7 @@ class Surface:
             seed=seed_of(inputs.label),
             wind=inputs.wind(),
             dents=dents,
+            neighbours=neighbours.near(native, folder),
         )
         self.set_style(style)
 

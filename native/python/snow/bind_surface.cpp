@@ -44,6 +44,22 @@ snow::SurfaceSource surface_source(snow::MapTopology topology, const InputArray<
   return source;
 }
 
+using NeighbourArrays =
+    std::tuple<InputArray<int32_t>, InputArray<float>, InputArray<float>, InputArray<float>>;
+
+std::vector<snow::Neighbour> neighbours_of(const std::vector<NeighbourArrays>& arrays) {
+  std::vector<snow::Neighbour> neighbours;
+  for (const auto& [triangles, uv, positions, height] : arrays) {
+    require_finite(uv, "uv");
+    std::vector<float> heights = square_map(height, "height");
+    neighbours.push_back(
+        {surface_source(map_topology(triangles, uv, static_cast<int32_t>(height.shape(0))),
+                        positions, std::nullopt),
+         std::move(heights)});
+  }
+  return neighbours;
+}
+
 void require_positive(double value, const char* name) {
   if (!(value > 0.0 && std::isfinite(value))) {
     throw std::invalid_argument(std::string(name) + " must be a number over 0");
@@ -56,15 +72,13 @@ struct BoundSurface {
   shared::SnowStyle style = shared::usual_style();
 };
 
-std::unique_ptr<BoundSurface> make_surface(const InputArray<int32_t>& triangles,
-                                           const InputArray<float>& uv,
-                                           const InputArray<float>& positions,
-                                           const InputArray<float>& last,
-                                           const InputArray<float>& highest, float depth,
-                                           const std::optional<InputArray<int32_t>>& shading,
-                                           float scale, int32_t most_points, uint32_t seed,
-                                           const std::array<float, 2>& wind,
-                                           const std::optional<InputArray<float>>& dents) {
+std::unique_ptr<BoundSurface> make_surface(
+    const InputArray<int32_t>& triangles, const InputArray<float>& uv,
+    const InputArray<float>& positions, const InputArray<float>& last,
+    const InputArray<float>& highest, float depth,
+    const std::optional<InputArray<int32_t>>& shading, float scale, int32_t most_points,
+    uint32_t seed, const std::array<float, 2>& wind, const std::optional<InputArray<float>>& dents,
+    const std::vector<NeighbourArrays>& neighbours) {
   const std::vector<float> heights = square_map(last, "last");
   require_finite(uv, "uv");
   require_positive(depth, "depth");
@@ -75,10 +89,11 @@ std::unique_ptr<BoundSurface> make_surface(const InputArray<int32_t>& triangles,
   const std::vector<float> most = square_map(highest, "highest");
   const std::vector<float> dent = dents ? square_map(*dents, "dents") : std::vector<float>{};
   for (const float part : wind) require_number(part, "wind");
+  const std::vector<snow::Neighbour> others = neighbours_of(neighbours);
   const snow::SurfacePlan plan{{depth, scale, most_points}, seed, {wind[0], wind[1]}};
   return without_gil([&] {
     return std::make_unique<BoundSurface>(
-        BoundSurface{snow::plan_surface(source, heights, most, dent, plan)});
+        BoundSurface{snow::plan_surface(source, heights, most, dent, plan, others)});
   });
 }
 
@@ -169,7 +184,8 @@ ValueError for triangles with invalid indices.)");
       .def(py::init(&make_surface), py::arg("triangles"), py::arg("uv"), py::arg("positions"),
            py::arg("last"), py::arg("highest"), py::arg("depth"), py::arg("shading") = py::none(),
            py::arg("scale") = 1.0f, py::arg("most_points") = 200000, py::arg("seed") = 0,
-           py::arg("wind") = std::array<float, 2>{0.0f, 0.0f}, py::arg("dents") = py::none())
+           py::arg("wind") = std::array<float, 2>{0.0f, 0.0f}, py::arg("dents") = py::none(),
+           py::arg("neighbours") = std::vector<NeighbourArrays>{})
       .def("faces", &faces)
       .def(
           "set_style", &set_style,

@@ -21,14 +21,16 @@ constexpr float kSeenUnder = 0.06f;
 constexpr float kBareStep = 0.7f;
 constexpr float kHiddenStep = 1.3f;
 /// Least upward component of the normal of a face at a foot.
-constexpr float kCarries = 0.3f;
+constexpr float kFootCarries = 0.3f;
+/// Distance behind the rim at which the thickness on the step is taken, as a fraction of the depth.
+constexpr float kOnStep = 0.15f;
 /// Rise of the snow at the foot of a hidden step, as a fraction of the step.
 constexpr float kRise = 0.3f;
 
 }  // namespace
 
 bool is_at_foot(const Rims& rims, const glm::vec3& point, const glm::vec3& normal, float depth) {
-  if (normal.z < kCarries) return false;
+  if (normal.z < kFootCarries) return false;
   const Rims::Step step = rims.step_above(point, normal, kFootOut * depth, depth);
   return step.height > 0.0f && step.out > -kSeenUnder * depth;
 }
@@ -49,6 +51,8 @@ std::vector<Foot> find_feet(const SurfacePoints& points, const Rims& rims,
     Foot& foot = found[i];
     foot.point = p;
     foot.off = lying.at(place, p, kOffFoot * depth, false);
+    const glm::vec3 behind = step.foot - step.level_out * (kOnStep * depth);
+    foot.upper = lying.at(behind, p, kOffFoot * depth, false);
     foot.step = step.height;
     if (foot.off.point[0] == p) return;
     foot.share = eased(step.out, kFootOut * depth, 0.6f * kFootOut * depth) *
@@ -65,7 +69,10 @@ void fill_feet(const std::vector<Foot>& feet, std::vector<float>& thickness) {
     const float off = foot.off.of(thickness);
     const float hides = shared::eased(off, kBareStep * foot.step, kHiddenStep * foot.step);
     const float own = thickness[foot.point];
-    filled[i] = std::max(own, glm::mix(own, off + kRise * foot.step * hides, foot.share * hides));
+    // A furrow is no deeper than the snow on its lower side: a heap beside a bare ledge has none.
+    const float level =
+        std::min(off + kRise * foot.step * hides, foot.step + foot.upper.of(thickness));
+    filled[i] = std::max(own, glm::mix(own, level, foot.share * hides));
   }
   for (size_t i = 0; i < feet.size(); ++i) thickness[feet[i].point] = filled[i];
 }

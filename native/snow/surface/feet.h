@@ -15,6 +15,8 @@ struct Foot {
   int32_t point = 0;
   /// The points farther off that give the thickness.
   PointMean off;
+  /// Points on the step, which give the thickness there.
+  PointMean upper;
   /// Height of the step above the point's face, in metres.
   float step = 0.0f;
   /// Share of that thickness, 0 to 1.

@@ -43,6 +43,14 @@ constexpr float kOnRim = 0.02f;
 /// Least upward component of the normal where snow lies below a rim.
 constexpr float kCarriesBelow = 0.3f;
 
+/// Snow reaches over that of another receiver by the first fraction of the depth if the ground
+/// there lies lower by less than the third; not at all if it lies lower by more than the second.
+constexpr float kReachesOver = 0.08f;
+constexpr float kFarBelow = 0.4f;
+constexpr float kNearBelow = 0.2f;
+/// Greatest upward component of the normal of an upright face.
+constexpr float kSteepBank = 0.12f;
+
 /// Points whose feet are within this many depths of each other belong to one stretch of a rim.
 constexpr float kFullnessReach = 0.4f;
 /// Least mean thickness in a zone, as a fraction of that behind the rim.
@@ -98,7 +106,8 @@ std::vector<uint8_t> sheltered_points(const SurfacePoints& points, const base::T
 /// below it lies, and what it is; `lying_at` returns the points there that snow can lie on.
 template <typename LyingAt>
 Fronts::Fall fall_beyond(const RimPlace& place, const Rims& rims, const base::TriangleTree& tree,
-                         bool may_bridge, float depth, const LyingAt& lying_at) {
+                         const Beyond& others, bool may_bridge, float depth,
+                         const LyingAt& lying_at) {
   Fronts::Fall found;
   float most = 0.0f;
   for (const RimPlace::Part& part : place.parts) {
@@ -107,11 +116,14 @@ Fronts::Fall fall_beyond(const RimPlace& place, const Rims& rims, const base::Tr
     const glm::vec3 level_out = unit(glm::vec3(out.x, out.y, 0.0f));
     float drop = std::numeric_limits<float>::infinity();
     glm::vec3 farthest(0.0f);
+    float other = -1.0f;
     for (const float distance : kBeyond) {
       const glm::vec3 beyond = part.foot + level_out * (distance * depth);
       const glm::dvec3 above = glm::dvec3(beyond) + glm::dvec3(0.0, 0.0, kAbove * depth);
       const double most_below = (kDeepest + kAbove) * depth;
-      const double hit = tree.first_along(0, above, {0.0, 0.0, -1.0}, 1e-5, most_below).distance;
+      const double own = tree.first_along(0, above, {0.0, 0.0, -1.0}, 1e-5, most_below).distance;
+      const Beyond::Below theirs = others.below(above, most_below);
+      const double hit = std::min(own, theirs.drop);
       if (!std::isfinite(hit)) continue;
       // Beyond a gap, only a bridge meets the snow on the other side.
       if (!std::isfinite(drop) && may_bridge && distance > kBeyond[0]) break;
@@ -120,27 +132,34 @@ Fronts::Fall fall_beyond(const RimPlace& place, const Rims& rims, const base::Tr
       if (std::isfinite(drop) && std::abs(below - drop) > kSlopeBelow * distance * depth) break;
       if (!std::isfinite(drop)) drop = below;
       farthest = beyond - glm::vec3(0.0f, 0.0f, below);
+      other = theirs.drop < own ? theirs.thickness / depth : -1.0f;
     }
     if (!std::isfinite(drop)) continue;
     found.weight += part.weight;
     if (part.weight <= most) continue;
     most = part.weight;
     found.drop = drop;
-    found.at = lying_at(farthest);
+    found.other = other;
+    if (other < 0.0f) found.at = lying_at(farthest);
   }
   return found;
 }
 
 }  // namespace
 
-shared::SnowBehind Fronts::behind(size_t number, const std::vector<float>& height) const {
+shared::SnowBehind Fronts::behind(size_t number, const std::vector<float>& height,
+                                  float open_depth) const {
   const bool may_bridge = front[number].bridged > 0.0f;
   const Fall& below = fall[number];
-  const float beyond = below.weight > 0.0f
-                           ? std::max(below.at.of(height) / below.up - below.drop, 0.0f) *
-                                 below.own_up * below.weight
-                           : 0.0f;
-  return {inland[number].of(height), may_bridge ? across[number].of(height) : 0.0f, beyond};
+  const float others = below.other * open_depth;
+  float beyond = 0.0f;
+  if (below.weight > 0.0f) {
+    const float there = below.other < 0.0f ? below.at.of(height) / below.up : others;
+    beyond = std::max(there - below.drop, 0.0f) * below.own_up * below.weight;
+  }
+  // The weights are 0 unless a rim of this receiver lies across.
+  const float next = std::max(across[number].of(height), others * below.own_up);
+  return {inland[number].of(height), may_bridge ? next : 0.0f, beyond};
 }
 
 float Fronts::presence(size_t number, const shared::SnowBehind& behind,
@@ -155,10 +174,10 @@ float Fronts::presence(size_t number, const shared::SnowBehind& behind,
 }
 
 Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zone, const Rims& rims,
-                   const base::TriangleTree& tree, const glm::vec2& wind,
-                   const glm::vec3& noise_shift, float depth) {
+                   const SurfaceMesh& receiver, const base::TriangleTree& tree,
+                   const Beyond& beyond, const glm::vec2& wind, const glm::vec3& noise_shift,
+                   float depth) {
   Fronts fronts;
-  if (rims.all().empty()) return fronts;
   const std::vector<uint8_t> sheltered = sheltered_points(points, tree, depth);
   std::vector<int32_t> behind_rims, lie;
   for (size_t p = 0; p < points.count(); ++p) {
@@ -170,6 +189,13 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zon
   const std::vector<glm::vec3>& position = points.mesh.position;
   const NearestPoints inland(position, std::move(behind_rims), sheltered, depth);
   const NearestPoints lying(position, std::move(lie), sheltered, depth);
+  fronts.banks = find_banks(points, receiver, tree, lying, depth);
+  // Below a rim over an upright face, the front has the shape.
+  std::erase_if(fronts.banks, [&](const Bank& bank) {
+    const RimPlace& place = zone[bank.point].place;
+    return !place.is_far_off && rims.all()[place.parts[0].rim].far_normal.z < kSteepBank;
+  });
+  if (rims.all().empty()) return fronts;
   for (size_t p = 0; p < points.count(); ++p) {
     if (zone[p].place.is_far_off || zone[p].share >= 1.0f || zone[p].share < -1.6f) continue;
     fronts.point.push_back(static_cast<int32_t>(p));
@@ -224,14 +250,20 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zon
       const auto lying_at = [&](const glm::vec3& place) {
         return lying.at(place, own, depth, shelter);
       };
-      fronts.fall[f] = fall_beyond(here.place, rims, tree, may_bridge, depth, lying_at);
+      fronts.fall[f] = fall_beyond(here.place, rims, tree, beyond, may_bridge, depth, lying_at);
       Fronts::Fall& fall = fronts.fall[f];
       float up = 0.0f;
       for (int k = 0; k < 4; ++k) up += fall.at.weight[k] * points.normal[fall.at.point[k]].z;
       fall.up = std::max(up, kCarriesBelow);
       fall.own_up = std::max(here.place.support.z, kCarriesBelow);
+      // Two meshes never fit to the millimetre: this one's snow goes on below the other's.
+      if (!may_bridge && fall.other >= 0.0f) {
+        front.bridged = fall.weight * eased(fall.drop, kFarBelow * depth, kNearBelow * depth);
+        front.half_gap = kReachesOver * depth;
+        front.half_step = -0.5f * fall.drop;
+      }
     }
-    if (front.bridged > 0.0f) {
+    if (opposite.nearness > 0.0f) {
       const glm::vec3 across = here.place.foot + glm::vec3(0.0f, 0.0f, opposite.step) +
                                here.place.level_out * (opposite.gap + here.support * 1.02f);
       fronts.across[f] = inland.at(across, own, farthest, shelter);
@@ -274,13 +306,13 @@ void find_presence(Fronts& fronts, const SurfacePoints& points, const HeightSamp
     const size_t f = supports[i];
     const auto p = static_cast<size_t>(fronts.point[f]);
     held.push_back(held.back() + samples.area[p] * thickness[p]);
-    upright.push_back(upright.back() + samples.area[p] * fronts.behind(f, thickness).inland);
+    upright.push_back(upright.back() + samples.area[p] * fronts.behind(f, thickness, depth).inland);
   }
   base::for_each_item(fronts.front.size(), 64, [&](size_t f) {
     SnowFront& front = fronts.front[f];
     const float full = std::clamp(1.5f * fronts.room[f], 0.05f * depth, depth);
     // A front needs snow behind the rim in the last frame.
-    front.presence *= eased(fronts.behind(f, shown).inland, 0.06f * full, 0.3f * full);
+    front.presence *= eased(fronts.behind(f, shown, depth).inland, 0.06f * full, 0.3f * full);
     if (front.presence <= 0.0f) return;
     double holds = 0.0, most = 0.0;
     tree.visit_within(foot_of(f), kFullnessReach * depth, [&](int32_t begin, int32_t end) {

@@ -7,6 +7,8 @@
 
 #include "base/triangle_tree.h"
 #include "shaders/lib/snow_surface.h"
+#include "snow/surface/banks.h"
+#include "snow/surface/beyond.h"
 #include "snow/surface/feet.h"
 #include "snow/surface/height_samples.h"
 #include "snow/surface/nearest_points.h"
@@ -33,17 +35,22 @@ struct Fronts {
     float drop = 0.0f;
     float up = 1.0f;
     float own_up = 1.0f;
+    /// Thickness of the snow of another receiver there along the vertical, as a fraction of the
+    /// depth on open ground; below 0: the snow is of this receiver.
+    float other = -1.0f;
     float weight = 0.0f;
   };
   std::vector<Fall> fall;
   std::vector<Foot> feet;
+  std::vector<Bank> banks;
   /// Per point of the surface, unless there are no rims: 0 where a furrow is filled, else 1. The
   /// snow that fills it, partly below other pieces, does not count in the volume.
   std::vector<float> counted;
 
   size_t count() const { return point.size(); }
-  /// Mean heights behind the rims; bare points count as 0.
-  shared::SnowBehind behind(size_t number, const std::vector<float>& height) const;
+  /// Mean heights behind the rims; bare points count as 0. `open_depth`: as in SurfaceFrame.
+  shared::SnowBehind behind(size_t number, const std::vector<float>& height,
+                            float open_depth) const;
   /// Share of a front's shape in the surface, 0 to 1. A bridge is a front as a whole: it holds the
   /// snow that the map has in the gap.
   float presence(size_t number, const shared::SnowBehind& behind,
@@ -53,12 +60,14 @@ struct Fronts {
 /// All but the presence, which depends on the snow. Sets the normals of points near rims to those
 /// of the supporting faces: on a smooth-shaded cap the mean normals lean over the rim.
 /// @param zone the rim zones of the points.
-/// @param tree a tree over the receiver's triangles.
+/// @param receiver the receiver's faces; `tree`: a tree over its triangles.
+/// @param beyond the other receivers.
 /// @param wind as in SurfacePlan.
 /// @param noise_shift offset of positions in noise space, in depths.
 Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zone, const Rims& rims,
-                   const base::TriangleTree& tree, const glm::vec2& wind,
-                   const glm::vec3& noise_shift, float depth);
+                   const SurfaceMesh& receiver, const base::TriangleTree& tree,
+                   const Beyond& beyond, const glm::vec2& wind, const glm::vec3& noise_shift,
+                   float depth);
 
 /// Sets where snow ends in fronts, from the heights in the last frame.
 /// @param thickness thickness of the snow at the points, in metres.

@@ -16,7 +16,7 @@ namespace {
 constexpr float kSameGround = 0.3f;
 constexpr float kOnWall = 0.6f;
 /// Factor on the weights of neighbours at sharp points.
-constexpr float kSharp = 0.25f;
+constexpr float kSharpPart = 0.25f;
 
 void find_samples(HeightSamples& samples, const SurfaceMesh& mesh, const SurfaceSource& source) {
   const size_t count = mesh.position.size();
@@ -127,9 +127,9 @@ void sharpen(HeightSamples& samples, const std::vector<uint8_t>& is_sharp) {
   for (size_t p = 0; p < is_sharp.size(); ++p) {
     if (is_sharp[p] == 0) continue;
     for (int32_t i = samples.neighbour_begin[p]; i < samples.neighbour_begin[p + 1]; ++i) {
-      samples.neighbour_weight[i] *= kSharp;
+      samples.neighbour_weight[i] *= kSharpPart;
     }
-    samples.own_weight[p] = 1.0f - kSharp * (1.0f - samples.own_weight[p]);
+    samples.own_weight[p] = 1.0f - kSharpPart * (1.0f - samples.own_weight[p]);
   }
 }
 

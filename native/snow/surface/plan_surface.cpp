@@ -142,7 +142,7 @@ void drop_bare_sheets(SnowSurface& surface, const std::vector<float>& highest, f
 
 SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& last,
                          const std::vector<float>& highest, const std::vector<float>& dents,
-                         const SurfacePlan& plan) {
+                         const SurfacePlan& plan, const std::vector<Neighbour>& neighbours) {
   check(source, last);
   check(source, highest);
   std::vector<float> dented;
@@ -183,7 +183,8 @@ SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& 
   zones.find(points.mesh, zone);
   surface.samples = samples_of(points.mesh, source, smoothing, dented, depth);
   find_normals(points, surface.samples, kCrease * depth);
-  surface.fronts = find_fronts(points, zone, rims, tree, plan.wind, shift, depth);
+  surface.fronts =
+      find_fronts(points, zone, rims, receiver, tree, Beyond(neighbours), plan.wind, shift, depth);
   surface.looks = point_looks(points, surface.samples, zone, tree, shift, depth);
 
   const SurfaceFrame frame = frame_of(last, depth);

@@ -34,6 +34,8 @@ constexpr float kOneFace = 0.9998f;
 /// slope.
 constexpr float kFlatWidths = 1.1f;
 constexpr float kFlatSlope = 0.15f;
+/// Cosine of the least angle at which the surface behind a rim turns down from the supporting face.
+constexpr float kSameSide = 0.5f;
 /// Greatest number of triangles across a strip.
 constexpr int kMostSteps = 64;
 /// Position on an edge at which a strip is measured. The middle would hit the vertices of regular
@@ -57,10 +59,10 @@ float far_extent(const Rim& rim, const base::TriangleTree& tree, float most) {
 
 class RimFinder {
  public:
-  RimFinder(const SurfaceMesh& mesh, const std::vector<int32_t>& shading, float strip)
+  RimFinder(const SurfaceMesh& mesh, const std::vector<int32_t>& shading, const RimReach& reach)
       : mesh_(mesh),
         shading_(shading),
-        strip_(strip),
+        reach_(reach),
         edges_(surface_edges(mesh.triangle)),
         faces_(edge_corners(edges_)),
         normals_(triangle_normals(mesh)) {}
@@ -104,6 +106,7 @@ class RimFinder {
     found.rim.support = normals_[face];
     found.rim.far_normal = found.rim.down = glm::vec3(0.0f);
     found.rim.out = away(edge, face);
+    found.rim.extent = extent_behind(edge, face, found.rim.out);
     found.support = face;
   }
 
@@ -129,7 +132,7 @@ class RimFinder {
       const float across = glm::distance(next.at, step.at);
       const bool is_far = b.z <= kGoesDown && b.z <= a.z - kTurnsDown &&
                           glm::dot(a, b) <= (smooth ? kSharpSmooth : kSharp);
-      const bool goes_on = next.face >= 0 && width + across <= strip_ &&
+      const bool goes_on = next.face >= 0 && width + across <= reach_.strip &&
                            normals_[next.face].z >= (is_far ? kTurnsUnder : -1.0f) &&
                            normals_[next.face].z <= b.z + kTurns &&
                            (!is_far || normals_[next.face].z < b.z - kTurns);
@@ -155,6 +158,7 @@ class RimFinder {
     rim.far_normal = b;
     rim.out = out;
     rim.down = down;
+    rim.extent = extent_behind(edge, carrier, out);
     if (!strip.empty()) meet(rim, step.at - start, width);
     rim.strip_faces = edges_across;
     found.support = carrier;
@@ -169,6 +173,27 @@ class RimFinder {
     const float x = glm::dot(over, rim.out), y = glm::dot(over, rim.down);
     rim.strip_out = std::clamp((x - c * y) / square, 0.0f, width);
     rim.strip_down = std::clamp((y - c * x) / square, 0.0f, width);
+  }
+
+  /// Length of the supporting face behind an edge: to where the surface ends or turns down. A face
+  /// that ends at a wall counts twice: the snow is as thick there as in front of it.
+  float extent_behind(size_t edge, int32_t carrier, const glm::vec3& out) const {
+    const glm::vec3& from = mesh_.position[edges_.ends[edge][0]];
+    const glm::vec3& to = mesh_.position[edges_.ends[edge][1]];
+    const glm::vec3 start = glm::mix(from, to, kMeasured);
+    const glm::vec3 along = unit(to - from);
+    Step step{carrier, static_cast<int32_t>(edge), start};
+    for (int k = 0; k < kMostSteps; ++k) {
+      step = crossed(step, along, start);
+      const float back = glm::dot(start - step.at, out);
+      if (back >= reach_.support) break;
+      if (step.face < 0) return back;
+      const glm::vec3& next = normals_[step.face];
+      if (glm::dot(next, normals_[carrier]) < kSameSide) {
+        return glm::dot(next, out) < 0.0f ? back : std::min(2.0f * back, reach_.support);
+      }
+    }
+    return reach_.support;
   }
 
   /// True if the surface behind an edge is flat over some widths.
@@ -244,7 +269,7 @@ class RimFinder {
 
   const SurfaceMesh& mesh_;
   const std::vector<int32_t>& shading_;
-  float strip_;
+  RimReach reach_;
   SurfaceEdges edges_;
   std::vector<EdgeCorners> faces_;
   std::vector<glm::vec3> normals_;
@@ -285,8 +310,8 @@ void move_out(std::vector<Rim>& rims, size_t points) {
 
 std::vector<Rim> find_rims(const SurfaceMesh& mesh, const base::TriangleTree& tree,
                            const std::vector<int32_t>& shading, const std::vector<int32_t>& parts,
-                           float far_reach, float strip) {
-  const RimFinder finder(mesh, shading, strip);
+                           const RimReach& reach) {
+  const RimFinder finder(mesh, shading, reach);
   std::vector<RimFinder::Found> found(finder.edge_count());
   base::for_each_item(found.size(), 256, [&](size_t e) { found[e] = finder.find(e); });
   // Of rims along one strip, only the uppermost counts.
@@ -302,7 +327,7 @@ std::vector<Rim> find_rims(const SurfaceMesh& mesh, const base::TriangleTree& tr
   }
   move_out(rims, mesh.position.size());
   base::for_each_item(rims.size(), 64,
-                      [&](size_t r) { rims[r].far_extent = far_extent(rims[r], tree, far_reach); });
+                      [&](size_t r) { rims[r].far_extent = far_extent(rims[r], tree, reach.far); });
   return rims;
 }
 

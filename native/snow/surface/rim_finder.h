@@ -8,6 +8,12 @@
 
 namespace snowbough::snow {
 
+/// Distances in metres: the greatest ones searched over the supporting and down the far faces, and
+/// the greatest width of a strip.
+struct RimReach {
+  float support, far, strip;
+};
+
 /// Finds the rims of a mesh. A rim is an edge between a face that carries snow and one that goes
 /// down from it, an open edge of a face that carries snow, or a strip of narrow faces over which
 /// the surface turns down, such as a bevel. A strip gives one rim: the line at which the planes of
@@ -17,10 +23,8 @@ namespace snowbough::snow {
 /// @param tree a tree over the triangles of `mesh`.
 /// @param shading as in SurfaceSource.
 /// @param parts the result of face_parts.
-/// @param far_reach greatest distance searched down the far faces, in metres.
-/// @param strip greatest width of a strip, in metres.
 std::vector<Rim> find_rims(const SurfaceMesh& mesh, const base::TriangleTree& tree,
                            const std::vector<int32_t>& shading, const std::vector<int32_t>& parts,
-                           float far_reach, float strip);
+                           const RimReach& reach);
 
 }  // namespace snowbough::snow

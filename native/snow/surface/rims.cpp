@@ -43,6 +43,13 @@ glm::vec3 nearest_on(const Rim& rim, const glm::vec3& point) {
   return rim.from + std::clamp(share, 0.0f, 1.0f) * along;
 }
 
+/// True if a point, as seen from its nearest point of the rim, lies behind the end of the rim's
+/// supporting face.
+bool is_past_face(const Rim& rim, const glm::vec3& from_foot) {
+  constexpr float kSlack = 1.1f;
+  return -glm::dot(from_foot, rim.out) > kSlack * rim.extent + rim.strip_out + 1e-6f;
+}
+
 /// A point relative to one rim.
 struct Beside {
   float distance = 0.0f;
@@ -84,6 +91,7 @@ bool is_beside(const Rim& rim, const glm::vec3& point, const glm::vec3& foot,
   // A point outwards of the rim lies on another face that is about as level.
   if (on_support && glm::dot(point - foot, rim.out) > kOutwards * beside.distance + 1e-6f)
     return false;
+  if (on_support && is_past_face(rim, point - foot)) return false;
   const glm::vec3& plane = on_support ? rim.support : rim.far_normal;
   const float strip = rim.strip_out + rim.strip_down;
   if (std::abs(glm::dot(point - foot, plane)) > kOffPlane * beside.distance + strip + 1e-6f)
@@ -99,7 +107,7 @@ Rims::Rims(const SurfaceMesh& mesh, const base::TriangleTree& tree,
            const std::vector<int32_t>& shading, float reach, float far_reach, float strip)
     : part_of_triangle_(face_parts(mesh)), reach_(reach) {
   const std::vector<Rim> found =
-      find_rims(mesh, tree, shading, part_of_triangle_, far_reach, strip);
+      find_rims(mesh, tree, shading, part_of_triangle_, {2.0f * reach, far_reach, strip});
   const auto for_rims = [&](const auto& visit) {
     for (const Rim& rim : found) visit(rim.part, rim);
   };
@@ -172,6 +180,7 @@ RimPlace Rims::place(const glm::vec3& point, const glm::vec3& normal, int32_t pa
     place.foot += weight * one.foot;
     place.support += weight * rim.support;
     place.far_extent += weight * rim.far_extent;
+    place.extent += weight * rim.extent;
     place.strip += weight * (rim.strip_out + rim.strip_down);
     if (counted < place.parts.size()) place.parts[counted++] = {one.rim, weight, one.foot};
     sum += weight;
@@ -190,6 +199,7 @@ RimPlace Rims::place(const glm::vec3& point, const glm::vec3& normal, int32_t pa
   place.down /= sum * std::max(down, 0.3f);
   place.foot /= sum;
   place.far_extent /= sum;
+  place.extent /= sum;
   place.support = unit(place.support);
   place.has_far = first.far_normal != glm::vec3(0.0f);
   return place;
@@ -202,7 +212,9 @@ float Rims::distance(const glm::vec3& point, const glm::vec3& normal, int32_t pa
     const Rim& rim = rims_[number];
     const bool may_carry = glm::dot(rim.support, normal) >= kSameFace;
     if (!may_carry && !(far_too && glm::dot(rim.far_normal, normal) >= kSameFace)) return;
-    nearest = std::min(nearest, glm::distance(point, nearest_on(rim, point)));
+    const glm::vec3 foot = nearest_on(rim, point);
+    if (may_carry && is_past_face(rim, point - foot)) return;
+    nearest = std::min(nearest, glm::distance(point, foot));
   });
   return nearest;
 }
@@ -223,6 +235,7 @@ float Rims::room(const RimPlace& place, int32_t part, float most, bool narrow) c
     }
     return false;
   };
+  most = std::min(most, 0.5f * place.extent);
   float step = most / kSteps;
   while (narrow && step > 1e-3f * most && passes_middle(step)) step *= 0.5f;
   float room = 0.0f;

@@ -24,6 +24,9 @@ struct Rim {
   glm::vec3 out, down;
   /// Length of the far face below the middle of the rim, in metres, up to the distance searched.
   float far_extent = 0.0f;
+  /// Length of the supporting face behind the middle of the rim, up to where the surface ends or
+  /// turns down, in metres, up to the distance searched; twice the length up to a wall.
+  float extent = 0.0f;
   /// Distances from the rim to the strip's upper edge, against `out`, and to its lower edge, along
   /// `down`, in metres; 0 at an edge.
   float strip_out = 0.0f;
@@ -52,7 +55,7 @@ struct RimPlace {
   int32_t strip_faces = 0;
   glm::vec3 out{0.0f}, level_out{0.0f}, down{0.0f}, foot{0.0f}, support{0.0f};
   bool has_far = false;
-  float far_extent = 0.0f;
+  float far_extent = 0.0f, extent = 0.0f;
   /// The rims of which the place is the mean: the nearest ones, with weights that sum to 1.
   struct Part {
     int32_t rim = 0;
@@ -90,7 +93,7 @@ class Rims {
   float distance(const glm::vec3& point, const glm::vec3& normal, int32_t part, bool far_too) const;
 
   /// Free width of the supporting face behind `place.foot` in metres: the distance to the middle
-  /// between this rim and those opposite, at most `most`.
+  /// between this rim and those opposite or the end of the face, at most `most`.
   /// `narrow`: also of tops that are narrower than a few steps of the search, which else count as
   /// wide.
   float room(const RimPlace& place, int32_t part, float most, bool narrow = true) const;

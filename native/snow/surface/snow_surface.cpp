@@ -63,7 +63,7 @@ std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& styl
     for (size_t f = begin; f < end; ++f) {
       const auto p = static_cast<size_t>(fronts.point[f]);
       const SnowFront& front = fronts.front[f];
-      const SnowBehind behind = fronts.behind(f, heights.shown);
+      const SnowBehind behind = fronts.behind(f, heights.shown, frame.open_depth);
       const SnowJoin join = snow_join(front, style, behind);
       const float presence = fronts.presence(f, behind, join);
       if (presence <= 0.0f) continue;
@@ -75,6 +75,7 @@ std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& styl
       offsets[p] = glm::mix(offsets[p], drawn, presence);
     }
   });
+  bury_banks(fronts.banks, heights.thickness, heights.shown, up, frame.open_depth, offsets);
   return offsets;
 }
 
@@ -104,7 +105,7 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
   });
   std::vector<float> front(count, 0.0f);
   base::for_each_item(fronts.count(), 1024, [&](size_t f) {
-    const SnowBehind behind = fronts.behind(f, heights.thickness);
+    const SnowBehind behind = fronts.behind(f, heights.thickness, frame.open_depth);
     front[fronts.point[f]] = fronts.presence(f, behind, snow_join(fronts.front[f], style, behind));
   });
   const Borders borders = find_borders(points, samples, heights.thickness, threshold, heights.shown,
@@ -140,7 +141,7 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
       const SnowFront& front = fronts.front[f];
       if (front.distance < 0.0f) continue;
       const auto p = static_cast<size_t>(fronts.point[f]);
-      const SnowBehind behind = fronts.behind(f, heights.shown);
+      const SnowBehind behind = fronts.behind(f, heights.shown, frame.open_depth);
       const SnowJoin join = snow_join(front, style, behind);
       // Snow that goes on beyond the rim holds what the map holds.
       const float height = behind.inland * glm::mix(kUpright, front.full, join.joined);

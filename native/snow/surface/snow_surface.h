@@ -70,11 +70,12 @@ struct SnowSurface {
 /// Makes the surface once, from the receiver's pose and the heights in the shot's last frame.
 /// @param dents  by how much the snow ever lay lower than before, of the whole shot, in metres: the
 ///   surface is finer and less smoothed at the walls of prints and tracks; empty: there are none.
+/// @param neighbours  other receivers near this one, with the snow of `last`.
 /// @throws std::invalid_argument if a map does not have resolution^2 texels, or if the positions or
 /// the shading do not match the source.
 SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& last,
                          const std::vector<float>& highest, const std::vector<float>& dents,
-                         const SurfacePlan& plan);
+                         const SurfacePlan& plan, const std::vector<Neighbour>& neighbours = {});
 
 /// Heights of one frame at the points on the receiver, in metres.
 struct SurfaceHeightsNow {

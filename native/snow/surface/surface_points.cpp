@@ -13,6 +13,8 @@ namespace {
 
 /// Half of Phong tessellation is exact on a sphere.
 constexpr float kCurvature = 0.5f;
+/// Difference of the normals at the ends of an edge, along the edge, over which a crease is hollow.
+constexpr float kHollow = 0.15f;
 
 }  // namespace
 
@@ -96,7 +98,9 @@ void find_normals(SurfacePoints& points, const HeightSamples& samples, float rea
   }
   for (glm::vec3& one : normal) one = unit(one);
   // Snow bends over creases between flat faces with a radius of about its depth.
+  // Over hollow creases it does not: normals that lean together would push it into itself.
   constexpr int kRounds = 12;
+  const std::vector<glm::vec3> unsmoothed = normal;
   std::vector<glm::vec3> before;
   for (int round = 0; round < kRounds; ++round) {
     before = normal;
@@ -105,6 +109,8 @@ void find_normals(SurfacePoints& points, const HeightSamples& samples, float rea
       for (int32_t i = samples.neighbour_begin[p]; i < samples.neighbour_begin[p + 1]; ++i) {
         const glm::vec3 apart =
             points.mesh.position[p] - points.mesh.position[samples.neighbour[i]];
+        const glm::vec3 bend = unsmoothed[p] - unsmoothed[samples.neighbour[i]];
+        if (glm::dot(bend, apart) < -kHollow * glm::length(apart)) continue;
         sum += before[samples.neighbour[i]] *
                (samples.neighbour_weight[i] > 0.0f
                     ? 0.5f * std::exp(-glm::dot(apart, apart) / (reach * reach))

@@ -57,6 +57,7 @@ WITHOUT_BLENDER = (
     "cache.coverage",
     "surface.compute",
     "surface.mesh_file",
+    "surface.neighbours",
     "surface.point_cache",
     "surface.recording",
     "surface.style",

@@ -12,7 +12,7 @@ import snowbough_native as native
 from cache_files import write_bake, written
 from snowbough.cache import files
 from snowbough.cache.errors import CacheError
-from snowbough.surface import compute, mesh_file, point_cache, recording
+from snowbough.surface import compute, mesh_file, neighbours, point_cache, recording
 from snowbough.surface.style import SurfaceStyle, WantedPoints, shared_out
 
 SIZE = 64
@@ -92,6 +92,33 @@ def mesh_of(count=3, smooth=None):
         numbers.random((2, 3, 2), np.float32),
         smooth,
     )
+
+
+# -- The receivers beside ---------------------------------------------------------------------------------
+
+
+def beside(metres):
+    return np.array([[1, 0, 0, metres], [0, 1, 0, 0], [0, 0, 1, -0.05], [0, 0, 0, 1]], np.float32)
+
+
+def test_what_stands_near_is_found_with_its_snow(folder):
+    baked(folder.parent / "ground", matrices=[beside(2.02)] * 3)
+    baked(folder.parent / "far", matrices=[beside(9.0)] * 3)
+    ((triangles, uv, positions, height),) = neighbours.near(native, folder)
+    assert np.array_equal(triangles, TRIANGLES) and uv.shape == (2, 3, 2)
+    assert positions[:, 0].min() == pytest.approx(1.02)
+    assert (height == np.float32(DEPTHS[-1])).all()
+
+
+def test_what_moves_during_the_shot_has_no_neighbours_and_is_none(folder):
+    moving = baked(folder.parent / "cart", matrices=[beside(0.1 * k) for k in range(3)])
+    assert neighbours.near(native, folder) == [] == neighbours.near(native, moving)
+
+
+def test_a_damaged_neighbour_is_left_out(folder):
+    other = baked(folder.parent / "ground", matrices=[beside(2.02)] * 3)
+    (other / files.RECEIVER).write_bytes(b"ply")
+    assert neighbours.near(native, folder) == []
 
 
 # -- PC2 ------------------------------------------------------------------------------------------------

@@ -1,0 +1,69 @@
+#include "snow/surface/beyond.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <stdexcept>
+
+#include "snow/surface/map_sampler.h"
+#include "snow/surface/vectors.h"
+
+namespace snowbough::snow {
+namespace {
+
+/// Least upward component of the normal of a face that gives the thickness of its snow.
+constexpr float kCarriesSnow = 0.3f;
+
+}  // namespace
+
+Beyond::Beyond(const std::vector<Neighbour>& neighbours) : neighbours_(neighbours) {
+  for (const Neighbour& one : neighbours) {
+    const MapTopology& topology = one.source.topology;
+    const auto texels = static_cast<size_t>(topology.resolution) * topology.resolution;
+    if (topology.resolution < 2 || one.height.size() != texels) {
+      throw std::invalid_argument("a neighbour's map must be resolution x resolution");
+    }
+    const auto first = static_cast<int32_t>(position_.size());
+    first_point_.push_back(first);
+    first_triangle_.push_back(static_cast<int32_t>(triangle_.size()));
+    position_.insert(position_.end(), one.source.positions.begin(), one.source.positions.end());
+    const std::vector<int32_t>& corner = topology.triangles;
+    for (size_t c = 0; c < corner.size(); c += 3) {
+      triangle_.push_back({first + corner[c], first + corner[c + 1], first + corner[c + 2]});
+    }
+  }
+  if (triangle_.empty()) return;
+  tree_ = std::make_unique<base::TriangleTree>(
+      position_, triangle_, std::vector<int32_t>{0, static_cast<int32_t>(triangle_.size())});
+}
+
+Beyond::Below Beyond::below(const glm::dvec3& place, double most) const {
+  Below found;
+  if (!tree_) return found;
+  const base::TriangleTree::Hit hit = tree_->first_along(0, place, {0.0, 0.0, -1.0}, 1e-5, most);
+  if (hit.triangle < 0) return found;
+  found.drop = hit.distance;
+  const auto& corner = triangle_[hit.triangle];
+  const glm::vec3 a = position_[corner[0]];
+  const glm::vec3 ab = position_[corner[1]] - a, ac = position_[corner[2]] - a;
+  const glm::vec3 cross = glm::cross(ab, ac);
+  const float up = std::abs(unit(cross).z);
+  if (up < kCarriesSnow) return found;
+  // The level coordinates of the place give its position in the triangle.
+  const glm::vec3 to = glm::vec3(place) - a;
+  const float second = (to.x * ac.y - to.y * ac.x) / cross.z;
+  const float third = (ab.x * to.y - ab.y * to.x) / cross.z;
+  const auto last = std::upper_bound(first_triangle_.begin(), first_triangle_.end(), hit.triangle);
+  const auto n = static_cast<size_t>(last - first_triangle_.begin()) - 1;
+  const Neighbour& one = neighbours_[n];
+  const size_t t = static_cast<size_t>(hit.triangle - first_triangle_[n]) * 3;
+  const std::vector<glm::vec2>& uv = one.source.topology.corner_uv;
+  const glm::vec2 at = uv[t] * (1.0f - second - third) + uv[t + 1] * second + uv[t + 2] * third;
+  const int32_t resolution = one.source.topology.resolution;
+  found.thickness =
+      std::abs(map_value(one.height.data(), resolution, map_place(at, resolution))) / up;
+  return found;
+}
+
+}  // namespace snowbough::snow

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "base/triangle_tree.h"
+#include "snow/surface/surface_mesh.h"
+
+namespace snowbough::snow {
+
+/// Another receiver that stands near, with its snow.
+struct Neighbour {
+  SurfaceSource source;
+  /// Thickness along the normals, resolution x resolution, in metres.
+  std::vector<float> height;
+};
+
+/// The faces of the other receivers, for what lies beyond the rims of one.
+class Beyond {
+ public:
+  explicit Beyond(const std::vector<Neighbour>& neighbours);
+
+  struct Below {
+    /// Metres below the place; infinite: nothing.
+    double drop = std::numeric_limits<double>::infinity();
+    /// Thickness of the snow there along the vertical, in metres.
+    float thickness = 0.0f;
+  };
+  /// The first face straight below a place, at most `most` metres below.
+  Below below(const glm::dvec3& place, double most) const;
+
+ private:
+  const std::vector<Neighbour>& neighbours_;
+  /// Where the points and the triangles of each neighbour begin.
+  std::vector<int32_t> first_point_, first_triangle_;
+  std::vector<glm::vec3> position_;
+  std::vector<std::array<int32_t, 3>> triangle_;
+  std::unique_ptr<base::TriangleTree> tree_;
+};
+
+}  // namespace snowbough::snow
