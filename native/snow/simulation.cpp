@@ -106,7 +106,8 @@ void SnowSimulation::replace_object(ObjectDescription description) {
 }
 
 void SnowSimulation::step(const PositionMap& positions, double depth, const glm::dvec3& direction,
-                          double dt, const std::set<std::string>& hidden, const glm::dvec3& sun) {
+                          double dt, const std::set<std::string>& hidden, const glm::dvec3& sun,
+                          const glm::dvec2& wind) {
   const std::scoped_lock lock(mutex_);
   EngineScene& scene = this->scene();
   if (!std::isfinite(depth)) {
@@ -115,6 +116,10 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
   const double shines = glm::length(sun);
   if (!std::isfinite(shines)) {
     throw std::invalid_argument("step: sun must be three finite numbers");
+  }
+  const double blows = glm::length(wind);
+  if (!std::isfinite(blows)) {
+    throw std::invalid_argument("step: wind must be two finite numbers");
   }
   if (!std::isfinite(dt) || dt < 0.0) {
     throw std::invalid_argument("step: dt must be 0 seconds or more");
@@ -148,7 +153,9 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
                             .is_wet = settings_.wet,
                             .soak = settings_.soak,
                             .wet_spread = settings_.wet_spread,
-                            .drying = settings_.drying}},
+                            .drying = settings_.drying},
+                   .drift = {.wind = blows > 0.0 ? wind / blows : glm::dvec2(0.0),
+                             .flux = settings_.drift * dt}},
       .sun = shines > 0.0 ? sun / shines : glm::dvec3(0.0),
       .dt = dt,
       .tile_size = settings_.tile_size};

@@ -59,11 +59,13 @@ class SnowSimulation {
   /// have been given once. Objects in `hidden` keep their snow, gain none and block none in this
   /// step. `depth`: metres on open level ground, negative for snow that thaws there (MeltSettings);
   /// `direction`: of the fall and of rain, downwards, any length; `sun`: of its light, 0 without
-  /// sun; `dt`: seconds for sliding and repose (0: no snow moves).
+  /// sun; `dt`: seconds for sliding and repose (0: no snow moves); `wind`: the horizontal direction
+  /// in which snow drifts, any length, 0: it does not.
   /// @throws std::invalid_argument with the object's name for an unknown name, a vertex count that
   /// is too small or differs from the step before, or positions that are not finite.
   void step(const PositionMap& positions, double depth, const glm::dvec3& direction, double dt,
-            const std::set<std::string>& hidden = {}, const glm::dvec3& sun = {});
+            const std::set<std::string>& hidden = {}, const glm::dvec3& sun = {},
+            const glm::dvec2& wind = {});
 
   /// Applies other settings from the next step on; the snow stays. Numbers that cannot change (see
   /// NumberSetting), tile_size and engine keep their first values.

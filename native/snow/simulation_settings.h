@@ -27,6 +27,7 @@ struct SimulationSettings {
   double soak = 0.002;
   double wet_spread = 0.05;
   double drying = 4.0;
+  double drift = 0.0;
   double blur_radius = 0.0;
   double throw_speed = 0.3;
   double spread = 0.12;
@@ -158,6 +159,12 @@ inline constexpr NumberSetting kNumberSettings[] = {
      .least = kOverZero,
      .range = "over 0 seconds",
      .meaning = "half-life of water on bare ground in the sun"},
+    {.name = "drift",
+     .field = &SimulationSettings::drift,
+     .most = 100.0,
+     .range = "0 to 100 m2 per second",
+     .meaning = "lying snow that the wind carries past each metre across it on open ground, in m3 "
+                "per second; 0: no drifts"},
     {.name = "blur_radius",
      .field = &SimulationSettings::blur_radius,
      .range = "0 metres or more",

@@ -179,15 +179,16 @@ struct ObjectSums {
   /// Volume that came onto the map through the air.
   double landed;
   double total_landed;
-  /// Volume that masks have refused, that objects have pressed or cleared away, and that has melted: in the last step
-  /// all of it, of all steps each kind.
+  /// Volume that masks have refused, that objects have pressed or cleared away, that has melted, and that the wind has
+  /// carried away less what it has brought: in the last step all of it, of all steps each kind.
   double removed;
   double total_masked;
   double total_pressed;
   double total_cleared;
   double total_melted;
+  double total_drifted;
 };
-SNOWBOUGH_SHARED_SIZE(ObjectSums, 136)
+SNOWBOUGH_SHARED_SIZE(ObjectSums, 144)
 
 const uint kReceives = 0x80000000u;
 const uint kTwoSided = 0x40000000u;

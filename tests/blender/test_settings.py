@@ -27,6 +27,7 @@ OTHER = {
     "soak": 0.003,
     "wet_spread": 0.1,
     "drying": 2.0,
+    "drift": 0.25,
     "wet": True,
     "landing": False,
     "throw_speed": 0.7,

@@ -25,7 +25,7 @@ FLOORS = {
 ROOMS = {
     "native/render": "data draw tree snow",
     "native/snow": "state texels seams scene movement output surface step",
-    "native/snow/movement": "moving_map.h rays repose press melt",
+    "native/snow/movement": "moving_map.h rays repose press melt drift",
     "native/snow/step": "engine cpu gl",
     "native/snow/step/cpu": "kernel.h occlusion",
     "native/snow/step/gl": "scene_buffers.h occlusion.h geometry",

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..cache.folder import checkpoints
 from ..cache.journal import packed
 from ..cache.ledger import COMMON, REMOVED
-from . import memory
+from . import memory, plan
 from .request import FrameResult
 from .simulation import driver_text, other_engine
 
@@ -19,7 +19,7 @@ class FrameWork:
 
     frame: int
     poses: list
-    """(scene.tracker.Changes, direction of the fall, further arguments of steps, [plan.Step, ...]) of each pose."""
+    """(scene.tracker.Changes, direction of the fall, scene.pose.ScenePose, [plan.Step, ...]) of each pose."""
     inputs: list
     """Fingerprints of the poses since the frame before (scene.inputs)."""
     depth: float
@@ -79,7 +79,7 @@ class FrameBaker:
         if not self._between_frames:
             raise RuntimeError("The previous frame failed: start the bake again")
         self._between_frames = False
-        for changes, direction, weather, steps in work.poses:
+        for changes, direction, pose, steps in work.poses:
             self._registry.register_changes(changes.added)
             self._registry.set_effects(changes.masks, changes.pressers)
             self._positions.update(changes.moved)
@@ -91,7 +91,7 @@ class FrameBaker:
                     direction=direction,
                     dt=step.dt,
                     hidden=changes.hidden,
-                    **weather,
+                    **plan.weather(pose, step.sheds),
                 )
                 self._positions = {}
         self._follow_engine()
@@ -163,7 +163,7 @@ class FrameBaker:
                 "direction": list(work.poses[-1][1]),
                 "to_world": work.places[receiver.key].ravel().tolist(),
             }
-            # Only where masks, objects or thaw have removed snow.
+            # Only where masks, objects, thaw or wind have removed snow.
             for name in REMOVED:
                 if total[f"{name}_volume"] != 0.0:
                     entry[name] = float(total[f"{name}_volume"])

@@ -506,8 +506,7 @@ class BakeJob:
         for at, steps in self._poses(run.snowfall, frame):
             pose = run.evaluate(*at)
             direction = plan.fall_direction(pose.fall_angle, pose.bearing)
-            weather = {"sun": pose.sun} if any(pose.sun) else {}
-            poses.append((self._tracker.register_changes(pose, *at), direction, weather, steps))
+            poses.append((self._tracker.register_changes(pose, *at), direction, pose, steps))
         self._record(frame, pose)
         if self._finished is not None and frame <= self._finished.last:
             resuming.compare_scenes(

@@ -62,7 +62,7 @@ class Step:
     dt: float
     """Seconds."""
     sheds: bool = True
-    """Whether leaves and boughs shed."""
+    """Whether leaves and boughs shed, and snow drifts."""
 
 
 @dataclass(frozen=True)
@@ -217,6 +217,12 @@ def fall_direction(fall_angle, bearing):
             f"{math.degrees(MAX_FALL_ANGLE):g}"
         )
     return unit_direction(fall_angle, bearing)
+
+
+def weather(pose, blows=True):
+    """Further arguments of the native step for a scene.pose.ScenePose. blows: whether snow may drift."""
+    sun = {"sun": pose.sun} if any(pose.sun) else {}
+    return {**sun, "wind": unit_direction(math.pi / 2, pose.bearing)[:2]} if blows else sun
 
 
 def unit_direction(fall_angle, bearing):

@@ -163,7 +163,7 @@ def _settings(scene):
 
 
 def _without_effect(settings):
-    """Settings of thaw, water and dust that cannot work."""
+    """Settings of thaw, water, dust and drifts that cannot work."""
     thaws, stays = settings.end_depth < settings.start_depth, not memory.has_repose(settings.repose)
     if settings.sun is not None and not thaws and not settings.wet:
         yield "The Sun thaws nothing: set End Depth below Start Depth, or switch Wet Ground on"
@@ -177,6 +177,8 @@ def _without_effect(settings):
         yield "Adhesion needs a Repose of 90°: below it, walls shed what sticks to them"
     if settings.rising > 0.0 and settings.adhesion == 0.0:
         yield "What is Rising sticks to no underside: set Adhesion"
+    if settings.drift > 0.0 and stays:
+        yield "Drifts keep steep sides with a Repose of 90°: lower it"
     if settings.granular and stays:
         yield "Granular needs a Repose below 90°: at 90° nothing moves"
 

@@ -4,9 +4,10 @@
 ``<scene>/v001/ledger.json`` is computed from the manifests of a version's receivers when the last of them is finished,
 so machines that share a bake need no common file. In every frame::
 
-    fallen + stretched = held + floor + left + air + masked + pressed + cleared + melted
+    fallen + stretched = held + floor + left + air + masked + pressed + cleared + melted + drifted
 
-The last four, what masks, objects and thaw take away, are there only if there is any.
+The last five, what masks, objects, thaw and wind take away, are there only if there is any; ``drifted`` is below 0
+where the wind has brought more than it took.
 """
 
 import math
@@ -24,8 +25,8 @@ OWN = {"fallen": "fallen", "held": "volume", "stretched": "stretched"}
 # Of the whole scene, in the entries of each receiver: m3 on objects that are no receivers, outside the scene, and in
 # the air.
 COMMON = ("floor", "left", "air")
-# Of each receiver, in the entries of those from which masks, objects or thaw have taken snow.
-REMOVED = ("masked", "pressed", "cleared", "melted")
+# Of each receiver, in the entries of those from which masks, objects, thaw or wind have taken snow.
+REMOVED = ("masked", "pressed", "cleared", "melted", "drifted")
 
 # Smaller shares are not worth a word.
 LEAST = 0.02

@@ -70,7 +70,7 @@ def is_whole(manifest, lines):
 LATER = {
     **{"adhesion": 0.0, "rising": 0.0, "granular": False},
     **{"density": 100.0, "sun_share": 0.7, "unevenness": 0.25},
-    **{"rain": 0.0, "soak": 0.002, "wet_spread": 0.05, "drying": 4.0},
+    **{"rain": 0.0, "soak": 0.002, "wet_spread": 0.05, "drying": 4.0, "drift": 0.0},
 }
 
 

@@ -125,7 +125,7 @@ _FRAME = {
     "volume": Maybe(number),
     "slid": Maybe(number),
     "landed": Maybe(number),
-    **dict.fromkeys(("masked", "pressed", "cleared", "melted"), Maybe(number)),
+    **dict.fromkeys(("masked", "pressed", "cleared", "melted", "drifted"), Maybe(number)),
     **dict.fromkeys(("fallen", "stretched", "floor", "left", "air"), Maybe(number)),
     "highest": Maybe(number),
     "direction": Maybe((_cosine,) * 3),

@@ -75,8 +75,9 @@ class PreviewSettings:
         )
 
     @property
-    def thaws(self):
-        return self.snowfall.totals[-1] < self.snowfall.preroll
+    def can_scale(self):
+        """Whether another depth scales the snow: not where it thaws or drifts."""
+        return self.snowfall.totals[-1] >= self.snowfall.preroll and not self.snow["drift"]
 
     def total(self, frame):
         """Snow depth in metres on open, level ground after a frame."""
@@ -203,7 +204,7 @@ class Playback:
         moved, self._moved = self._moved, {}
         self._registry.shed(sheds)
         direction = plan.fall_direction(pose.fall_angle, pose.bearing)
-        weather = {"sun": pose.sun} if any(pose.sun) else {}
+        weather = plan.weather(pose, sheds)
         self.simulation.step(moved, depth=depth, direction=direction, dt=dt, hidden=self._hidden, **weather)
 
     def _settle_pose(self, pose):
@@ -325,8 +326,8 @@ class Playback:
             for key, own in self.maps.items():
                 self.simulation.set_blur_radius(key, settings.blur_radius * own.baked_texel)
             changed = True
-        # Snow that thaws cannot be scaled.
-        self.stale |= settings.snowfall != before.snowfall and (settings.thaws or before.thaws)
+        can_scale = settings.can_scale and before.can_scale
+        self.stale |= settings.snowfall != before.snowfall and not can_scale
         if settings.snowfall != before.snowfall and not self.stale:
             changed |= self._apply_depth(before)
         return changed

@@ -205,7 +205,7 @@ class SceneReader:
 
     def _gather(self, depsgraph):
         """key -> _Group of all objects that the render shows."""
-        groups = {}
+        groups, drifts = {}, depsgraph.scene.snowbough.drift > 0.0
         for instance in depsgraph.object_instances:
             obj = instance.object
             if obj.type not in SURFACE_TYPES:
@@ -213,7 +213,7 @@ class SceneReader:
             if not (instance.is_instance or instance.show_self):
                 continue
             original = obj.original
-            press = press_of(original.snowbough)
+            press = press_of(original.snowbough, drifts)
             if original.snowbough.is_shell or not (original.snowbough.occlude or press):
                 continue
             group, order = self._group_of(instance, obj, original, groups)

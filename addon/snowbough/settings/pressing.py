@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What an object does to the snow of receivers that it touches."""
 
-from bpy.props import EnumProperty, FloatProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
 KINDS = (
     ("NONE", "Nothing", "Snow lies as if this object did not touch it"),
@@ -54,13 +54,21 @@ class PressProperties:
         max=100.0,
         soft_max=1.0,
     )
+    blocks_wind: BoolProperty(
+        name="Blocks Wind",
+        description="Drifts form in the shelter of this object, and the wind carries its snow. If off, the wind passes "
+        "it, as a tree or a loose fence",
+        default=True,
+    )
 
 
 NUMBERS = ("packed_density", "pushed_aside", "rim_width", "walls_stand")
 
 
-def press_of(settings):
-    """The arguments of the native set_presser, from ``object.snowbough``; None if the object does nothing to snow."""
+def press_of(settings, drifts=False):
+    """The arguments of the native set_presser, from ``object.snowbough``; None for those that objects have at first.
+    drifts: whether the wind carries snow."""
+    passes = {"blocks_wind": False} if drifts and settings.occlude and not settings.blocks_wind else {}
     if settings.press == "NONE":
-        return None
-    return {"kind": settings.press, **{name: getattr(settings, name) for name in NUMBERS}}
+        return {"kind": "NONE", **passes} if passes else None
+    return {"kind": settings.press, **{name: getattr(settings, name) for name in NUMBERS}, **passes}

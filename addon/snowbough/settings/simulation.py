@@ -146,6 +146,17 @@ class SnowProperties:
         min=1e-3,
         soft_max=120.0,
     )
+    drift: FloatProperty(
+        name="Drift",
+        description="Lying snow that the wind carries along Bearing past each metre across it, over open ground, in a "
+        "second of the shot. Higher values give larger drifts sooner. 0: none (square metres)",
+        default=0.0,
+        min=0.0,
+        max=100.0,
+        soft_max=2.0,
+        step=1.0,
+        precision=3,
+    )
     landing: BoolProperty(
         name="Landing",
         description="Snow that slides or falls off lands on what lies below, and meets the snow of other receivers. "
@@ -214,6 +225,7 @@ STABILITY_ROWS = (
     ("landing",),
 )
 THAW_ROWS = (("sun_share", "unevenness", "density"),)
+DRIFT_ROWS = (("drift", "bearing"),)
 WATER_ROWS = (("rain",), ("soak", "wet_spread", "drying"))
 ADVANCED_ROWS = (
     ("seed", "noise_density"),

@@ -142,6 +142,7 @@ def create_tree(context, title, tree, options, own):
         for obj in (*barks, *leaves):
             collection.objects.link(obj)
             objects.bind(obj, rig)
+            obj.snowbough.blocks_wind = False
         # Only the finest level of a chain is visible: all levels are in the same place.
         for bark in barks[1:]:
             bark.hide_render = True

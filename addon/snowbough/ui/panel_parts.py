@@ -193,6 +193,7 @@ def draw_pressing(layout, settings):
     """What an object does to snow. settings: ``object.snowbough``."""
     column = layout.column()
     column.use_property_split = True
+    column.prop(settings, "blocks_wind")
     column.prop(settings, "press")
     if settings.press == "PRESS":
         for name in pressing.NUMBERS:

@@ -144,6 +144,12 @@ class SNOWBOUGH_PT_thaw(_Settings, bpy.types.Panel):
         self.layout.operator_menu_enum("snowbough.set_preset", "preset", icon="PRESET")
 
 
+class SNOWBOUGH_PT_drift(_Settings, bpy.types.Panel):
+    bl_label = "Drifts"
+    bl_options = {"DEFAULT_CLOSED"}
+    names = simulation.DRIFT_ROWS
+
+
 class SNOWBOUGH_PT_cache(_Settings, bpy.types.Panel):
     bl_label = "Maps and Cache"
     bl_options = {"DEFAULT_CLOSED"}
@@ -295,6 +301,7 @@ CLASSES = (
     SNOWBOUGH_PT_snowfall,
     SNOWBOUGH_PT_stability,
     SNOWBOUGH_PT_thaw,
+    SNOWBOUGH_PT_drift,
     SNOWBOUGH_PT_cache,
     SNOWBOUGH_PT_advanced,
     SNOWBOUGH_PT_preflight,

@@ -92,7 +92,7 @@ void give_object(SnowSimulation& simulation, const std::string& name,
 
 void step(SnowSimulation& simulation, const py::dict& positions, double depth,
           const std::array<double, 3>& direction, double dt, const std::set<std::string>& hidden,
-          const std::array<double, 3>& sun) {
+          const std::array<double, 3>& sun, const std::array<double, 2>& wind) {
   std::vector<InputArray<float>> arrays;  // keeps converted copies alive
   snow::PositionMap map;
   for (const auto& [key, value] : positions) {
@@ -109,7 +109,7 @@ void step(SnowSimulation& simulation, const py::dict& positions, double depth,
   }
   const ReleasedGil release;
   simulation.step(map, depth, {direction[0], direction[1], direction[2]}, dt, hidden,
-                  {sun[0], sun[1], sun[2]});
+                  {sun[0], sun[1], sun[2]}, {wind[0], wind[1]});
 }
 
 /// Applies the given settings; the others stay.
@@ -156,14 +156,16 @@ void set_mask(SnowSimulation& simulation, const std::string& name, const py::obj
 }
 
 void set_presser(SnowSimulation& simulation, const std::string& name, const std::string& kind,
-                 double packed_density, double pushed_aside, double rim_width, double walls_stand) {
+                 double packed_density, double pushed_aside, double rim_width, double walls_stand,
+                 bool blocks_wind) {
   using Kind = snow::PressSettings::Kind;
   const Kind chosen = choose<Kind>("kind", kind,
                                    {{"NONE", Kind::kNone},
                                     {"PRESS", Kind::kPress},
                                     {"PLOUGH", Kind::kPlough},
                                     {"CLEAR", Kind::kClear}});
-  simulation.set_presser(name, {chosen, packed_density, pushed_aside, rim_width, walls_stand});
+  simulation.set_presser(
+      name, {chosen, packed_density, pushed_aside, rim_width, walls_stand, blocks_wind});
 }
 
 /// Returns a receiver's map: height or texel_area.
@@ -237,6 +239,7 @@ py::dict balance_dict(const snow::StatisticsPair& pair) {
   total["pressed_volume"] = pair.total.pressed_volume;
   total["cleared_volume"] = pair.total.cleared_volume;
   total["melted_volume"] = pair.total.melted_volume;
+  total["drifted_volume"] = pair.total.drifted_volume;
   dict["total"] = total;
   return dict;
 }
@@ -362,12 +365,13 @@ receiver keeps its map wherever the new mesh has a surface in UV space; other sn
 counts as stretched_volume. Resolution and receive stay. Arguments as in add_object.)")
       .def("step", &step, "positions"_a, "depth"_a, "direction"_a = std::array<double, 3>{0, 0, -1},
            "dt"_a = 1.0 / 24.0, "hidden"_a = std::set<std::string>(),
-           "sun"_a = std::array<double, 3>{0, 0, 0},
+           "sun"_a = std::array<double, 3>{0, 0, 0}, "wind"_a = std::array<double, 2>{0, 0},
            R"(Simulates one step of snowfall: depth in metres on open level ground, along direction,
 within dt seconds (0: nothing slides or moves). positions: {name: (N, 3) metres} of the objects
 that moved; each object must be given in its first step. hidden: names of objects that keep their
 snow, gain none and block none in this step. A negative depth lets lying snow thaw by so much where
-the ground is open and level: sun is the direction of the sun's light, zero without sun.)")
+the ground is open and level: sun is the direction of the sun's light, zero without sun.
+wind is the horizontal direction in which drift carries lying snow; zero: it stays.)")
       .def("change_settings", &change_settings, py::kw_only(), "seed"_a = py::none(),
            "landing"_a = py::none(), "fall_time"_a = py::none(), "granular"_a = py::none(),
            "wet"_a = py::none(),
@@ -393,12 +397,13 @@ from the next step on; 0: none does.)")
            "packed_density"_a = snow::PressSettings{}.packed_density,
            "pushed_aside"_a = snow::PressSettings{}.pushed_aside,
            "rim_width"_a = snow::PressSettings{}.rim_width,
-           "walls_stand"_a = snow::PressSettings{}.walls_stand, py::call_guard<ReleasedGil>(),
+           "walls_stand"_a = snow::PressSettings{}.walls_stand, "blocks_wind"_a = true,
+           py::call_guard<ReleasedGil>(),
            R"(Sets what an object does to the snow of others that it touches: PRESS packs it (feet,
 wheels), PLOUGH pushes all of it ahead and aside (blades), CLEAR removes it, NONE. packed_density:
 in kg/m3, of fresh snow with 100; pushed_aside: fraction of displaced snow that is not packed;
-rim_width: metres over which it spreads; walls_stand: metres up to which walls of packed snow stand.
-Counts as pressed_volume and cleared_volume. A step without duration presses nothing.)")
+rim_width: metres over which it spreads; walls_stand: metres up to which walls of packed snow stand;
+blocks_wind: whether the wind that carries snow stops at it, rather than to pass it as a tree. Counts as pressed_volume and cleared_volume. A step without duration presses nothing.)")
       .def("height", &map_of<&SnowSimulation::height>, "name"_a,
            R"(Stored thickness along the normal in metres, (H, W) float32, row 0 = v 0; negative for
 snow on the back.)")

@@ -15,7 +15,7 @@ namespace py = pybind11;
 namespace snowbough::python {
 namespace {
 
-/// Sums of a state without thaw, and of states from before it.
+/// Sums of a state without thaw and drifts, and of states from before them.
 constexpr py::ssize_t kFirstSums = 16;
 
 using snow::SnowSimulation;
@@ -26,9 +26,9 @@ py::dict to_dict(snow::SimulationState&& state) {
     py::dict own;
     const py::ssize_t edge = object.resolution;
     own["height"] = to_numpy<float>(std::move(object.height), {edge, edge});
-    const bool has_thawed = object.sums.back() != 0.0;
-    own["sums"] =
-        copied_numpy(object.sums.data(), has_thawed ? object.sums.size() : size_t{kFirstSums});
+    size_t count = object.sums.size();
+    while (count > size_t{kFirstSums} && object.sums[count - 1] == 0.0) --count;
+    own["sums"] = copied_numpy(object.sums.data(), count);
     py::dict planes;
     for (auto& [name, plane] : object.planes) {
       planes[py::str(name)] = to_numpy<float>(std::move(plane), {edge, edge});
@@ -155,7 +155,7 @@ void bind_snow_state(py::module_& module) {
   module.def(
       "simulation_state", &state_of, "simulation"_a,
       R"(The content of a checkpoint of a SnowSimulation, as plain arrays: {'step_number': int,
-'objects': {receiver: {'height': (H, H) float32 metres, 'sums': (16,), with thaw (17,) float64}}, 'landing': {'clock':
+'objects': {receiver: {'height': (H, H) float32 metres, 'sums': (16,), with thaw (17,), with drifts (18,) float64}}, 'landing': {'clock':
 time, 'air': [(time when it lands, receiver, row * resolution + column, on its back, volume)],
 'on_floors': volume, 'left': volume}}. Times are in microseconds, these volumes in units of
 2^-44 m3. With masks or objects that press snow, receivers have 'planes' {name: (H, H) float32}, and

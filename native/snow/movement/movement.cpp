@@ -53,6 +53,7 @@ void Movement::lay_out(const std::vector<const SceneObject*>& objects) {
   coarse_.lay_out(objects, targets_.rays());
   sides_.assign(objects.size(), 0);
   thaw_.lay_out(objects);
+  drift_.lay_out(objects);
   water_.lay_out(targets_.rays());
   sun = rain = {};
   link_tables_ = std::make_unique<ReposeLinkTables>();
@@ -67,6 +68,7 @@ void Movement::forget_pose(size_t object) {
   pressing_.forget_pose(object);
   coarse_.forget_pose(object);
   water_.forget_pose(object);
+  drift_.forget_pose();
   sun = rain = {};
   if (receivers_[object] != nullptr) receivers_[object]->forget_pose();
   targets_.forget_pose(object, [&](size_t near) {
@@ -101,6 +103,13 @@ void Movement::before(const MovementSettings& settings, double dt, std::vector<M
     if (dt <= 0.0 || !settings.repose.is_on()) continue;
     landing_.arrive(dt, settings.landing, *map, *receivers_[map->object]);
   }
+  if (!settings.drift.is_on()) return;
+  std::vector<Drift::Receiver> receivers;
+  for (MovingMap* map : shown(maps)) {
+    const std::vector<float>& packed = pressing_.packed(*map);
+    receivers.push_back({map, receivers_[map->object].get(), packed.empty() ? nullptr : &packed});
+  }
+  drift_.blow(settings.drift, receivers);
 }
 
 void Movement::after(const MovementSettings& settings, uint32_t step_number, double dt,

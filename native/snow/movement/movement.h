@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "snow/movement/coarse_map.h"
+#include "snow/movement/drift/drift.h"
 #include "snow/movement/landing.h"
 #include "snow/movement/masks.h"
 #include "snow/movement/melt/thaw.h"
@@ -25,6 +26,7 @@ struct MovementSettings {
   /// Depth in metres that level ground holds; masks scale it.
   float max_depth = 1.0f;
   MeltSettings melt;
+  DriftSettings drift;
 };
 
 /// What a step's sun, or rain, brings to each receiver's surface, relative to open level ground.
@@ -101,6 +103,7 @@ class Movement {
   Thaw thaw_;
   Water water_;
   Landing landing_;
+  Drift drift_;
   /// By object; null for objects that do not receive.
   std::vector<std::unique_ptr<Repose>> receivers_;
 };

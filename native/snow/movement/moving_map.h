@@ -25,15 +25,16 @@ struct MovingMap {
   double slid = 0.0;
   double landed = 0.0;
   /// Out: volume that a mask has refused, that objects have pressed and cleared away, and that has
-  /// melted, in m3.
+  /// melted, in m3; and that the wind has carried away, less what it has brought.
   double masked = 0.0;
   double pressed = 0.0;
   double cleared = 0.0;
   double melted = 0.0;
+  double drifted = 0.0;
   /// Out: whether heights changed.
   bool has_changed = false;
 
-  double removed() const { return masked + pressed + cleared + melted; }
+  double removed() const { return masked + pressed + cleared + melted + drifted; }
 };
 
 }  // namespace snowbough::snow

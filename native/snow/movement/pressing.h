@@ -42,6 +42,10 @@ class Pressing {
     const Pressed& own = pressed_[map.object];
     return !own.packed.empty() || !own.under.empty() || !own.is_ploughed.empty();
   }
+  /// By texel: thickness in metres of a map's packed snow; empty: none is.
+  const std::vector<float>& packed(const MovingMap& map) const {
+    return pressed_[map.object].pressed_to;
+  }
   /// Sets the height to which snow stands at each place of the map: packed snow, and snow under an
   /// object.
   void set_stand(const MovingMap& map, Repose& repose);

@@ -22,6 +22,8 @@ struct PressSettings {
   double rim_width = 0.05;
   /// Height in metres up to which walls of packed snow stand.
   double walls_stand = 0.3;
+  /// Whether it stops the wind that carries snow, whatever `kind` is; a tree does not.
+  bool blocks_wind = true;
 };
 
 /// Density of fresh snow in kg/m3.

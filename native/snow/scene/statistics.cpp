@@ -13,6 +13,7 @@ void add(SnowBalance& sum, const SnowBalance& other) {
   sum.pressed_volume += other.pressed_volume;
   sum.cleared_volume += other.cleared_volume;
   sum.melted_volume += other.melted_volume;
+  sum.drifted_volume += other.drifted_volume;
   sum.stretched_volume += other.stretched_volume;
   sum.visible_area += other.visible_area;
   sum.back_face_area += other.back_face_area;
@@ -42,8 +43,9 @@ StatisticsPair balance_of(const shared::ObjectSums& sums) {
   total.pressed_volume = sums.total_pressed;
   total.cleared_volume = sums.total_cleared;
   total.melted_volume = sums.total_melted;
-  total.removed_volume =
-      sums.total_masked + sums.total_pressed + sums.total_cleared + sums.total_melted;
+  total.drifted_volume = sums.total_drifted;
+  total.removed_volume = sums.total_masked + sums.total_pressed + sums.total_cleared +
+                         sums.total_melted + sums.total_drifted;
   total.stretched_volume = sums.total_stretched;
   total.visible_area = sums.total_visible_area;
   // Back faces have no total: only the current value matters.

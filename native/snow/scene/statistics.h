@@ -14,13 +14,14 @@ struct SnowBalance {
   double slid_volume = 0.0;
   /// Volume that has fallen off a map and landed on this one.
   double landed_volume = 0.0;
-  /// Volume that masks have refused, that objects have pressed or cleared away, and that has
-  /// melted; and, in totals only, each kind.
+  /// Volume that masks have refused, that objects have pressed or cleared away, that has melted,
+  /// and that the wind has carried away less what it has brought; and, in totals only, each kind.
   double removed_volume = 0.0;
   double masked_volume = 0.0;
   double pressed_volume = 0.0;
   double cleared_volume = 0.0;
   double melted_volume = 0.0;
+  double drifted_volume = 0.0;
   /// Volume on the maps now.
   double held_volume = 0.0;
   /// Change of volume because surfaces stretched or shrank under the snow.

@@ -18,8 +18,8 @@ constexpr std::string_view kMagic{"SNOWBOUGH-STATE\n", 16};
 /// Of states without planes and pressers, and of those with any.
 constexpr uint32_t kVersion = 4;
 constexpr uint32_t kVersionWithPlanes = 5;
-/// With planes, and with the sums after the first kFirstSums of each object.
-constexpr uint32_t kVersionWithSums = 6;
+/// With planes, and with sums after the first kFirstSums of each object: one more in each version.
+constexpr uint32_t kLastVersion = 7;
 constexpr size_t kFirstSums = 16;
 constexpr int32_t kLargestResolution = 8192;
 /// Magic, version, length of the body, and its check sum.
@@ -136,11 +136,15 @@ void write_object(Writer& body, const ObjectState& object) {
   write_plane(body, object.height);
 }
 
-bool has_later_sums(const SimulationState& state) {
-  return std::any_of(state.objects.begin(), state.objects.end(), [](const ObjectState& object) {
-    return std::any_of(object.sums.begin() + kFirstSums, object.sums.end(),
-                       [](double sum) { return sum != 0.0; });
-  });
+/// How many sums after the first kFirstSums a state needs.
+size_t later_sums(const SimulationState& state) {
+  size_t count = 0;
+  for (const ObjectState& object : state.objects) {
+    for (size_t i = kFirstSums; i < object.sums.size(); ++i) {
+      if (object.sums[i] != 0.0) count = std::max(count, i + 1 - kFirstSums);
+    }
+  }
+  return count;
 }
 
 bool has_planes(const SimulationState& state) {
@@ -292,8 +296,8 @@ Checkpoint parse(std::string_view body, uint32_t version,
   checkpoint.state.landing = read_landing(reader);
   if (version >= kVersionWithPlanes) read_planes(reader, objects, checkpoint.state);
   for (PackedObject& packed : objects) {
-    if (version < kVersionWithSums) break;
-    reader.doubles(std::span(packed.object.sums).subspan(kFirstSums));
+    if (version <= kVersionWithPlanes) break;
+    reader.doubles(std::span(packed.object.sums).subspan(kFirstSums, version - kVersionWithPlanes));
   }
   if (!reader.at_end()) throw std::runtime_error("it has bytes after its end");
   if (check) check(outline);
@@ -311,10 +315,10 @@ Checkpoint check_and_parse(std::string_view file,
   if (file.size() < kHeaderBytes) throw std::runtime_error("it is truncated");
   Reader header(file.substr(kMagic.size()));
   const auto version = header.number<uint32_t>();
-  if (version < kVersion || version > kVersionWithSums) {
+  if (version < kVersion || version > kLastVersion) {
     throw std::runtime_error("it has version " + std::to_string(version) +
                              ", this Snowbough reads versions " + std::to_string(kVersion) +
-                             " to " + std::to_string(kVersionWithSums) +
+                             " to " + std::to_string(kLastVersion) +
                              "; bake again from the first frame");
   }
   const auto bytes = header.number<uint64_t>();
@@ -354,15 +358,15 @@ void save_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
     write_object(body, object);
   }
   write_landing(body, checkpoint.state.landing);
-  const bool with_sums = has_later_sums(checkpoint.state);
-  const bool with_planes = with_sums || has_planes(checkpoint.state);
+  const size_t more = later_sums(checkpoint.state);
+  const bool with_planes = more > 0 || has_planes(checkpoint.state);
   if (with_planes) write_planes(body, checkpoint.state);
   for (const ObjectState& object : checkpoint.state.objects) {
-    if (with_sums) body.doubles(std::span(object.sums).subspan(kFirstSums));
+    body.doubles(std::span(object.sums).subspan(kFirstSums, more));
   }
   Writer file;
   file.raw(kMagic);
-  file.number(with_sums ? kVersionWithSums : with_planes ? kVersionWithPlanes : kVersion);
+  file.number(with_planes ? kVersionWithPlanes + static_cast<uint32_t>(more) : kVersion);
   file.number(static_cast<uint64_t>(body.bytes().size()));
   file.number(check_sum(body.bytes()));
   file.raw(body.bytes());

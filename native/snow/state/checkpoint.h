@@ -18,7 +18,7 @@ struct ObjectState {
   /// Thickness in metres, resolution x resolution, row 0 = v 0.
   std::vector<float> height;
   /// The receiver's balance so far (shared::ObjectSums), in double precision.
-  std::array<double, 17> sums{};
+  std::array<double, 18> sums{};
   /// What passes keep for each texel between steps, by name; as `height`.
   std::map<std::string, std::vector<float>> planes;
 };

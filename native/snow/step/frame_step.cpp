@@ -162,7 +162,8 @@ void run_step(Engine& engine, Movement& movement, const std::vector<SceneObject*
   engine.open_statistics();
   // What lands in a step without movement would not be shaped.
   const bool lands = step.moves_snow() && step.dt > 0.0 && movement.has_arrivals(step.dt);
-  if (lands || melts || movement.acts_always()) {
+  const bool drifts = step.movement.drift.is_on();
+  if (lands || melts || drifts || movement.acts_always()) {
     engine.move_snow(
         [&](std::vector<MovingMap>& maps) { movement.before(step.movement, step.dt, maps); });
   }

@@ -95,6 +95,7 @@ NUMBERS = {
     "soak": 0.0,
     "wet_spread": -0.4,
     "drying": 0.0,
+    "drift": -0.1,
     "blur_radius": -0.5,
     "throw_speed": -0.6,
     "spread": -0.7,

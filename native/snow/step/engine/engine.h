@@ -38,15 +38,16 @@ struct StabilitySettings {
   float least_up() const { return adhesion > 0.0f ? adhesion : -2.0f; }
 };
 
-/// Takes what masks, pressing objects and thaw have removed from a map out of its balance.
+/// Takes what masks, pressing objects, thaw and wind have removed from a map out of its balance.
 inline void count_removed(const MovingMap& map, shared::ObjectSums& sums) {
-  // Stability, which sums what is held, finds the snow melted.
-  sums.held -= map.removed() - map.melted;
+  // Stability, which sums what is held, finds the snow melted, or drifted.
+  sums.held -= map.masked + map.pressed + map.cleared;
   sums.removed += map.removed();
   sums.total_masked += map.masked;
   sums.total_pressed += map.pressed;
   sums.total_cleared += map.cleared;
   sums.total_melted += map.melted;
+  sums.total_drifted += map.drifted;
 }
 
 /// Total cost of a pass's calls.

@@ -50,7 +50,7 @@ Checkpoint example() {
   return {"9f86d081", {48, {cart, ground}, landing, {}}};
 }
 
-/// The same without what has melted.
+/// The same without what has melted and drifted.
 Checkpoint frozen_example() {
   Checkpoint frozen = example();
   auto& sums = frozen.state.objects[1].sums;
@@ -100,8 +100,13 @@ TEST_F(CheckpointFile, keepsPlanesAndPressers) {
 TEST_F(CheckpointFile, withoutPlanesHasTheFormatThatKnowsNone) {
   save_checkpoint(path_, frozen_example());
   EXPECT_EQ(image::read_file(path_)[16], 4);
-  save_checkpoint(path_, example());
+  Checkpoint thawed = frozen_example();
+  thawed.state.objects[1].sums[16] = 0.5;
+  save_checkpoint(path_, thawed);
   EXPECT_EQ(image::read_file(path_)[16], 6);
+  EXPECT_EQ(load_checkpoint(path_).state.objects[1].sums, thawed.state.objects[1].sums);
+  save_checkpoint(path_, example());
+  EXPECT_EQ(image::read_file(path_)[16], 7);
 }
 
 TEST_F(CheckpointFile, withPlanesIsRefusedWhereverItIsCutOffOrWrong) {

@@ -1,0 +1,298 @@
+#include "snow/movement/drift/drift.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numeric>
+
+#include "base/parallel_for.h"
+#include "shaders/lib/texel_repose.h"
+
+namespace snowbough::snow {
+namespace {
+
+/// Smallest edge of a cell in metres, doubled until it is so many texels wide and no side has more
+/// than this many cells.
+constexpr double kSmallestCell = 0.1;
+constexpr double kTexelsInCell = 1.5;
+constexpr int32_t kMostCells = 512;
+/// The wind reaches texels that lie at most this part of a cell below the highest surface, and as
+/// much more on a slope.
+constexpr float kBelow = 0.2f;
+constexpr float kBelowOnSlope = 1.5f;
+/// Cells with less ground than this part of them take no snow. The ground on both sides of a fence
+/// covers a quarter of its cells.
+constexpr double kLeastGround = 0.4;
+/// Thinner snow is blown away, in metres.
+constexpr float kBlownAway = 1e-6f;
+constexpr float kNothing = -std::numeric_limits<float>::infinity();
+
+bool is_shown(const SceneObject& object) {
+  return (object.description.receive || object.description.occlude) && !object.hidden &&
+         !object.positions.empty();
+}
+
+std::array<float, 4> weights_of(const glm::vec2& part) {
+  return {(1.0f - part.x) * (1.0f - part.y), (1.0f - part.x) * part.y, part.x * (1.0f - part.y),
+          part.x * part.y};
+}
+
+/// The four cells of a texel from the first one on.
+std::array<size_t, 4> cells_of(size_t first, int32_t rows) {
+  const auto next = static_cast<size_t>(rows);
+  return {first, first + 1, first + next, first + next + 1};
+}
+
+}  // namespace
+
+void Drift::lay_out(const std::vector<const SceneObject*>& objects) {
+  objects_ = objects;
+  is_known_ = false;
+}
+
+glm::dvec2 Drift::in_wind(const glm::vec3& point) const {
+  const glm::dvec2 at(point);
+  return {glm::dot(at, wind_), wind_.x * at.y - wind_.y * at.x};
+}
+
+/// By cell: the highest surface of all objects that block the wind.
+std::vector<float> Drift::tops_of_objects(glm::ivec2 low) const {
+  std::vector<float> tops(grid_.cells.size(), kNothing);
+  for (const SceneObject* object : objects_) {
+    if (!is_shown(*object) || !object->press.blocks_wind) continue;
+    const std::vector<int32_t>& corners = object->description.topology.triangles;
+    for (size_t t = 0; t + 2 < corners.size(); t += 3) {
+      std::array<glm::dvec3, 3> corner;
+      for (size_t k = 0; k < 3; ++k) {
+        const glm::vec3& point = object->positions[static_cast<size_t>(corners[t + k])];
+        corner[k] = {in_wind(point) / grid_.cell, static_cast<double>(point.z)};
+      }
+      const glm::dvec3 b = corner[1] - corner[0];
+      const glm::dvec3 c = corner[2] - corner[0];
+      const double longest = std::max(
+          {glm::length(glm::dvec2(b)), glm::length(glm::dvec2(c)), glm::length(glm::dvec2(c - b))});
+      // Points half a cell apart.
+      const double count = std::ceil(std::min(2.0 * longest, 4.0 * kMostCells)) + 1.0;
+      for (double i = 0.0; i <= count; i += 1.0) {
+        for (double j = 0.0; i + j <= count; j += 1.0) {
+          const glm::dvec3 at = corner[0] + (i / count) * b + (j / count) * c;
+          const glm::ivec2 cell = glm::ivec2(glm::floor(glm::dvec2(at))) - low;
+          if (cell.x < 0 || cell.y < 0 || cell.x >= grid_.columns || cell.y >= grid_.rows) continue;
+          float& top = tops[static_cast<size_t>(cell.x) * static_cast<size_t>(grid_.rows) +
+                            static_cast<size_t>(cell.y)];
+          top = std::max(top, static_cast<float>(at.z));
+        }
+      }
+    }
+  }
+  return tops;
+}
+
+/// Finds the texels of a receiver that the wind reaches, and adds their ground to the cells.
+void Drift::reach(const Receiver& receiver, glm::ivec2 low, const std::vector<float>& tops) {
+  const SceneObject& object = *objects_[receiver.map->object];
+  const TexelTable& table = *object.table;
+  const Repose::BareTexels& bare = receiver.repose->bare_texels();
+  const std::vector<int32_t>& corners = object.description.topology.triangles;
+  const size_t count = table.texel.size();
+  std::vector<int32_t> first(count, -1);
+  std::vector<float> height(count, 0.0f);
+  std::vector<glm::vec2> part(count);
+  const auto edge = static_cast<float>(grid_.cell);
+  base::for_each_item(count, 4096, [&](size_t i) {
+    const auto triangle = static_cast<size_t>(table.triangle[i]);
+    const float up = bare.up[i];
+    const bool is_back = up < 0.0f;
+    if (shared::is_wall(std::abs(up)) || !(bare.area[i] > 0.0f)) return;
+    if (is_back && (object.two_sided.empty() || object.two_sided[triangle] == 0)) return;
+    const auto corner = [&](size_t k) {
+      return glm::dvec3(object.positions[static_cast<size_t>(corners[3 * triangle + k])]);
+    };
+    const glm::dvec2 weight(table.barycentric[i]);
+    const glm::vec3 point(corner(0) + weight.x * (corner(1) - corner(0)) +
+                          weight.y * (corner(2) - corner(0)));
+    const glm::dvec2 at = in_wind(point) / grid_.cell;
+    const glm::ivec2 own = glm::ivec2(glm::floor(at)) - low;
+    const float top = tops[static_cast<size_t>(own.x) * static_cast<size_t>(grid_.rows) +
+                           static_cast<size_t>(own.y)];
+    const float steep = std::sqrt(std::max(1.0f - up * up, 0.0f)) / std::abs(up);
+    if (point.z < top - edge * (kBelow + kBelowOnSlope * steep)) return;
+    // Leaves in a wind that passes them lie above all that blocks it.
+    if (!object.press.blocks_wind) return;
+    const glm::dvec2 corner_at = glm::floor(at - 0.5);
+    const glm::ivec2 base = glm::ivec2(corner_at) - low;
+    first[i] = base.x * grid_.rows + base.y;
+    part[i] = glm::vec2(at - 0.5 - corner_at);
+    height[i] = point.z;
+  });
+  Reached& own = reached_.emplace_back();
+  own.object = receiver.map->object;
+  own.begin.assign(grid_.cells.size() + 1, 0);
+  for (const int32_t cell : first) {
+    if (cell >= 0) ++own.begin[static_cast<size_t>(cell) + 1];
+  }
+  for (size_t cell = 0; cell < grid_.cells.size(); ++cell) own.begin[cell + 1] += own.begin[cell];
+  own.texel.resize(static_cast<size_t>(own.begin.back()));
+  own.part.resize(own.texel.size());
+  std::vector<int32_t> next = own.begin;
+  for (size_t i = 0; i < count; ++i) {
+    if (first[i] < 0) continue;
+    const auto at = static_cast<size_t>(next[static_cast<size_t>(first[i])]++);
+    own.texel[at] = static_cast<int32_t>(i);
+    own.part[at] = part[i];
+    const double ground = static_cast<double>(bare.area[i] * std::abs(bare.up[i]));
+    const std::array<float, 4> weight = weights_of(part[i]);
+    const std::array<size_t, 4> cells = cells_of(static_cast<size_t>(first[i]), grid_.rows);
+    for (size_t k = 0; k < 4; ++k) {
+      const double share = static_cast<double>(weight[k]) * ground;
+      grid_.cells[cells[k]].ground += share;
+      // The mean height, divided below.
+      grid_.cells[cells[k]].top += share * static_cast<double>(height[i]);
+    }
+  }
+}
+
+void Drift::find_ground(const DriftSettings& settings, const std::vector<Receiver>& receivers) {
+  is_known_ = true;
+  wind_ = settings.wind;
+  reached_.clear();
+  glm::dvec2 low(std::numeric_limits<double>::infinity());
+  glm::dvec2 high = -low;
+  double texel = 0.0;
+  for (const Receiver& receiver : receivers) {
+    const std::vector<float>& areas = receiver.repose->bare_texels().area;
+    const double area = std::accumulate(areas.begin(), areas.end(), 0.0);
+    texel =
+        std::max(texel, std::sqrt(area / static_cast<double>(std::max<size_t>(areas.size(), 1))));
+    for (const glm::vec3& point : objects_[receiver.map->object]->positions) {
+      low = glm::min(low, in_wind(point));
+      high = glm::max(high, in_wind(point));
+    }
+  }
+  grid_ = {};
+  if (!(low.x < high.x) || !(low.y < high.y)) return;
+  grid_.cell = kSmallestCell;
+  const double largest = std::max(high.x - low.x, high.y - low.y);
+  while (largest > kMostCells * grid_.cell || kTexelsInCell * texel > grid_.cell) grid_.cell *= 2.0;
+  // Cells lie fixed in the world, with one more around all.
+  const glm::ivec2 first = glm::ivec2(glm::floor(low / grid_.cell)) - 1;
+  const glm::ivec2 size = glm::ivec2(glm::floor(high / grid_.cell)) + 2 - first;
+  grid_.columns = size.x;
+  grid_.rows = size.y;
+  grid_.cells.resize(static_cast<size_t>(size.x) * static_cast<size_t>(size.y));
+  const std::vector<float> tops = tops_of_objects(first);
+  for (const Receiver& receiver : receivers) reach(receiver, first, tops);
+  const double least = kLeastGround * grid_.cell * grid_.cell;
+  for (size_t i = 0; i < grid_.cells.size(); ++i) {
+    DriftCell& cell = grid_.cells[i];
+    if (cell.ground >= least) {
+      cell.top /= cell.ground;
+    } else {
+      cell = {};
+      cell.is_obstacle = tops[i] > kNothing;
+      if (cell.is_obstacle) cell.top = static_cast<double>(tops[i]);
+    }
+  }
+}
+
+/// Calls visit(column) so that the four cells of no two texels are visited at once.
+template <typename Visit>
+void Drift::for_columns(const Visit& visit) const {
+  for (int32_t odd = 0; odd < 2; ++odd) {
+    base::for_each_item(static_cast<size_t>((grid_.columns - odd) / 2), 8,
+                        [&](size_t i) { visit(2 * static_cast<int32_t>(i) + odd); });
+  }
+}
+
+/// Adds a map's loose snow to the cells.
+void Drift::find_snow(const Receiver& receiver, const Reached& reached) {
+  const std::vector<int32_t>& places = objects_[receiver.map->object]->table->texel;
+  const std::vector<float>& area = receiver.repose->bare_texels().area;
+  for_columns([&](int32_t column) {
+    const auto begin = static_cast<size_t>(column) * static_cast<size_t>(grid_.rows);
+    for (size_t first = begin; first + 1 < begin + static_cast<size_t>(grid_.rows); ++first) {
+      std::array<double, 4> loose{}, all{};
+      for (auto at = static_cast<size_t>(reached.begin[first]);
+           at < static_cast<size_t>(reached.begin[first + 1]); ++at) {
+        const auto i = static_cast<size_t>(reached.texel[at]);
+        const float own = std::abs((*receiver.map->height)[static_cast<size_t>(places[i])]);
+        if (own == 0.0f) continue;
+        const float packed = receiver.packed != nullptr ? std::min((*receiver.packed)[i], own) : 0;
+        const std::array<float, 4> weight = weights_of(reached.part[at]);
+        for (size_t k = 0; k < 4; ++k) {
+          all[k] += static_cast<double>(weight[k] * own * area[i]);
+          loose[k] += static_cast<double>(weight[k] * (own - packed) * area[i]);
+        }
+      }
+      const std::array<size_t, 4> cells = cells_of(first, grid_.rows);
+      for (size_t k = 0; k < 4; ++k) {
+        DriftCell& cell = grid_.cells[cells[k]];
+        if (!(cell.ground > 0.0)) continue;
+        cell.loose += loose[k];
+        cell.top += all[k] / cell.ground;
+      }
+    }
+  });
+}
+
+void Drift::move_snow(const Receiver& receiver, const Reached& reached) const {
+  const std::vector<int32_t>& places = objects_[receiver.map->object]->table->texel;
+  const Repose::BareTexels& bare = receiver.repose->bare_texels();
+  std::vector<double> lost(static_cast<size_t>(grid_.columns), 0.0);
+  std::vector<uint8_t> changes(lost.size(), 0);
+  for_columns([&](int32_t column) {
+    const auto begin = static_cast<size_t>(column) * static_cast<size_t>(grid_.rows);
+    for (size_t first = begin; first + 1 < begin + static_cast<size_t>(grid_.rows); ++first) {
+      const std::array<size_t, 4> cells = cells_of(first, grid_.rows);
+      if (std::all_of(cells.begin(), cells.end(),
+                      [&](size_t cell) { return moves_[cell] == glm::vec2(0.0f); })) {
+        continue;
+      }
+      for (auto at = static_cast<size_t>(reached.begin[first]);
+           at < static_cast<size_t>(reached.begin[first + 1]); ++at) {
+        const auto i = static_cast<size_t>(reached.texel[at]);
+        const std::array<float, 4> weight = weights_of(reached.part[at]);
+        glm::vec2 move(0.0f);
+        for (size_t k = 0; k < 4; ++k) move += weight[k] * moves_[cells[k]];
+        float& height = (*receiver.map->height)[static_cast<size_t>(places[i])];
+        const float own = std::abs(height);
+        const float packed = receiver.packed != nullptr ? std::min((*receiver.packed)[i], own) : 0;
+        float now = own + move.x * std::abs(bare.up[i]) - move.y * (own - packed);
+        if (now < kBlownAway) now = 0.0f;
+        if (now == own) continue;
+        const bool is_back = height < 0.0f || (height == 0.0f && bare.up[i] < 0.0f);
+        height = is_back && now > 0.0f ? -now : now;
+        lost[static_cast<size_t>(column)] += (static_cast<double>(own) - static_cast<double>(now)) *
+                                             static_cast<double>(bare.area[i]);
+        changes[static_cast<size_t>(column)] = 1;
+      }
+    }
+  });
+  for (size_t column = 0; column < lost.size(); ++column) {
+    receiver.map->drifted += lost[column];
+    receiver.map->has_changed = receiver.map->has_changed || changes[column] != 0;
+  }
+}
+
+void Drift::blow(const DriftSettings& settings, const std::vector<Receiver>& receivers) {
+  if (!settings.is_on()) return;
+  if (!is_known_ || wind_ != settings.wind) find_ground(settings, receivers);
+  if (grid_.cells.empty()) return;
+  const std::vector<DriftCell> ground = grid_.cells;
+  for (size_t i = 0; i < receivers.size(); ++i) find_snow(receivers[i], reached_[i]);
+  const std::vector<DriftCell> before = grid_.cells;
+  transport(grid_, settings.flux);
+  moves_.assign(ground.size(), glm::vec2(0.0f));
+  for (size_t i = 0; i < ground.size(); ++i) {
+    const double change = grid_.cells[i].change;
+    if (change > 0.0) moves_[i].x = static_cast<float>(change / before[i].ground);
+    if (change < 0.0) moves_[i].y = static_cast<float>(-change / before[i].loose);
+  }
+  grid_.cells = ground;
+  for (size_t i = 0; i < receivers.size(); ++i) move_snow(receivers[i], reached_[i]);
+}
+
+}  // namespace snowbough::snow
