@@ -35,6 +35,7 @@ MODULES = (
     "result.surface_files",
     "result.surface_preview",
     "result.deleted_receivers",
+    "result.flying_snow",
     "preview.live",
     "realtime.options",
     "realtime.engine",

@@ -38,6 +38,8 @@ class EngineScene {
   /// A receiver's stored heights; `height` has its size.
   void read_height(const std::string& receiver, std::vector<float>& height);
   shared::ObjectSums read_sums(const std::string& receiver);
+  /// See Movement::take_flying.
+  std::vector<FlyingSnow> take_flying() { return movement_.take_flying(); }
   /// A receiver's water in metres by place.
   std::vector<float> water(const std::string& receiver);
   LandingState landing() const { return is_current_ ? movement_.landing() : pending_.landing; }

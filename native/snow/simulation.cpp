@@ -155,7 +155,8 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
                             .wet_spread = settings_.wet_spread,
                             .drying = settings_.drying},
                    .drift = {.wind = blows > 0.0 ? wind / blows : glm::dvec2(0.0),
-                             .flux = settings_.drift * dt}},
+                             .flux = settings_.drift * dt},
+                   .records_flying = settings_.points},
       .sun = shines > 0.0 ? sun / shines : glm::dvec3(0.0),
       .dt = dt,
       .tile_size = settings_.tile_size};
@@ -169,6 +170,16 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
   }
   scene.run_step(frame);
   ++step_number_;
+}
+
+std::map<std::string, std::vector<FlyingSnow>> SnowSimulation::take_flying() {
+  const std::scoped_lock lock(mutex_);
+  std::map<std::string, std::vector<FlyingSnow>> by_name;
+  const std::vector<const SceneObject*> objects = objects_.all();
+  for (const FlyingSnow& snow : scene().take_flying()) {
+    by_name[objects[static_cast<size_t>(snow.object)]->description.name].push_back(snow);
+  }
+  return by_name;
 }
 
 void SnowSimulation::change_settings(const SimulationSettings& settings) {

@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "snow/movement/flying.h"
 #include "snow/receiver_outputs.h"
 #include "snow/scene/memory_estimate.h"
 #include "snow/scene/object_set.h"
@@ -66,6 +68,10 @@ class SnowSimulation {
   void step(const PositionMap& positions, double depth, const glm::dvec3& direction, double dt,
             const std::set<std::string>& hidden = {}, const glm::dvec3& sun = {},
             const glm::dvec2& wind = {});
+
+  /// By receiver: what has begun to fly off it in the steps since the last call, with the setting
+  /// `points`.
+  std::map<std::string, std::vector<FlyingSnow>> take_flying();
 
   /// Applies other settings from the next step on; the snow stays. Numbers that cannot change (see
   /// NumberSetting), tile_size and engine keep their first values.

@@ -41,6 +41,8 @@ struct SimulationSettings {
   bool granular = false;
   /// Whether to follow melted snow and rain as water: see MeltSettings.
   bool wet = false;
+  /// Whether to record what flies: see SnowSimulation::take_flying.
+  bool points = false;
   /// Largest edge of an occlusion tile in pixels: a power of two from 64 to 4096. It changes memory
   /// use and speed, never the result.
   int32_t tile_size = 2048;

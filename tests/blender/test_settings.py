@@ -29,6 +29,7 @@ OTHER = {
     "drying": 2.0,
     "drift": 0.25,
     "wet": True,
+    "points": True,
     "landing": False,
     "throw_speed": 0.7,
     "spread": 0.2,

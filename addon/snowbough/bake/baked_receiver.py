@@ -9,6 +9,7 @@ import numpy as np
 
 from ..base.map_kinds import BY_NAME
 from ..base.names import MAX_RESOLUTION, MIN_RESOLUTION
+from ..cache import flying
 from ..cache import folder as receiver_folder
 from ..cache.coverage import Coverage
 from ..cache.errors import CacheError, InputsChanged, LockLost, with_remedy
@@ -155,7 +156,10 @@ class BakedReceiver:
         with self._writing():
             for name, values in output.items():
                 kind, path = BY_NAME[name], self.folder / frame_file(name, frame)
-                native.write_exr(str(path), kind.encoded(values), half=kind.is_half)
+                if kind.channels:
+                    native.write_exr(str(path), kind.encoded(values), half=kind.is_half)
+                else:
+                    flying.write_points(path, values)
             checksums = checksums_of(self.folder, [frame_file(name, frame) for name in output])
             if self.kept is not None:
                 checksums = self.kept.keep(frame, self.folder, checksums)

@@ -5,6 +5,9 @@ import os
 import time
 from dataclasses import dataclass
 
+from ..base.map_kinds import BY_NAME
+from ..cache import flying
+from ..cache.files import frame_file
 from ..cache.folder import checkpoints
 from ..cache.journal import packed
 from ..cache.ledger import COMMON, REMOVED
@@ -65,6 +68,8 @@ class FrameBaker:
         self._log = log
         # Whether the simulation's state is that of the last reported frame.
         self._between_frames = True
+        self._flying = {}
+        """Points in the air after the last frame, by receiver (cache.flying)."""
         # A file for tools/compare_hashes.py.
         self._hash_file = os.environ.get("SNOWBOUGH_PASS_HASHES")
         if self._hash_file:
@@ -94,6 +99,8 @@ class FrameBaker:
                     **plan.weather(pose, step.sheds),
                 )
                 self._positions = {}
+                if request.maps["points"] and not step.sheds:
+                    self._simulation.take_flying()  # the shot has not begun
         self._follow_engine()
         if self._hash_file:
             self._write_hashes(frame)
@@ -137,6 +144,17 @@ class FrameBaker:
         if self._resumed and not self._request.allow_other_driver:
             raise other_engine(meant, ran)
 
+    def _fly(self, frame):
+        """Moves the points in the air on to a frame, and adds those of its snow. A resumed bake goes on from the files
+        of the frame before."""
+        born = self._simulation.take_flying()
+        for receiver in self._receivers:
+            before = self._flying.get(receiver.key)
+            if before is None:
+                before = flying.read_points(receiver.folder / frame_file("points", frame - 1))
+            moved = flying.moved(before, 1.0 / self._request.fps)
+            self._flying[receiver.key] = flying.joined(moved, born.get(receiver.key))
+
     def _take_snapshots(self, work):
         """Passes the snow of each receiver to the writer; returns the volumes of held and of slid snow in m3."""
         volume = slid = 0.0
@@ -146,8 +164,12 @@ class FrameBaker:
         if self._request.snow["landing"] and memory.has_repose(self._request.snow["repose"]):
             common = {name: float(statistics[f"{name}_volume"]) for name in COMMON}
         poses = packed(work.inputs)
+        maps = {name: wanted for name, wanted in self._request.maps.items() if BY_NAME[name].channels}
+        if self._request.maps["points"]:
+            self._fly(work.frame)
         for receiver in self._receivers:
-            snapshot = self._simulation.snapshot(receiver.key, **self._request.maps)
+            snapshot = self._simulation.snapshot(receiver.key, **maps)
+            points = {"points": self._flying[receiver.key]} if self._flying else {}
             total = balance[receiver.key]["total"]
             own_volume, own_slid = float(total["held_volume"]), float(total["slid_volume"])
             volume, slid = volume + own_volume, slid + own_slid
@@ -170,8 +192,8 @@ class FrameBaker:
             if receiver.key in work.hidden:
                 entry["hidden"] = True
             self._writer.call(
-                lambda output, receiver=receiver, entry=entry: receiver.write_maps(
-                    self._native, output, entry, poses
+                lambda output, receiver=receiver, entry=entry, points=points: receiver.write_maps(
+                    self._native, {**output, **points}, entry, poses
                 ),
                 snapshot.output,
                 memory.output_bytes(receiver.resolution, self._request.maps["normal"]),

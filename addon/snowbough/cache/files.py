@@ -37,7 +37,11 @@ PROBE = ".probe-"
 ONCE = (
     MANIFEST, FRAMES, INPUTS, EVER_COVERED, RECEIVER, POSITIONS, SURFACE_FACES, SURFACE_POINTS, SURFACE,
 )  # fmt: skip
-EACH_FRAME = (*(f"{kind.name}_{{:04d}}.exr" for kind in MAP_KINDS), "state_{:04d}", "state_{:04d}.json")
+EACH_FRAME = (
+    *(f"{kind.name}_{{:04d}}.{kind.ending}" for kind in MAP_KINDS),
+    "state_{:04d}",
+    "state_{:04d}.json",
+)
 
 # Name of a manifest while its files are being removed; the folder is not a bake any more.
 REMOVED_MANIFEST = f"{MANIFEST}.removed"
@@ -49,7 +53,7 @@ LOCK_PATTERN = re.compile(r"lock-[0-9a-f]{8}$")
 VERSION_PATTERN = re.compile(r"v(\d{3,})$")
 STATE_PATTERN = re.compile(r"state_(\d{4,7})$")
 _KINDS = "|".join(BY_NAME)
-FRAME_PATTERN = re.compile(rf"(?:{_KINDS})_(\d{{4,7}})\.exr$")
+FRAME_PATTERN = re.compile(rf"(?:{_KINDS})_(\d{{4,7}})\.(?:exr|ply)$")
 LOG_PATTERN = re.compile(r"\d{8}T\d{6}-[A-Za-z0-9._-]+-\d+\.log$")
 # Temporary names, as made by write_bytes and by the native module.
 _TEMPORARY = re.compile(r"(.+?)(?:\.\d+\.\d+|\.[0-9a-f]{8})?\.tmp$")
@@ -57,7 +61,7 @@ _TEXTURE = re.compile(rf"((?:{_KINDS})_\d{{4,7}}|ever_covered)(?![A-Za-z0-9]).*\
 
 
 def frame_file(kind, frame):
-    return f"{kind}_{frame:04d}.exr"
+    return f"{kind}_{frame:04d}.{BY_NAME[kind].ending}"
 
 
 def state_file(frame):

@@ -179,5 +179,5 @@ def baked_frames(folder, kind="height"):
             names = [entry.name for entry in entries if entry.is_file()]
     except OSError:
         return []
-    matches = (re.match(rf"{kind}_(\d{{4,7}})\.exr$", name) for name in names)
+    matches = (re.match(rf"{kind}_(\d{{4,7}})\.(?:exr|ply)$", name) for name in names)
     return sorted(int(match.group(1)) for match in matches if match)

@@ -278,7 +278,11 @@ def add(scene, receiver, displace, only_wet=False):
     uv_map = uv_map_name(receiver)
     if not uv_map:
         raise ValueError(f"{obj.name} has no UV map: add one, or use Add Snow to Selected, which adds it")
-    maps = {kind.name: baked_images.load_sequence(receiver.folder, kind.name) for kind in MAP_KINDS}
+    maps = {
+        kind.name: baked_images.load_sequence(receiver.folder, kind.name)
+        for kind in MAP_KINDS
+        if kind.channels
+    }
     if maps["wet"] is None:
         del maps["wet"]
     elif only_wet:

@@ -234,8 +234,8 @@ ADVANCED_ROWS = (
     ("mapping",),
 )
 
-# With the switch of the map of water (base.map_kinds), which the simulation then follows.
-SNOW_SETTINGS = (*SnowProperties.__annotations__, "wet")
+# With the switches of water and of flying snow (base.map_kinds), which the simulation then follows.
+SNOW_SETTINGS = (*SnowProperties.__annotations__, "wet", "points")
 
 
 def snow_of(settings):

@@ -136,6 +136,8 @@ def draw_result(layout, context):
     )
     column.operator_menu_enum("snowbough.set_kind", "kind", icon="FREEZE")
     column.operator_menu_enum("snowbough.apply_snow", "frames", icon="MESH_DATA")
+    if context.scene.snowbough.points:
+        column.operator("snowbough.show_flying_snow", icon="OUTLINER_OB_POINTCLOUD")
     layout.operator("snowbough.remove", icon="X")
     if not column.enabled:
         layout.label(text="Bake first", icon="INFO")

@@ -12,6 +12,7 @@ from ..result import (
     applied_snow,
     baked_images,
     displacement,
+    flying_snow,
     look,
     snow_material,
     snow_surface,
@@ -179,6 +180,22 @@ class SNOWBOUGH_OT_remove(_ReceiverOperator, bpy.types.Operator):
         displacement.remove(context.scene, receiver)
 
 
+class SNOWBOUGH_OT_show_flying_snow(NotWhileBaking, bpy.types.Operator):
+    """Add an object whose points are the snow in the air of the current frame, for geometry nodes and particles"""
+
+    bl_idname = "snowbough.show_flying_snow"
+    bl_label = "Show Flying Snow"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        try:
+            flying_snow.show(context.scene)
+        except ValueError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
 class SNOWBOUGH_OT_set_kind(NotWhileBaking, bpy.types.Operator):
     """Make all snow of another kind, or sand, dust or ash. Its look changes at once, its slopes with the next bake"""
 
@@ -200,6 +217,7 @@ CLASSES = (
     SNOWBOUGH_OT_setup_material,
     SNOWBOUGH_OT_setup_displacement,
     SNOWBOUGH_OT_apply_snow,
+    SNOWBOUGH_OT_show_flying_snow,
     SNOWBOUGH_OT_remove,
 )
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

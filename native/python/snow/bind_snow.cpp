@@ -49,7 +49,7 @@ snow::SimulationSettings with_numbers(snow::SimulationSettings settings, const p
 
 Holder make_simulation(int64_t seed, const std::string& mapping, int32_t tile_size,
                        const std::string& device, const std::string& engine, bool wait_for_gpu,
-                       bool landing, bool fall_time, bool granular, bool wet,
+                       bool landing, bool fall_time, bool granular, bool wet, bool points,
                        const py::kwargs& numbers) {
   const snow::SimulationSettings settings =
       with_numbers({.seed = static_cast<uint32_t>(seed),
@@ -57,6 +57,7 @@ Holder make_simulation(int64_t seed, const std::string& mapping, int32_t tile_si
                     .fall_time = fall_time,
                     .granular = granular,
                     .wet = wet,
+                    .points = points,
                     .tile_size = tile_size,
                     .engine = {snow::engine_kind(engine), snow::deposit_mapping(mapping), device},
                     .wait_for_gpu = wait_for_gpu},
@@ -116,15 +117,33 @@ void step(SnowSimulation& simulation, const py::dict& positions, double depth,
 void change_settings(SnowSimulation& simulation, std::optional<int64_t> seed,
                      std::optional<bool> landing, std::optional<bool> fall_time,
                      std::optional<bool> granular, std::optional<bool> wet,
-                     const py::kwargs& numbers) {
+                     std::optional<bool> points, const py::kwargs& numbers) {
   snow::SimulationSettings settings = with_numbers(simulation.settings(), numbers, true);
   settings.seed = static_cast<uint32_t>(seed.value_or(settings.seed));
   settings.landing = landing.value_or(settings.landing);
   settings.fall_time = fall_time.value_or(settings.fall_time);
   settings.granular = granular.value_or(settings.granular);
   settings.wet = wet.value_or(settings.wet);
+  settings.points = points.value_or(settings.points);
   const ReleasedGil release;
   simulation.change_settings(settings);
+}
+
+py::dict take_flying(SnowSimulation& simulation) {
+  const auto flying = without_gil([&] { return simulation.take_flying(); });
+  py::dict by_name;
+  for (const auto& [name, parcels] : flying) {
+    std::vector<float> rows;
+    for (const snow::FlyingSnow& one : parcels) {
+      for (const glm::vec3& own : {one.point, one.velocity}) {
+        rows.insert(rows.end(), {own.x, own.y, own.z});
+      }
+      rows.insert(rows.end(), {one.volume, one.seconds});
+    }
+    by_name[py::str(name)] =
+        to_numpy<float>(std::move(rows), {static_cast<py::ssize_t>(parcels.size()), 8});
+  }
+  return by_name;
 }
 
 void set_mask(SnowSimulation& simulation, const std::string& name, const py::object& values,
@@ -322,13 +341,15 @@ landing: snow that leaves a map falls onto what lies below, and meets the snow o
 False, or with repose at pi / 2: it is gone, and a receiver's snow depends on its own only.
 fall_time: whether a fall takes time, sqrt(2 H / g), but no longer than open snow needs to grow by
 1 cm. granular: whether heaps are round cones at the angle of repose, as of sand; rounds take longer.
-wet: whether melted snow and rain wet surfaces, see output.
+wet: whether melted snow and rain wet surfaces, see output. points: whether to record snow for
+take_flying.
 
 A context manager: leaving it closes the simulation.)";
   py::class_<SnowSimulation, Holder>(module, "SnowSimulation", simulation_doc.c_str())
       .def(py::init(&make_simulation), py::kw_only(), "seed"_a = 0, "mapping"_a = "COMPUTE",
            "tile_size"_a = 2048, "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true,
-           "landing"_a = true, "fall_time"_a = true, "granular"_a = false, "wet"_a = false)
+           "landing"_a = true, "fall_time"_a = true, "granular"_a = false, "wet"_a = false,
+           "points"_a = false)
       .def_property_readonly(
           "engine",
           [](SnowSimulation& simulation) {
@@ -374,7 +395,7 @@ the ground is open and level: sun is the direction of the sun's light, zero with
 wind is the horizontal direction in which drift carries lying snow; zero: it stays.)")
       .def("change_settings", &change_settings, py::kw_only(), "seed"_a = py::none(),
            "landing"_a = py::none(), "fall_time"_a = py::none(), "granular"_a = py::none(),
-           "wet"_a = py::none(),
+           "wet"_a = py::none(), "points"_a = py::none(),
            R"(Applies other settings, except pixel_size and blur_radius, from the next step on, in
 the constructor's units; the snow and all settings that are not given stay. Raises ValueError for
 values out of range.)")
@@ -404,6 +425,10 @@ wheels), PLOUGH pushes all of it ahead and aside (blades), CLEAR removes it, NON
 in kg/m3, of fresh snow with 100; pushed_aside: fraction of displaced snow that is not packed;
 rim_width: metres over which it spreads; walls_stand: metres up to which walls of packed snow stand;
 blocks_wind: whether the wind that carries snow stops at it, rather than to pass it as a tree. Counts as pressed_volume and cleared_volume. A step without duration presses nothing.)")
+      .def("take_flying", &take_flying,
+           R"(What has begun to fly in the steps since the last call, with the setting points:
+{receiver that it left: (N, 8) float32}. Columns: position in metres and velocity in m/s at the end
+of its step, volume in m3, seconds until it lands. Snow that blades throw up stays on the map, too.)")
       .def("height", &map_of<&SnowSimulation::height>, "name"_a,
            R"(Stored thickness along the normal in metres, (H, W) float32, row 0 = v 0; negative for
 snow on the back.)")

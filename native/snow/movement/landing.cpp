@@ -12,7 +12,6 @@
 namespace snowbough::snow {
 namespace {
 
-constexpr double kGravity = 9.81;
 /// Rays that snow of one cell falls along, if it spreads.
 constexpr int kRays = 6;
 /// Snow starts this far outside the edge, in metres, so that it misses the wall below.
@@ -23,6 +22,10 @@ constexpr double kBelowSurface = 1e-3;
 /// runs almost straight down.
 constexpr int kPieces = 6;
 constexpr double kThrownSeconds = 0.9;
+/// Seconds for which snow that leaves the scene is shown.
+constexpr double kLeaves = 1.5;
+/// Shorter flights are not shown, in seconds.
+constexpr double kShortest = 1e-3;
 /// Largest radius of that disc, in texels.
 constexpr int32_t kMostTexels = 24;
 
@@ -247,6 +250,7 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
     }
     Exit& cell = exits_[exit.key];
     const auto weight = static_cast<double>(units);
+    if (cell.units == 0) cell.object = number;
     cell.units += units;
     cell.point += weight * exit.point;
     cell.outwards += weight * exit.outwards;
@@ -326,10 +330,15 @@ void Landing::trace(const Exit& cell, uint32_t step_number, const LandingSetting
         const double z = at.z + hit.distance / length * move.z;
         result.point = map_point(*rays_->objects()[static_cast<size_t>(hit.object)], hit, z);
         result.drop = std::max(cell.point.z - z, 0.0);
+        result.aside = glm::dvec2(at + (hit.distance / length) * move - cell.point);
         return result;
       }
       at += move;
+      result.aside = glm::dvec2(at - cell.point);
     }
+    // Beyond the scene it is followed for a while only.
+    result.aside *= kLeaves / 1e2;
+    result.drop = 0.5 * kGravity * kLeaves * kLeaves;
     return result;
   };
   Landed straight = follow({0.0, 0.0}, 1.0);
@@ -350,22 +359,31 @@ void Landing::trace(const Exit& cell, uint32_t step_number, const LandingSetting
   }
 }
 
-void Landing::fall(uint32_t step_number, double dt, const LandingSettings& settings) {
+void Landing::fall(uint32_t step_number, double dt, const LandingSettings& settings,
+                   std::vector<FlyingSnow>* flying) {
   clock_ += microseconds(dt);
   const std::vector<Exit> falling = merged();
   std::vector<std::vector<Landed>> landed(falling.size());
   base::for_each_item(falling.size(), 4,
                       [&](size_t i) { trace(falling[i], step_number, settings, landed[i]); });
-  for (const std::vector<Landed>& one : landed) {
-    for (const Landed& snow : one) {
+  for (size_t i = 0; i < falling.size(); ++i) {
+    int ray = 0;
+    for (const Landed& snow : landed[i]) {
+      const double falls = std::sqrt(2.0 * snow.drop / kGravity);
+      if (flying != nullptr && falls > kShortest) {
+        add_flight({falling[i].object, glm::vec3(falling[i].point),
+                    glm::vec3(glm::dvec3(snow.aside / falls, 0.0)),
+                    static_cast<float>(static_cast<double>(snow.units) * kLandingUnit),
+                    static_cast<float>(falls)},
+                   {falling[i].key, step_number, ray++}, dt, *flying);
+      }
       if (snow.point.object < 0) {
         left_ += snow.units;
       } else if (snow.point.place < 0) {
         on_floors_ += snow.units;
       } else {
-        const double way = std::min(std::sqrt(2.0 * snow.drop / kGravity), settings.longest_fall);
-        air_[{clock_ + microseconds(way), snow.point.object, snow.point.place,
-              snow.point.is_back}] += snow.units;
+        air_[{clock_ + microseconds(std::min(falls, settings.longest_fall)), snow.point.object,
+              snow.point.place, snow.point.is_back}] += snow.units;
       }
     }
   }

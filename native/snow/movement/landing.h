@@ -11,6 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "snow/movement/flying.h"
 #include "snow/movement/moving_map.h"
 #include "snow/movement/rays/map_point.h"
 #include "snow/movement/rays/scene_rays.h"
@@ -52,8 +53,10 @@ class Landing {
   /// Collects what left a map in this step: what repose lists as released, and what stability let
   /// slide.
   void release(const LandingSettings& settings, MovingMap& map, Repose& repose);
-  /// Ends the step: throws down what was collected. `dt`: of the step, in seconds.
-  void fall(uint32_t step_number, double dt, const LandingSettings& settings);
+  /// Ends the step: throws down what was collected. `dt`: of the step, in seconds. `flying`: takes
+  /// what is on its way; may be null.
+  void fall(uint32_t step_number, double dt, const LandingSettings& settings,
+            std::vector<FlyingSnow>* flying = nullptr);
 
   LandingState state() const;
   void set_state(const LandingState& state);
@@ -74,11 +77,14 @@ class Landing {
     glm::dvec3 point{0.0};
     glm::dvec2 outwards{0.0};
     int64_t units = 0;
+    /// A receiver that it leaves.
+    int32_t object = 0;
   };
   struct Landed {
     /// Without an object: it leaves the scene.
     MapPoint point;
-    /// Metres.
+    /// The straight way through the air, in metres, and its height.
+    glm::dvec2 aside{0.0};
     double drop = 0.0;
     int64_t units = 0;
   };

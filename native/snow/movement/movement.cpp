@@ -134,12 +134,13 @@ void Movement::after(const MovementSettings& settings, uint32_t step_number, dou
       rest(settings, 0.0, true, moving);
     }
   }
-  pressing_.end();
+  std::vector<FlyingSnow>* const flying = settings.records_flying ? &flying_ : nullptr;
+  pressing_.end(step_number, dt, flying);
   for (MovingMap* map : moving) {
     masks_.limit(*map, *receivers_[map->object], settings.max_depth);
   }
   if (settings.landing.is_on && settings.repose.is_on()) {
-    landing_.fall(step_number, dt, settings.landing);
+    landing_.fall(step_number, dt, settings.landing, flying);
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "snow/movement/coarse_map.h"
@@ -27,6 +28,8 @@ struct MovementSettings {
   float max_depth = 1.0f;
   MeltSettings melt;
   DriftSettings drift;
+  /// Whether to record what flies.
+  bool records_flying = false;
 };
 
 /// What a step's sun, or rain, brings to each receiver's surface, relative to open level ground.
@@ -65,6 +68,8 @@ class Movement {
 
   /// Number of rounds of repose in the last step, of blocks of kReposeBlock texels a side.
   double rounds() const { return rounds_; }
+  /// What has begun to fly since the last call, if the settings record it.
+  std::vector<FlyingSnow> take_flying() { return std::exchange(flying_, {}); }
   /// Maps of the sun's light and of the rain, which the engine computes before `before`.
   LightMap sun, rain;
   /// A receiver's water in metres (see Water), resolution x resolution; empty: none.
@@ -97,6 +102,7 @@ class Movement {
   /// By object: the resolution of the map on which its snow last came to rest.
   std::vector<int32_t> sides_;
   double rounds_ = 0.0;
+  std::vector<FlyingSnow> flying_;
   Masks masks_;
   Shedding shedding_;
   Pressing pressing_;

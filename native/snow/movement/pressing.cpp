@@ -25,6 +25,9 @@ constexpr size_t kLongRun = 64;
 /// lies under it, in metres.
 constexpr double kTouch = 1e-6;
 constexpr double kUnder = 0.01;
+/// Edge in metres of the cubes whose snow a blade throws up together, and the least speed in m/s.
+constexpr double kThrownCube = 0.05;
+constexpr double kThrows = 1.0;
 /// More than rounding of positions, in metres.
 constexpr double kRounding = 2e-4;
 /// The steepest heap that a blade pushes ahead, as a slope.
@@ -307,6 +310,7 @@ void Pressing::press_with(size_t presser, MovingMap& map, PressedMap& pressed, d
     own.is_ploughed[static_cast<size_t>(pressed.links->block_of(pressed.place(texel)))] = 1;
   };
   for (const PushedSnow& snow : pushed) note(snow.texel);
+  if (ploughs && part_ == parts_) throw_up(presser, pressed, pushed);
   int64_t kept = 0;
   for (const int32_t texel : spread_pushed(pressed, covered, pushed, settings.rim_width,
                                            ploughs ? std::min(slope, kSteepest) : 0.0, kept)) {
@@ -316,6 +320,23 @@ void Pressing::press_with(size_t presser, MovingMap& map, PressedMap& pressed, d
   }
   // Snow with nowhere to go is pressed.
   map.pressed += static_cast<double>(kept) * kPushUnit;
+}
+
+/// Notes what a blade throws up at the end of a step.
+void Pressing::throw_up(size_t presser, const PressedMap& map,
+                        const std::vector<PushedSnow>& pushed) {
+  const double way = pressers_[presser]->travel(pressers_[presser]->swept());
+  for (const PushedSnow& snow : pushed) {
+    const glm::dvec3 point = map.point(snow.texel);
+    const glm::dvec3 cube = glm::floor(point / kThrownCube);
+    Thrown& sum = thrown_[{static_cast<int64_t>(cube.x), static_cast<int64_t>(cube.y),
+                           static_cast<int64_t>(cube.z)}];
+    const double volume = static_cast<double>(snow.units) * kPushUnit;
+    sum.object = static_cast<int32_t>(map.number);
+    sum.volume += volume;
+    sum.point += volume * point;
+    sum.way += volume * way * snow.way;
+  }
 }
 
 /// Finds the blocks with packed snow, after it has been loaded.
@@ -432,7 +453,22 @@ void Pressing::set_stand(const MovingMap& map, Repose& repose) {
   repose.set_stand(any ? &own.stand : nullptr, changes);
 }
 
-void Pressing::end() {
+void Pressing::end(uint32_t step_number, double dt, std::vector<FlyingSnow>* flying) {
+  for (const auto& [cube, snow] : thrown_) {
+    if (flying == nullptr || !(dt > 0.0)) break;
+    const glm::dvec3 way = snow.way / (snow.volume * dt);
+    const double speed = glm::length(way);
+    if (!(speed > kThrows)) continue;
+    const FlightSeed seed{cube, step_number};
+    const glm::dvec3 sideways(-way.y, way.x, 0.0);
+    const glm::dvec3 velocity = way * (0.9 + 0.4 * seed.number(11)) +
+                                sideways * (0.3 * seed.number(12) - 0.15) +
+                                glm::dvec3(0.0, 0.0, speed * (0.2 + 0.4 * seed.number(13)));
+    add_flight({snow.object, glm::vec3(snow.point / snow.volume), glm::vec3(velocity),
+                static_cast<float>(snow.volume), static_cast<float>(2.0 * velocity.z / kGravity)},
+               seed, dt, *flying);
+  }
+  thrown_.clear();
   for (size_t i = 0; i < objects_.size(); ++i) {
     const SceneObject& object = *objects_[i];
     if (object.press.kind == PressSettings::Kind::kNone || object.hidden) {

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "snow/movement/flying.h"
 #include "snow/movement/moving_map.h"
 #include "snow/movement/press/presser.h"
 #include "snow/movement/press/push.h"
@@ -49,8 +51,8 @@ class Pressing {
   /// Sets the height to which snow stands at each place of the map: packed snow, and snow under an
   /// object.
   void set_stand(const MovingMap& map, Repose& repose);
-  /// Ends the step.
-  void end();
+  /// Ends the step, of `dt` seconds. `flying`: takes what blades have thrown up; may be null.
+  void end(uint32_t step_number, double dt, std::vector<FlyingSnow>* flying);
 
   void save(SimulationState& state) const;
   void save(size_t object, ObjectState& state) const;
@@ -99,6 +101,7 @@ class Pressing {
   void find_columns(size_t presser, const PressedMap& map);
   std::vector<Touched> touched_by(size_t presser, const PressedMap& map);
   void press_with(size_t presser, MovingMap& map, PressedMap& pressed, double slope);
+  void throw_up(size_t presser, const PressedMap& map, const std::vector<PushedSnow>& pushed);
   void sink(const PressSettings& settings, const std::vector<Touched>& touched, MovingMap& map,
             PressedMap& pressed, std::vector<PushedSnow>& pushed);
 
@@ -114,6 +117,14 @@ class Pressing {
   int parts_ = 1;
   bool any_blade_ = false;
   bool has_ploughed_ = false;
+  /// Snow that a blade pushes in a cube of space in this step: sums weighted by volume, of the way
+  /// in m per step.
+  struct Thrown {
+    int32_t object = 0;
+    double volume = 0.0;
+    glm::dvec3 point{0.0}, way{0.0};
+  };
+  std::map<std::array<int64_t, 3>, Thrown> thrown_;
 };
 
 }  // namespace snowbough::snow

@@ -43,6 +43,7 @@ def test_what_decides_about_all_maps_is_part_of_the_shot():
         "checkpoint_interval": 10,
         "write_normals": False,
         "wet": False,
+        "points": False,
     }
 
 

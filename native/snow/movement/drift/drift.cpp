@@ -21,8 +21,8 @@ constexpr double kTexelsInCell = 1.5;
 constexpr int32_t kMostCells = 512;
 /// The wind reaches texels that lie at most this part of a cell below the highest surface, and as
 /// much more on a slope.
-constexpr float kBelow = 0.2f;
-constexpr float kBelowOnSlope = 1.5f;
+constexpr float kLower = 0.2f;
+constexpr float kLowerOnSlope = 1.5f;
 /// Cells with less ground than this part of them take no snow. The ground on both sides of a fence
 /// covers a quarter of its cells.
 constexpr double kLeastGround = 0.4;
@@ -119,7 +119,7 @@ void Drift::reach(const Receiver& receiver, glm::ivec2 low, const std::vector<fl
     const float top = tops[static_cast<size_t>(own.x) * static_cast<size_t>(grid_.rows) +
                            static_cast<size_t>(own.y)];
     const float steep = std::sqrt(std::max(1.0f - up * up, 0.0f)) / std::abs(up);
-    if (point.z < top - edge * (kBelow + kBelowOnSlope * steep)) return;
+    if (point.z < top - edge * (kLower + kLowerOnSlope * steep)) return;
     // Leaves in a wind that passes them lie above all that blocks it.
     if (!object.press.blocks_wind) return;
     const glm::dvec2 corner_at = glm::floor(at - 0.5);

@@ -15,26 +15,27 @@ constexpr double kSettles = 2.0;
 constexpr double kFetch = 150.0;
 /// Slope up to what stands upwind: below the first there is no shelter, above the second nothing is
 /// carried.
-constexpr double kOpen = 0.03;
-constexpr double kCalm = 0.12;
+constexpr double kOpenSlope = 0.03;
+constexpr double kCalmSlope = 0.12;
 /// How much more the wind carries for each unit of slope up to an obstacle that begins within
-/// kFront metres downwind, up to a slope of kSteepest. Obstacles are higher than kLow metres.
+/// kFront metres downwind, up to a slope of kSteepestFront. Obstacles are higher than kLowObstacle
+/// metres.
 constexpr double kDigs = 0.35;
 constexpr double kFront = 1.5;
-constexpr double kSteepest = 2.0;
-constexpr double kLow = 0.2;
+constexpr double kSteepestFront = 2.0;
+constexpr double kLowObstacle = 0.2;
 /// Carried snow spreads sideways as by diffusion: the square of this many metres for each two
 /// metres of way.
 constexpr double kSideways = 0.02;
 /// The most flux in m2 of a part of a step, and the most parts.
-constexpr double kPart = 0.02;
-constexpr double kMostParts = 32.0;
+constexpr double kPassFlux = 0.02;
+constexpr double kMostPasses = 32.0;
 /// The slope of the ground where it begins is taken over this distance in metres.
-constexpr double kBegin = 1.0;
+constexpr double kBeginReach = 1.0;
 
 /// What the wind carries at a slope up to what stands upwind, relative to open ground.
 double carried(double slope) {
-  return std::clamp((kCalm - slope) / (kCalm - kOpen), 0.0, 1.0);
+  return std::clamp((kCalmSlope - slope) / (kCalmSlope - kOpenSlope), 0.0, 1.0);
 }
 
 /// What the wind can carry above a grid's cells, relative to open level ground.
@@ -55,7 +56,7 @@ class Capacity {
 
   /// Slope down the wind of the ground on which a row begins; 0 if it begins otherwise.
   double beginning(int32_t column, int32_t row) const {
-    const auto reach = static_cast<int32_t>(std::ceil(kBegin / grid_.cell));
+    const auto reach = static_cast<int32_t>(std::ceil(kBeginReach / grid_.cell));
     const DriftCell& first = grid_.at(column, row);
     if (first.is_obstacle || column + reach >= grid_.columns) return 0.0;
     const DriftCell& other = grid_.at(column + reach, row);
@@ -69,10 +70,10 @@ class Capacity {
     double steepest = 0.0;
     for (int32_t k = 1; k <= reach && column + k < grid_.columns; ++k) {
       const DriftCell& other = grid_.at(column + k, row);
-      if (!other.is_obstacle || !(other.top - own > kLow)) continue;
+      if (!other.is_obstacle || !(other.top - own > kLowObstacle)) continue;
       steepest = std::max(steepest, (other.top - own) / (k * grid_.cell));
     }
-    return std::min(steepest, kSteepest);
+    return std::min(steepest, kSteepestFront);
   }
 
   /// A row. The hull of what lies upwind, from above, has the point of the steepest slope next to
@@ -89,7 +90,8 @@ class Capacity {
       const std::pair<double, double> point(column * grid_.cell, cell.top);
       if (hull.empty()) {
         // The ground before the first cell goes on as it begins.
-        hull.emplace_back(point.first - kBegin, point.second + beginning(column, row) * kBegin);
+        hull.emplace_back(point.first - kBeginReach,
+                          point.second + beginning(column, row) * kBeginReach);
       }
       while (hull.size() > 1 &&
              slope(hull[hull.size() - 2], hull.back()) >= slope(hull.back(), point)) {
@@ -163,7 +165,7 @@ double move_part(DriftGrid& grid, double flux) {
 
 double transport(DriftGrid& grid, double flux) {
   for (DriftCell& cell : grid.cells) cell.change = 0.0;
-  const double parts = std::clamp(std::ceil(flux / kPart), 1.0, kMostParts);
+  const double parts = std::clamp(std::ceil(flux / kPassFlux), 1.0, kMostPasses);
   double balance = 0.0;
   for (double part = 0.0; part < parts; part += 1.0) balance += move_part(grid, flux / parts);
   return balance;
