@@ -261,3 +261,14 @@ def test_grains_are_as_large_on_a_scaled_receiver(addon, tmp_path):
     (node,) = addon("result.look").group_nodes(surface.data.materials[0])
     (link,) = node.inputs["Position"].links
     assert tuple(link.from_node.inputs[1].default_value) == pytest.approx((2.0, 3.0, 0.5))
+
+
+def test_soaked_snow_is_darker_and_mirrors_the_sun(smooth, tmp_path):
+    """Soaked snow loses an eighth of its light under an even sky; against a low sun it has highlights."""
+    sky, sun = [], []
+    for wet in (0.0, 1.0):
+        smooth.inputs["Wet"].default_value = wet
+        sky.append(float(np.median(shot(tmp_path, SKY, 4.0)[..., 1])))
+        sun.append(float(np.quantile(shot(tmp_path, SUN, 4.0)[..., 1], 0.99)))
+    assert 0.75 * sky[0] < sky[1] < 0.97 * sky[0]
+    assert sun[1] > 1.2 * sun[0]

@@ -103,6 +103,25 @@ def test_wet_ground_shows_in_the_material_and_goes_with_the_snow(tmp_path):
     assert ground.material_slots[0].material.name == "Stone"
 
 
+def wet_image(material):
+    """The image behind the slider Wet of a snow material, or None."""
+    group = next(node for node in material.node_tree.nodes if node.type == "GROUP")
+    links = group.inputs["Wet"].links
+    return links[0].from_node.image if links else None
+
+
+@pytest.mark.parametrize("follows", [True, False])
+def test_the_snow_surface_gets_wet_where_water_is_followed(tmp_path, follows):
+    s.receive(s.square("Ground"))
+    thawing(tmp_path, wet=follows)
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    s.bake()
+    image = wet_image(bpy.data.objects["Ground Snow"].data.materials[0])
+    assert (image is not None) == follows
+    if follows:
+        assert "wet_0001.exr" in image.filepath
+
+
 def test_dry_ground_keeps_its_material(tmp_path):
     ground = s.square("Ground")
     s.receive(ground)

@@ -147,11 +147,11 @@ def _make_one(scene, member):
     if points.shape[1] != len(file.positions):
         raise CacheError(f"{member.folder / SURFACE_POINTS} does not match its faces: use Update Surface")
     _fill_mesh(mesh, file, points[0])
-    sequence = baked_images.load_sequence(str(member.folder), "height")
+    sequence, wet = (baked_images.load_sequence(str(member.folder), kind) for kind in ("height", "wet"))
     snowfall = read_snowfall(member.folder)
     if snowfall.is_rigid:
         _store_points(mesh, SURFACE_BARE_ATTRIBUTE, points[0])
-    mesh.materials.append(surface_material.make_material(scene, name, sequence, SNOW_UV, snowfall))
+    mesh.materials.append(surface_material.make_material(scene, name, sequence, SNOW_UV, snowfall, wet))
     obj = bpy.data.objects.new(name, mesh)
     obj.snowbough.is_shell = True
     obj.snowbough.is_coarsened = summary.get("coarsened", False)

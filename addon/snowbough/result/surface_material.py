@@ -28,9 +28,17 @@ def _cover(builder, scale):
     return builder.subtract(builder.vector("LENGTH", raised), BARE_DEPTH)
 
 
-def make_material(scene, name, sequence, uv_map, snowfall):
-    """A material with the scene's kind of snow. sequence: the BakedSequence of heights, or None; uv_map: UV map of the
-    surface's mesh; snowfall: Snowfall.
+def _texel(builder, sequence, uv_map):
+    """The value of a BakedSequence on the surface."""
+    place = builder.node("ShaderNodeUVMap", uv_map=uv_map).outputs[0]
+    texture = builder.node("ShaderNodeTexImage", image=sequence.image, extension="EXTEND")
+    sequence.configure(texture.image_user)
+    return builder.feed(texture, Vector=place).outputs["Color"]
+
+
+def make_material(scene, name, sequence, uv_map, snowfall, wet=None):
+    """A material with the scene's kind of snow. sequence, wet: the BakedSequences of heights and of water, or None;
+    uv_map: UV map of the surface's mesh; snowfall: Snowfall.
 
     The last millimetres of snow (slider Dusting) dissolve into grains, if the receiver keeps its shape: on others, the
     height above the receiver is unknown.
@@ -43,11 +51,7 @@ def make_material(scene, name, sequence, uv_map, snowfall):
     builder = NodeBuilder(material.node_tree)
     depth = LEAST_DEPTH
     if sequence is not None:
-        place = builder.node("ShaderNodeUVMap", uv_map=uv_map).outputs[0]
-        texture = builder.node("ShaderNodeTexImage", image=sequence.image, extension="EXTEND")
-        sequence.configure(texture.image_user)
-        builder.feed(texture, Vector=place)
-        depth = builder.math("MAXIMUM", builder.absolute(texture.outputs["Color"]), LEAST_DEPTH)
+        depth = builder.math("MAXIMUM", builder.absolute(_texel(builder, sequence, uv_map)), LEAST_DEPTH)
     place = builder.node("ShaderNodeAttribute", attribute_name=SURFACE_POSITION_ATTRIBUTE).outputs["Vector"]
     group = builder.node("ShaderNodeGroup", node_tree=snow_nodes.ensure_group())
     look.set_group_inputs(group, look.of(scene))
@@ -59,6 +63,8 @@ def make_material(scene, name, sequence, uv_map, snowfall):
         Depth=snowfall.depth,
         Wind=snowfall.wind,
     )
+    if wet is not None:
+        builder.feed(group, Wet=_texel(builder, wet, uv_map))
     if snowfall.is_rigid:
         clear = builder.node("ShaderNodeBsdfTransparent").outputs[0]
         builder.feed(group, Shader=clear, Cover=_cover(builder, snowfall.scale))
