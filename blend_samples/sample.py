@@ -84,13 +84,14 @@ def run(
     resolution=512,
     name=NAME,
     prepare=None,
+    present=None,
     **settings,
 ):
     """Builds the scene on snowy ground, bakes it, and renders the last frame to FOLDER/<name>.png.
 
     eye, target: the camera's place and what it looks at, in metres. depth: snow on level ground at the end, in metres.
-    angle, bearing: the wind, in degrees. prepare: called with the scene's settings before the bake. settings: further
-    settings of the snowfall.
+    angle, bearing: the wind, in degrees. prepare: called with the scene's settings before the bake; present: called
+    after it, on the last frame. settings: further settings of the snowfall.
     """
     bpy.ops.wm.read_homefile(use_empty=True)
     snowbough.register()
@@ -113,6 +114,8 @@ def run(
         raise RuntimeError("the bake did not finish")
     demo.simplify_snow()
     scene.frame_set(frames)
+    if present is not None:
+        present()
     bpy.ops.wm.save_mainfile(compress=True)
     demo.render(FOLDER / f"{name}.png")
     print(f"sample: {FOLDER / name}.png", flush=True)

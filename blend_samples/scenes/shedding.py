@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The maple in leaf half a second after its snow lay: most leaves have shed theirs onto the ground."""
+"""The maple in leaf half a second after its snow lay: most leaves have shed theirs, which falls."""
 
+import bpy
 import sample
 
 
@@ -19,4 +20,6 @@ sample.run(
     frames=16,
     start_depth=0.05,
     prepare=sheds,
+    points=True,
+    present=bpy.ops.snowbough.show_flying_snow,
 )

@@ -135,14 +135,12 @@ void Drift::reach(const Receiver& receiver, glm::ivec2 low, const std::vector<fl
     if (cell >= 0) ++own.begin[static_cast<size_t>(cell) + 1];
   }
   for (size_t cell = 0; cell < grid_.cells.size(); ++cell) own.begin[cell + 1] += own.begin[cell];
-  own.texel.resize(static_cast<size_t>(own.begin.back()));
-  own.part.resize(own.texel.size());
+  own.texels.resize(static_cast<size_t>(own.begin.back()));
   std::vector<int32_t> next = own.begin;
   for (size_t i = 0; i < count; ++i) {
     if (first[i] < 0) continue;
-    const auto at = static_cast<size_t>(next[static_cast<size_t>(first[i])]++);
-    own.texel[at] = static_cast<int32_t>(i);
-    own.part[at] = part[i];
+    own.texels[static_cast<size_t>(next[static_cast<size_t>(first[i])]++)] = {
+        static_cast<int32_t>(i), table.texel[i], bare.area[i], bare.up[i], part[i]};
     const double ground = static_cast<double>(bare.area[i] * std::abs(bare.up[i]));
     const std::array<float, 4> weight = weights_of(part[i]);
     const std::array<size_t, 4> cells = cells_of(static_cast<size_t>(first[i]), grid_.rows);
@@ -209,38 +207,48 @@ void Drift::for_columns(const Visit& visit) const {
 
 /// Adds a map's loose snow to the cells.
 void Drift::find_snow(const Receiver& receiver, const Reached& reached) {
-  const std::vector<int32_t>& places = objects_[receiver.map->object]->table->texel;
-  const std::vector<float>& area = receiver.repose->bare_texels().area;
+  const std::vector<float>& heights = *receiver.map->height;
   for_columns([&](int32_t column) {
     const auto begin = static_cast<size_t>(column) * static_cast<size_t>(grid_.rows);
     for (size_t first = begin; first + 1 < begin + static_cast<size_t>(grid_.rows); ++first) {
-      std::array<double, 4> loose{}, all{};
+      // Sums of all snow and of packed snow, each with its parts of the way to the next cells.
+      std::array<double, 4> all{}, packed{};
+      const auto add = [](double volume, const glm::vec2& part, std::array<double, 4>& sums) {
+        const auto x = static_cast<double>(part.x), y = static_cast<double>(part.y);
+        sums[0] += volume;
+        sums[1] += volume * y;
+        sums[2] += volume * x;
+        sums[3] += volume * x * y;
+      };
       for (auto at = static_cast<size_t>(reached.begin[first]);
            at < static_cast<size_t>(reached.begin[first + 1]); ++at) {
-        const auto i = static_cast<size_t>(reached.texel[at]);
-        const float own = std::abs((*receiver.map->height)[static_cast<size_t>(places[i])]);
-        if (own == 0.0f) continue;
-        const float packed = receiver.packed != nullptr ? std::min((*receiver.packed)[i], own) : 0;
-        const std::array<float, 4> weight = weights_of(reached.part[at]);
-        for (size_t k = 0; k < 4; ++k) {
-          all[k] += static_cast<double>(weight[k] * own * area[i]);
-          loose[k] += static_cast<double>(weight[k] * (own - packed) * area[i]);
-        }
+        const Reached::Texel& texel = reached.texels[at];
+        const float own = std::abs(heights[static_cast<size_t>(texel.place)]);
+        add(static_cast<double>(own * texel.area), texel.part, all);
+        if (receiver.packed == nullptr) continue;
+        const float stays =
+            std::min((*receiver.packed)[static_cast<size_t>(texel.texel)], own) * texel.area;
+        add(static_cast<double>(stays), texel.part, packed);
       }
+      const auto of_cell = [](const std::array<double, 4>& sums, size_t k) {
+        const double both = sums[3];
+        return k == 0   ? std::max(sums[0] - sums[1] - sums[2] + both, 0.0)
+               : k == 1 ? std::max(sums[1] - both, 0.0)
+               : k == 2 ? std::max(sums[2] - both, 0.0)
+                        : both;
+      };
       const std::array<size_t, 4> cells = cells_of(first, grid_.rows);
       for (size_t k = 0; k < 4; ++k) {
         DriftCell& cell = grid_.cells[cells[k]];
         if (!(cell.ground > 0.0)) continue;
-        cell.loose += loose[k];
-        cell.top += all[k] / cell.ground;
+        cell.loose += std::max(of_cell(all, k) - of_cell(packed, k), 0.0);
+        cell.top += of_cell(all, k) / cell.ground;
       }
     }
   });
 }
 
 void Drift::move_snow(const Receiver& receiver, const Reached& reached) const {
-  const std::vector<int32_t>& places = objects_[receiver.map->object]->table->texel;
-  const Repose::BareTexels& bare = receiver.repose->bare_texels();
   std::vector<double> lost(static_cast<size_t>(grid_.columns), 0.0);
   std::vector<uint8_t> changes(lost.size(), 0);
   for_columns([&](int32_t column) {
@@ -253,20 +261,23 @@ void Drift::move_snow(const Receiver& receiver, const Reached& reached) const {
       }
       for (auto at = static_cast<size_t>(reached.begin[first]);
            at < static_cast<size_t>(reached.begin[first + 1]); ++at) {
-        const auto i = static_cast<size_t>(reached.texel[at]);
-        const std::array<float, 4> weight = weights_of(reached.part[at]);
+        const Reached::Texel& texel = reached.texels[at];
+        const std::array<float, 4> weight = weights_of(texel.part);
         glm::vec2 move(0.0f);
         for (size_t k = 0; k < 4; ++k) move += weight[k] * moves_[cells[k]];
-        float& height = (*receiver.map->height)[static_cast<size_t>(places[i])];
+        float& height = (*receiver.map->height)[static_cast<size_t>(texel.place)];
         const float own = std::abs(height);
-        const float packed = receiver.packed != nullptr ? std::min((*receiver.packed)[i], own) : 0;
-        float now = own + move.x * std::abs(bare.up[i]) - move.y * (own - packed);
+        const float packed =
+            receiver.packed != nullptr
+                ? std::min((*receiver.packed)[static_cast<size_t>(texel.texel)], own)
+                : 0.0f;
+        float now = own + move.x * std::abs(texel.up) - move.y * (own - packed);
         if (now < kBlownAway) now = 0.0f;
         if (now == own) continue;
-        const bool is_back = height < 0.0f || (height == 0.0f && bare.up[i] < 0.0f);
+        const bool is_back = height < 0.0f || (height == 0.0f && texel.up < 0.0f);
         height = is_back && now > 0.0f ? -now : now;
-        lost[static_cast<size_t>(column)] += (static_cast<double>(own) - static_cast<double>(now)) *
-                                             static_cast<double>(bare.area[i]);
+        lost[static_cast<size_t>(column)] +=
+            (static_cast<double>(own) - static_cast<double>(now)) * static_cast<double>(texel.area);
         changes[static_cast<size_t>(column)] = 1;
       }
     }

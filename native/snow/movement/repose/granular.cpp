@@ -16,12 +16,9 @@ namespace {
 /// Karttunen, Stencils with isotropic discretization error for differential operators, 2006).
 constexpr float kDiagonal = 0.25f;
 
-/// The gradient on the square whose lower left corner is at a place of the window.
-struct Square {
-  bool is_there = false;
-  glm::vec2 gradient{0.0f};
-};
+using Square = GranularSquares::Square;
 
+/// The gradient on the square whose lower left corner is at a place of the window.
 Square square_at(const GranularWindow& window, const TileWindow::Plane& top, size_t at) {
   const size_t right = at + 1;
   const size_t up = at + TileWindow::kStride;
@@ -57,8 +54,19 @@ float squared_way(const GranularWindow& window, size_t from, size_t to) {
 
 }  // namespace
 
-void find_granular_row(const GranularWindow& window, const TileWindow::Plane& top, int32_t row,
-                       int32_t k, float slope, const float* limit, GranularRow& granular) {
+void GranularSquares::find(const GranularWindow& window, const TileWindow::Plane& top,
+                           int32_t row) {
+  for (int32_t below = 0; below <= std::min(row, 1); ++below) {
+    for (int32_t column = -1; column < kReposeBlock; ++column) {
+      rows_[static_cast<size_t>(below)][static_cast<size_t>(column + 1)] =
+          square_at(window, top, TileWindow::at(column, row - below));
+    }
+  }
+}
+
+void find_granular_row(const GranularWindow& window, const GranularSquares& squares,
+                       const TileWindow::Plane& top, int32_t row, int32_t k, float slope,
+                       const float* limit, GranularRow& granular) {
   // The squares beside a link: the first lies ahead of it, the second, of links along a row or a
   // column, on its other side.
   const size_t first = TileWindow::at(0, row);
@@ -75,8 +83,11 @@ void find_granular_row(const GranularWindow& window, const TileWindow::Plane& to
     const glm::vec2 way(window.x[to] - window.x[from], window.y[to] - window.y[from]);
     const float length = glm::length(way);
     if (!(limit[i] <= 1.001f * shared::kEven * slope * length)) continue;
-    const Square square = square_at(window, top, ahead + i);
-    const Square beside = has_other ? square_at(window, top, other + i) : Square();
+    const auto column = static_cast<int32_t>(i);
+    const Square& square = squares.at(k == 3 ? column - 1 : column, 0);
+    const Square beside = !has_other ? Square()
+                          : k == 1   ? squares.at(column - 1, 0)
+                                     : squares.at(column, 1);
     if (!square.is_there && !beside.is_there) continue;
     const float squares = square.is_there && beside.is_there ? 2.0f : 1.0f;
     const glm::vec2 gradient = (square.gradient + beside.gradient) / squares;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <glm/vec2.hpp>
 
 #include "snow/movement/repose/window.h"
 
@@ -35,10 +36,30 @@ struct GranularRow {
   std::array<float, kReposeBlock> limit, rate;
 };
 
-/// `slope`: tangent of the angle of repose; `top`: heights of the surface; `limit`: the links'
-/// usual limits, which stay where nothing flows or where snow stands. The window's rows row - 1
-/// (from row 1 on), row and row + 1 must be filled.
-void find_granular_row(const GranularWindow& window, const TileWindow::Plane& top, int32_t row,
-                       int32_t k, float slope, const float* limit, GranularRow& granular);
+/// Gradients of the surface on the squares between four cells, in rows; a square has the place of
+/// its lower left cell.
+class GranularSquares {
+ public:
+  struct Square {
+    bool is_there = false;
+    glm::vec2 gradient{0.0f};
+  };
+  /// Computes the squares of rows row - 1 (from row 1 on) and row. The window's rows row - 1, row
+  /// and row + 1 must be filled.
+  void find(const GranularWindow& window, const TileWindow::Plane& top, int32_t row);
+  /// Of that row, or with `below` 1 of the one before. Columns from -1 on.
+  const Square& at(int32_t column, int32_t below) const {
+    return rows_[static_cast<size_t>(below)][static_cast<size_t>(column + 1)];
+  }
+
+ private:
+  std::array<std::array<Square, kReposeBlock + 1>, 2> rows_;
+};
+
+/// `squares`: of the row; `slope`: tangent of the angle of repose; `top`: heights of the surface;
+/// `limit`: the links' usual limits, which stay where nothing flows or where snow stands.
+void find_granular_row(const GranularWindow& window, const GranularSquares& squares,
+                       const TileWindow::Plane& top, int32_t row, int32_t k, float slope,
+                       const float* limit, GranularRow& granular);
 
 }  // namespace snowbough::snow

@@ -221,13 +221,16 @@ class TileRun {
       if (is_granular() && row > 0) load(row - 1);
       const size_t at = TileWindow::at(0, row);
       std::array<bool, kForwardLinks>& is_wanted = is_wanted_[static_cast<size_t>(row)];
+      GranularSquares squares;
+      if (is_granular()) squares.find(granular_, top_, row);
       for (int32_t k = 0; k < kForwardLinks; ++k) {
         const auto link = static_cast<size_t>(k);
         const float* const limit =
             links_.limit[link].data() + static_cast<size_t>(row * kReposeBlock);
         if (is_granular()) {
           GranularRow row_of_grains;
-          find_granular_row(granular_, top_, row, k, links_.granular_slope, limit, row_of_grains);
+          find_granular_row(granular_, squares, top_, row, k, links_.granular_slope, limit,
+                            row_of_grains);
           const float* const rates = row_of_grains.rate.data();
           is_wanted[link] = want_row(TileWindow::step(k), &top_[at], &gives_[at],
                                      row_of_grains.limit.data(), &stiffness_[at], flow(k, row),
