@@ -95,7 +95,7 @@ std::vector<float> Drift::tops_of_objects(glm::ivec2 low) const {
 void Drift::reach(const Receiver& receiver, glm::ivec2 low, const std::vector<float>& tops) {
   const SceneObject& object = *objects_[receiver.map->object];
   const TexelTable& table = *object.table;
-  const Repose::BareTexels& bare = receiver.repose->bare_texels();
+  const BareTexels& bare = receiver.repose->bare();
   const std::vector<int32_t>& corners = object.description.topology.triangles;
   const size_t count = table.texel.size();
   std::vector<int32_t> first(count, -1);
@@ -161,7 +161,7 @@ void Drift::find_ground(const DriftSettings& settings, const std::vector<Receive
   glm::dvec2 high = -low;
   double texel = 0.0;
   for (const Receiver& receiver : receivers) {
-    const std::vector<float>& areas = receiver.repose->bare_texels().area;
+    const std::vector<float>& areas = receiver.repose->bare().area;
     const double area = std::accumulate(areas.begin(), areas.end(), 0.0);
     texel =
         std::max(texel, std::sqrt(area / static_cast<double>(std::max<size_t>(areas.size(), 1))));
