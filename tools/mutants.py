@@ -57,8 +57,8 @@ MASKS = module_tests("masks")
 PRESSING = module_tests("pressing")
 THAW = module_tests("melt")
 SHEDDING = module_tests("shedding")
-TURNS = Linked("snowbough_snow_tests", ("--gtest_filter=RigidTurn*",))
-COARSE = Linked("snowbough_snow_tests", ("--gtest_filter=CoarseMap*",))
+TURNS = Linked("snowbough_map_tests", ("--gtest_filter=RigidTurn*",))
+COARSE = Linked("snowbough_map_tests", ("--gtest_filter=CoarseMap*",))
 SURFACE = Linked("snowbough_surface_tests", ("--gtest_filter=SnowSurface.*-*Blades*:*Twice*",))
 SURFACE_PARTS = Linked("snowbough_surface_tests", ("--gtest_filter=FaceParts*:PointTree*",))
 KEPT = Linked("snowbough_tree_uv_tests", ("--gtest_filter=Kept*",))
@@ -261,10 +261,6 @@ MUTANTS = (
     moving("shedding", "glm::floor(at / edge)", "glm::floor(at / 1e-3)", SHEDDING),
     moving("shedding", "      map.slid += static_cast<double>(volume);\n", "", SHEDDING),
     # Coarser maps.
-    moving("coarse_map", "std::min(least, 0.5f * std::abs(a + b))", "0.0f", COARSE),
-    moving("coarse_map", "std::max(level + part.rise, 0.0)", "std::max(level, 0.0)", COARSE),
-    moving("coarse_map", "level = std::min(level, (volume - lifted) / area);", "level = volume / area;", COARSE),
-    moving("coarse_map", "map.slid += moved.slid;", "", COARSE),
     moving("coarse_map", "std::numbers::sqrt2 * side * level.texel_size < wanted", "false", COARSE),
     # Fronts of snow, and the parts and points among which they are found.
     surface("fronts", "front.bridged = opposite.nearness;", "front.bridged = 0.0f;", SURFACE),
@@ -370,7 +366,11 @@ class Tree:
         if tests.target == MODULE:
             return self._python(tests.arguments, str(self.objects / "python"))
         (program,) = self.objects.rglob(tests.target)
-        return self._ends_well([program, *tests.arguments], os.environ)
+        command = [program, *tests.arguments]
+        listed = subprocess.run([*command, "--gtest_list_tests"], capture_output=True, text=True).stdout
+        if not any(line.startswith("  ") for line in listed.splitlines()):
+            sys.exit(f"mutants: {tests.target} has no tests for {tests.arguments}")
+        return self._ends_well(command, os.environ)
 
     def _ends_well(self, command, environment):
         try:
