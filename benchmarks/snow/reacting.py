@@ -84,7 +84,7 @@ def cases():
     fence = wall[0] * np.float32([0.05, 1.6, 1.0]), wall[1]
     sunny = {"falls": -0.003, "sun": (0.5, 0.0, -1.0)}
     return [
-        Case("a mask", mask=True),
+        Case("a mask of one half", mask=True),
         Case("a tyre above the snow", tyre(), "PRESS", 0.6, 1.5),
         Case("a tyre in the snow", tyre(), "PRESS", 0.36, 1.5),
         Case("a tyre as a broom", tyre(), "CLEAR", 0.36, 1.5),
@@ -95,7 +95,7 @@ def cases():
         Case("rain with Wet Ground", falls=0.0, wet=True, rain=0.01),
         Case("drifts", drift=0.5, wind=(1.0, 0.0)),
         Case("drifts behind a wall", fence, over=0.0, drift=0.5, wind=(1.0, 0.0)),
-        Case("granular", granular=True),
+        Case("Granular", granular=True),
         Case("dust, with Rising", flutter=math.pi / 2, repose=math.pi / 2, adhesion=0.3, rising=0.1),
     ]
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <limits>
 
 #include "base/parallel_for.h"
 #include "snow/movement/hashed.h"
@@ -53,23 +54,41 @@ void Shedding::shed(uint32_t step_number, double dt, MovingMap& map, Repose& rep
   const std::vector<int32_t>& corners = object.description.topology.triangles;
   const std::vector<glm::vec3>& rest =
       object.description.rest.empty() ? object.positions : object.description.rest;
-  const auto lets_go = [&](size_t texel) {
-    const int32_t* const corner = &corners[3 * static_cast<size_t>(table.triangle[texel])];
-    const auto point = [&](int k) { return glm::dvec3(rest[static_cast<size_t>(corner[k])]); };
+  // Neighbours mostly lie on the same triangle and in the same cube.
+  struct Last {
+    int32_t triangle = -1;
+    glm::dvec3 from{0.0}, first{0.0}, second{0.0};
+    glm::dvec3 cube{std::numeric_limits<double>::infinity()};
+    bool lets_go = false;
+  };
+  const auto lets_go = [&](size_t texel, Last& last) {
+    if (table.triangle[texel] != last.triangle) {
+      last.triangle = table.triangle[texel];
+      const int32_t* const corner = &corners[3 * static_cast<size_t>(last.triangle)];
+      const auto point = [&](int k) { return glm::dvec3(rest[static_cast<size_t>(corner[k])]); };
+      last.from = point(0);
+      last.first = point(1) - point(0);
+      last.second = point(2) - point(0);
+    }
     const glm::dvec2 weights(table.barycentric[texel]);
-    const glm::dvec3 at =
-        point(0) + weights.x * (point(1) - point(0)) + weights.y * (point(2) - point(0));
-    const glm::dvec3 cube = glm::floor(at / edge);
-    return hashed({static_cast<int64_t>(cube.x), static_cast<int64_t>(cube.y),
-                   static_cast<int64_t>(cube.z)},
-                  step_number, 0, kShedSalt) < share;
+    const glm::dvec3 at = last.from + weights.x * last.first + weights.y * last.second;
+    // The edge is a power of two.
+    const glm::dvec3 cube = glm::floor(at * (1.0 / edge));
+    if (cube != last.cube) {
+      last.cube = cube;
+      last.lets_go = hashed({static_cast<int64_t>(cube.x), static_cast<int64_t>(cube.y),
+                             static_cast<int64_t>(cube.z)},
+                            step_number, 0, kShedSalt) < share;
+    }
+    return last.lets_go;
   };
   constexpr size_t kTexels = 4096;
   std::vector<std::vector<int32_t>> let_go((table.texel.size() + kTexels - 1) / kTexels);
   base::for_each_item(let_go.size(), 1, [&](size_t run) {
     const size_t end = std::min((run + 1) * kTexels, table.texel.size());
+    Last last;
     for (size_t i = run * kTexels; i < end; ++i) {
-      if ((*map.height)[static_cast<size_t>(table.texel[i])] == 0.0f || !lets_go(i)) continue;
+      if ((*map.height)[static_cast<size_t>(table.texel[i])] == 0.0f || !lets_go(i, last)) continue;
       let_go[run].push_back(static_cast<int32_t>(i));
     }
   });
