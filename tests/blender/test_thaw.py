@@ -178,6 +178,8 @@ def test_presets_for_boots_and_tyres_need_an_object():
         ({"rain": 0.001}, "Rain wets nothing"),
         ({"adhesion": 0.5, "repose": 1.0}, "Adhesion needs a Repose of 90"),
         ({"rising": 0.5}, "Rising sticks to no underside"),
+        ({"points": True}, "Flying Snow has no points"),
+        ({"points": True, "repose": 1.0, "landing": False}, "Flying Snow has no points"),
         ({"granular": True}, "Granular needs a Repose below 90"),
         ({"sun": "BELOW", "start_depth": 0.2}, "below the horizon"),
         ({"sun": "ABOVE"}, "The Sun thaws nothing"),

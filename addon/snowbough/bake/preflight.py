@@ -179,6 +179,8 @@ def _without_effect(settings):
         yield "What is Rising sticks to no underside: set Adhesion"
     if settings.drift > 0.0 and stays:
         yield "Drifts keep steep sides with a Repose of 90°: lower it"
+    if settings.points and (stays or not settings.landing):
+        yield "Flying Snow has no points: switch Landing on, and set Repose below 90°"
     if settings.granular and stays:
         yield "Granular needs a Repose below 90°: at 90° nothing moves"
 
