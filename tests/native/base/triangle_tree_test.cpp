@@ -88,6 +88,23 @@ TEST(FirstAlong, NamesTheTriangleAndTakesTheFirstOfTwoInOnePlace) {
   EXPECT_EQ(twice.first_along(0, {0.2, 0.2, 3}, {0, 0, -1}, 0.0, 2.5).triangle, -1);
 }
 
+TEST(TriangleTree, FindsTheNearestWhateverTheHint) {
+  std::vector<glm::vec3> vertices;
+  std::vector<std::array<int32_t, 3>> triangles;
+  for (int32_t t = 0; t < 30; ++t) {
+    const auto x = static_cast<float>(t);
+    for (const glm::vec3 corner : {glm::vec3(x, 0, 0), glm::vec3(x + 1, 0, 0), glm::vec3(x, 1, 0)})
+      vertices.push_back(corner);
+    triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+  }
+  const TriangleTree tree(vertices, triangles, {0, 30});
+  for (int32_t hint = -1; hint < 30; ++hint) {
+    EXPECT_EQ(tree.nearest(0, {12.3, 0.2, 1.0}, hint).triangle, 12) << hint;
+    // As near to two: the smaller index.
+    EXPECT_EQ(tree.nearest(0, {12.0, 0.0, 1.0}, hint).triangle, 11) << hint;
+  }
+}
+
 TEST(TriangleTree, MeetsMovedTrianglesAfterARefit) {
   std::vector<glm::vec3> vertices;
   std::vector<std::array<int32_t, 3>> triangles;
