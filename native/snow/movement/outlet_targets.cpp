@@ -19,6 +19,9 @@ constexpr float kDepthsOfGap = 4.0f;
 /// follow.
 constexpr float kNextDistance = 1.6f;
 constexpr int kBisections = 3;
+/// Rays onto the snow beside a gap start this many widths above the outlet, which may be below a
+/// bevel.
+constexpr double kOverBevel = 4.0;
 /// Raises an outlet above all snow.
 constexpr float kClosed = 1e6f;
 /// Rays start this fraction of the reach above the outlet, so that a surface as high as the outlet
@@ -100,8 +103,8 @@ void OutletTargets::find_gap(const Outlet& outlet, float widest, OutletTarget& t
   // A body that rises more steeply than its distance is a wall: snow leans against it.
   if (is_closed || target.far.object < 0) return;
   target.width = static_cast<float>(width);
-  target.farther = beyond(2.0 * width, width, is_closed);
-  target.before = beyond(-width, width, is_closed);
+  target.farther = beyond(2.0 * width, kOverBevel * width, is_closed);
+  target.before = beyond(-width, kOverBevel * width, is_closed);
 }
 
 OutletTarget OutletTargets::find(const Outlet& outlet) const {

@@ -23,7 +23,7 @@ constexpr float kHiddenStep = 1.3f;
 /// Least upward component of the normal of a face at a foot.
 constexpr float kFootCarries = 0.3f;
 /// Distance behind the rim at which the thickness on the step is taken, as a fraction of the depth.
-constexpr float kOnStep = 0.15f;
+constexpr float kOnStep = 0.35f;
 /// Rise of the snow at the foot of a hidden step, as a fraction of the step.
 constexpr float kRise = 0.3f;
 

@@ -48,6 +48,11 @@ constexpr float kGrowth = 0.35f;
 constexpr float kOffDeep = 0.04f;
 constexpr float kOffThin = 0.015f;
 constexpr float kThin = 0.3f;
+/// The same, and the edge length, from which on an edge is split however few points there may be;
+/// and the factor on edge lengths from which on points are few.
+constexpr float kOffAnyway = 0.25f;
+constexpr float kAnywayEdge = 0.6f;
+constexpr float kCoarse = 2.0f;
 /// The same for prints, and the target edge length at their walls.
 constexpr float kOffDent = 0.04f;
 constexpr float kDentEdge = 0.03f;
@@ -112,6 +117,7 @@ class Refiner {
                     density.depth * coarseness.hems),
         depth_(density.depth),
         least_edge_((heights.dented != nullptr ? kDentEdge : kLeastEdge) * unit_),
+        is_coarse_(coarseness.hems > kCoarse),
         shown_(std::min(kShown, kShownShare * density.depth)),
         most_(static_cast<size_t>(density.most_points) * 2),
         mesh_(receiver) {}
@@ -189,6 +195,8 @@ class Refiner {
     if (off > kOffDeep * depth_ || (off > kOffThin * depth_ && height < kThin * depth_)) {
       wanted = std::min(wanted, std::max(0.6f * length, kLeastEdge * unit_));
     }
+    // Otherwise a heap on a small top would be flat.
+    if (is_coarse_ && off > kOffAnyway * depth_ && length > kAnywayEdge * depth_) return 0.0f;
     if (heights_.dented != nullptr) wanted = std::min(wanted, dent_length(triangle, k, length));
     if (!rims_.all().empty()) {
       const bool at_foot = covered && (at_foot_[ends[0]] != 0 || at_foot_[ends[1]] != 0);
@@ -429,6 +437,7 @@ class Refiner {
   float level_edge_;
   float depth_;
   float least_edge_;
+  bool is_coarse_;
   float shown_;
   size_t most_;
   SurfaceMesh mesh_;
@@ -503,13 +512,17 @@ PointCounts wanted_points(const SurfaceMesh& receiver, const Rims& rims, float d
   const double rows = static_cast<double>(kCuts[0].levels.size());
   const double along = 0.5 * (kAlongHem + kAlongInland) * depth;
   PointCounts counts{rim_length / along * rows + 16.0, 0.0};
+  // The points of faces that carry snow are there in any case.
+  std::vector<uint8_t> carries(receiver.position.size(), 0);
   for (size_t t = 0; t < receiver.triangle.size(); ++t) {
     const auto& [a, b, c] = receiver.normal[t];
     const bool bends = glm::distance(a, b) + glm::distance(b, c) > 0.04f;
     const double edge = (bends ? kEndingEdge : kLevelEdge) * depth;
-    (bends ? counts.hems : counts.level) +=
-        std::max(0.0, static_cast<double>(triangle_cross(receiver, t).z)) / (edge * edge);
+    const double covers = std::max(0.0, static_cast<double>(triangle_cross(receiver, t).z));
+    (bends ? counts.hems : counts.level) += covers / (edge * edge);
+    for (const int32_t p : receiver.triangle[t]) carries[static_cast<size_t>(p)] |= covers > 0.0;
   }
+  counts.hems += static_cast<double>(std::count(carries.begin(), carries.end(), 1));
   return counts;
 }
 

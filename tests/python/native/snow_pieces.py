@@ -83,8 +83,11 @@ def slats(places, width=0.06, length=1.0, top=0.5):
     return [((0.0, y, top - 0.0125), (length, width, 0.025), 0.0) for y in places]
 
 
-def bevelled_slats(places, segments, bevel=0.006, width=0.06, length=1.0, height=0.025, texel=0.005):
-    """The same slats with bevels: walls, bevels and top lie side by side in one chart."""
+def bevelled_slats(
+    places, segments, bevel=0.006, width=0.06, length=1.0, height=0.025, texel=0.005, with_walls=None
+):
+    """The same slats with bevels: walls, bevels and top lie side by side in one chart; or only so many faces of each
+    side, `with_walls`, in the chart of the walls, and the others in that of the top."""
     turn = np.linspace(0.0, np.pi / 2, segments + 1)
     corner = bevel * np.stack([1 - np.cos(turn), np.sin(turn)], axis=1)
     left = np.array([[0.0, 0.0], *(corner + (0.0, height - bevel))]) - (width / 2, height)
@@ -92,7 +95,7 @@ def bevelled_slats(places, segments, bevel=0.006, width=0.06, length=1.0, height
     around = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(outline, axis=0), axis=1))])
     count, row = len(outline), math.ceil(around[-1] / texel) + 2
     resolution = 128
-    while resolution < max(length / texel + 2, 2 * row * len(places)):
+    while resolution < max(length / texel + 2, 3 * row * len(places)):
         resolution *= 2
     quads = [(i, i + 1, count + i + 1, count + i) for i in range(count - 1)] + [
         (count - 1, 0, count, 2 * count - 1)
@@ -105,13 +108,16 @@ def bevelled_slats(places, segments, bevel=0.006, width=0.06, length=1.0, height
         for x in (-length / 2, length / 2):
             positions += [(x, y + across, 0.5 + up) for across, up in outline]
         triangles.append(faces + 2 * count * number)
-        low = (1, 1 + 2 * row * number)
+        low = (1, 1 + 3 * row * number)
         for face in faces:
             # The ends take no snow; their chart is a point.
             is_end = len(set(face // count)) == 1
             on = [(0 if is_end else (v // count) * length, around[v % count]) for v in face]
             # The underside's chart is beside.
-            up = row if {v % count for v in face} == {0, count - 1} else 0
+            along = sorted(v % count for v in face)
+            up = row if along[0] == 0 and along[-1] == count - 1 else 0
+            if with_walls is not None and with_walls <= along[0] and along[-1] < count - with_walls:
+                up = 2 * row
             shown = [(low[0] + a / texel, low[1] + up + (0 if is_end else b / texel)) for a, b in on]
             uv.append(shown)
     return (

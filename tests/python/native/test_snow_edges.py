@@ -86,6 +86,13 @@ def test_walls_in_the_chart_of_the_top_close_gaps_too(segments):
     assert held(on_bevelled, "seat") > 0.8 * held(on_sharp, "seat")
 
 
+@pytest.mark.parametrize("with_walls", [1, 2, 3])
+def test_bevels_in_the_chart_of_the_walls_close_gaps_too(with_walls):
+    """They carry no snow themselves."""
+    sharp, bevelled = pieces(slats(PLACES)), bevelled_slats(PLACES, 3, with_walls=with_walls)
+    assert held(snow_on({"seat": bevelled}), "seat") > 0.8 * held(snow_on({"seat": sharp}), "seat")
+
+
 @pytest.mark.parametrize("texel", [0.0025, 0.005, 0.01])
 @pytest.mark.parametrize("segments", [1, 2, 3])
 def test_snow_falls_over_walls_in_the_chart_of_the_top(segments, texel):

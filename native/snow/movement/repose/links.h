@@ -107,6 +107,19 @@ struct ReposeLinks {
   const uint8_t* forward_of(int32_t block) const {
     return &forward[static_cast<size_t>(block) * kTileCells];
   }
+  /// Calls visit(other cell, link) for the links across seams of a cell.
+  template <typename Visit>
+  void for_across(int32_t cell, const Visit& visit) const {
+    const int32_t* const in_block = &end_begin[static_cast<size_t>(cell / kTileCells)];
+    const auto is_before = [](const End& end, int32_t at) { return end.cell < at; };
+    const auto last = ends.begin() + in_block[1];
+    for (auto end = std::lower_bound(ends.begin() + in_block[0], last, cell, is_before);
+         end != last && end->cell == cell; ++end) {
+      if (static_cast<size_t>(end->link) >= across.size()) continue;
+      const auto link = static_cast<size_t>(end->link);
+      visit(across_cells[link][end->sign < 0 ? 1 : 0], link);
+    }
+  }
   /// Calls visit(first texel, count, column within the block) for the runs of texels in consecutive
   /// columns of a block's row (0 to kReposeBlock; the last is of the block above), and in `margin`
   /// columns, 0 or 1, on either side. `places`: TexelTable::texel.

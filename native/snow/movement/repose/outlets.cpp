@@ -184,24 +184,36 @@ void set_up_outlets(const ReposeGround& ground, const ReposeLimits& limits,
 
 bool is_below_snow(const ReposeGround& ground, const ReposeLimits& limits,
                    const ReposeBlocks& blocks, int32_t block, const RimLink& rim) {
-  const TilesAround around(blocks.tiles, ground.links->blocks_a_side, block);
-  int32_t column = rim.cell % kReposeBlock;
-  int32_t row = rim.cell / kReposeBlock;
-  Cell cell = cell_at(around, column, row);
+  const ReposeLinks& links = *ground.links;
+  int32_t number = block * kTileCells + rim.cell;
+  const auto cell_of = [&](int32_t own) {
+    return Cell{blocks.tiles[static_cast<size_t>(own / kTileCells)].get(),
+                static_cast<size_t>(own % kTileCells)};
+  };
+  Cell cell = cell_of(number);
   const glm::vec2 from(cell.point());
-  // Farther ones may be in blocks beyond those around.
-  for (int32_t step = 0; step < kReposeBlock / 2 && cell.steep() > limits.slope; ++step) {
-    Cell next = cell;
-    glm::ivec2 at(column, row);
-    for_linked(around, column, row, [&](const Cell& other, int32_t x, int32_t y) {
-      if (!other.is_there() || other.is_wall() || !(other.point().z > next.point().z)) return;
-      next = other;
-      at = {x, y};
-    });
-    if (next.at == cell.at && next.tile == cell.tile) break;
-    cell = next;
-    column = at.x;
-    row = at.y;
+  for (int step = 0; step < kReposeBlock && cell.steep() > limits.slope; ++step) {
+    int32_t next = number;
+    const auto consider = [&](int32_t other) {
+      const Cell to = cell_of(other);
+      if (to.is_there() && !to.is_wall() && to.point().z > cell_of(next).point().z) next = other;
+    };
+    const int32_t own_block = number / kTileCells;
+    const TilesAround around(blocks.tiles, links.blocks_a_side, own_block);
+    const int32_t side = links.blocks_a_side * kReposeBlock;
+    const int32_t inner = number % kTileCells;
+    const int32_t left = own_block % links.blocks_a_side * kReposeBlock;
+    const int32_t low = own_block / links.blocks_a_side * kReposeBlock;
+    for_linked(around, inner % kReposeBlock, inner / kReposeBlock,
+               [&](const Cell&, int32_t column, int32_t row) {
+                 const int32_t x = left + column;
+                 const int32_t y = low + row;
+                 if (x >= 0 && y >= 0 && x < side && y < side) consider(links.cell_at(x, y));
+               });
+    links.for_across(number, [&](int32_t other, size_t) { consider(other); });
+    if (next == number) break;
+    number = next;
+    cell = cell_of(number);
   }
   const float thick = cell.tile->snow.top[cell.at] - cell.point().z;
   return thick > 0.0f && thick >= kDepthsOfWay * glm::distance(glm::vec2(cell.point()), from);

@@ -62,19 +62,12 @@ int32_t next_cell(const ReposeLinks& links, const ReposeBlocks& blocks, int32_t 
              rim->number < 0 ? links.cell_of(-1 - rim->number) : -1 - rim->number);
   }
   if ((tile.ground.forward[own] & kAtSeam) == 0) return next;
-  const int32_t* const ends = &links.end_begin[static_cast<size_t>(block)];
-  const auto lies_before = [](const ReposeLinks::End& end, int32_t at) { return end.cell < at; };
-  const auto last = links.ends.begin() + ends[1];
-  for (auto end = std::lower_bound(links.ends.begin() + ends[0], last, cell, lies_before);
-       end != last && end->cell == cell; ++end) {
-    if (static_cast<size_t>(end->link) >= links.across.size()) continue;
-    const auto& [a, b] = links.across_cells[static_cast<size_t>(end->link)];
-    const int32_t to = end->sign < 0 ? b : a;
+  links.for_across(cell, [&](int32_t to, size_t link) {
     const ReposeTile* const other = blocks.tiles[static_cast<size_t>(to / kTileCells)].get();
-    if (other == nullptr) continue;
+    if (other == nullptr) return;
     consider(top - other->snow.top[static_cast<size_t>(to % kTileCells)],
-             blocks.flows.links[static_cast<size_t>(end->link)].limit, to);
-  }
+             blocks.flows.links[link].limit, to);
+  });
   return next;
 }
 
