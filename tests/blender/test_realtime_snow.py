@@ -116,7 +116,7 @@ def test_a_tree_follows_the_live_preview(scene, addon, read):
     live = addon("preview.live")
     try:
         live.start(scene, bpy.context.evaluated_depsgraph_get(), draws=False)
-        for frame in range(1, 5):
+        for frame in range(1, 6):
             scene.frame_set(frame)
         (tree,) = read(live=True).trees
         assert tree.snow.heights.max() > 0.01
