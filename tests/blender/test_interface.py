@@ -15,7 +15,8 @@ PACKAGE = os.environ["SNOWBOUGH_TEST_ADDON"]
 # Units that a tooltip may name, in brackets: "(metres)", "(texels)".
 UNITS = re.compile(
     r"\((metres|metres per hour|metres per second|degrees|seconds|frames|texels|pixels|radii of the limb|levels|bones|"
-    r"keys|poses per frame|directions per shot|square metres|kilograms|kilograms per cubic metre|gigapascals|megapascals|0 to 1)\)"
+    r"keys|poses per frame|directions per shot|square metres|kilograms|kilograms per cubic metre|gigapascals|"
+    r"megapascals|0 to 1)\)"
 )
 # Units as labels and messages show them.
 SHOWN_AS = {
