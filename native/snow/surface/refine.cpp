@@ -511,7 +511,7 @@ PointCounts wanted_points(const SurfaceMesh& receiver, const Rims& rims, float d
   for (const Rim& rim : rims.all()) rim_length += glm::distance(rim.from, rim.to);
   const double rows = static_cast<double>(kCuts[0].levels.size());
   const double along = 0.5 * (kAlongHem + kAlongInland) * depth;
-  PointCounts counts{rim_length / along * rows + 16.0, 0.0};
+  PointCounts counts{rim_length / along * rows + 8.0, 0.0};
   // The points of faces that carry snow are there in any case.
   std::vector<uint8_t> carries(receiver.position.size(), 0);
   for (size_t t = 0; t < receiver.triangle.size(); ++t) {
