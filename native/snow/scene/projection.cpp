@@ -1,6 +1,7 @@
 #include "snow/scene/projection.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
