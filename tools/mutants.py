@@ -208,7 +208,6 @@ MUTANTS = (
     moving("repose/outlets", "  link_walls(ground, limits, stand, block, blocks);\n", "", EDGES),
     moving("outlet_targets", "std::min(near, far) - target.width", "near - target.width", EDGES),
     moving("outlet_targets", "width == 0.0 && target.searched < widest", "false", EDGES),
-    moving("movement", "targets_.forget(map->object);", ";", EDGES),
     # Landing.
     moving("landing", "  clock_ = state.clock;\n", "", LANDING),
     moving("landing", "is_back ? -now : now;\n    map", "now;\n    map", LANDING),

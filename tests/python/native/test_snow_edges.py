@@ -100,6 +100,13 @@ def test_snow_falls_over_walls_in_the_chart_of_the_top(segments, texel):
     broad = snow_on({"seat": bevelled_slats([0.0], segments, texel=texel)})
     narrow = snow_on({"seat": bevelled_slats([0.0], segments, bevel=0.001, texel=texel)})
     assert held(broad, "seat") == pytest.approx(held(narrow, "seat"), rel=0.2)
+    assert held(broad, "seat") < 1.1 * held(snow_on({"seat": pieces(slats([0.0]))}), "seat")
+
+
+def test_a_bare_neighbour_holds_no_snow_up():
+    slat, bare = pieces(slats([0.0])), pieces(slats([0.06 + GAP]))
+    beside = held(snow_on({"slat": slat, "bare": bare}, shade=("bare",)), "slat")
+    assert beside == pytest.approx(held(snow_on({"slat": slat}), "slat"), rel=0.05)
 
 
 def test_a_shot_is_the_same_again_while_its_texels_are_joined():
