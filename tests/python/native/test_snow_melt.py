@@ -236,6 +236,24 @@ def test_water_spreads_sideways_and_dries():
     assert after.sum() < 0.9 * before.sum()
 
 
+def test_water_does_not_spread_to_a_piece_that_is_beside_it_on_the_map_only():
+    open_piece, _, _ = grid(1.0, 1.0, 1)
+    _, triangles, uv = grid(1.0, 1.0, 1)
+    positions = np.concatenate([open_piece, open_piece + np.float32([4.0, 0.0, 0.0])])
+    halves = np.concatenate([uv * [0.5, 1.0], uv * [0.5, 1.0] + [0.5, 0.0]]).astype(np.float32)
+    with simulation(wet=True, drying=1e6, wet_spread=0.1, rain=0.001 / DT) as sim:
+        sim.add_object(
+            "pieces", np.concatenate([triangles, triangles + len(open_piece)]), halves, resolution=64
+        )
+        sim.add_object("roof", triangles, uv, receive=False)
+        roof = 1.5 * open_piece + np.float32([4.0, 0.0, 1.0])
+        for step in range(4):
+            sim.step({"pieces": positions, "roof": roof.astype(np.float32)} if step == 0 else {}, 0.0, dt=DT)
+        wet = water(sim, "pieces")
+    assert wet[:, :30].min() > 0.0
+    assert wet[:, 32:].max() == 0.0
+
+
 def test_water_runs_off_a_roof_and_drips_onto_the_ground():
     """A steep board over the ground: the strip below its lower edge gets wetter than open ground."""
     with simulation(

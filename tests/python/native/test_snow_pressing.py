@@ -300,6 +300,19 @@ def test_a_rod_presses_on_its_way_between_two_poses_over_the_snow():
     assert 0.36 - 0.26 < world.height()[8:-8, 8:-8].min() < DEPTH - 0.02
 
 
+def test_an_object_presses_nothing_on_its_way_while_it_is_hidden():
+    world = World(repose=STAYS)
+    world.add("tool", ball(), pushed_aside=0.0)
+    low = ball()[0] + np.float32([-0.4, 0.0, DEPTH + 0.2])
+    world.step({"tool": low}, DEPTH)
+    world.step({"tool": low})
+    world.sim.step({"tool": low + np.float32([0.4, 0.0, 0.0])}, 0.0, DOWN, FRAME, hidden={"tool"})
+    world.step({"tool": low + np.float32([0.8, 0.0, 0.0])})
+    world.step({"tool": low + np.float32([0.8, 0.0, 0.0])})
+    assert world.at(0.0, 0.0) == pytest.approx(DEPTH, abs=1e-4)
+    assert world.at(0.4, 0.0) < DEPTH - 0.01
+
+
 def test_an_object_over_the_snow_changes_no_byte():
     plain, pressed = World(repose=1.0), World(repose=1.0)
     for world in (plain, pressed):
