@@ -19,7 +19,8 @@ MOST_KEPT = 4
 
 @lru_cache(maxsize=2048)
 def _standing(folder, stamp):
-    """((first, last frame), triangles' corners' bounds, depth) of a receiver that never moves, or None."""
+    """((first, last, deepest frame, its depth), (lowest, highest corner), to_world) of a receiver that never moves, or
+    None. Metres, in world space. stamp: see _stamp."""
     manifest = read_manifest(folder)
     frames = [] if manifest is None else [entry for entry in manifest["frames"] if "to_world" in entry]
     if not frames or any(

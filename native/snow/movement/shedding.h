@@ -12,7 +12,7 @@ namespace snowbough::snow {
 /// Lets snow go from leaves and boughs (SceneObject::shed_half_life): all snow in a cube of
 /// the rest pose, about as large as the snow is deep, at once, after a random time whose
 /// distribution is exponential. How long snow has waited does not matter to such a time, so each
-/// step draws anew and nothing is kept between steps. What lets go falls by Landing.
+/// step draws new numbers and needs none of earlier steps. Landing moves on what falls.
 class Shedding {
  public:
   /// `objects` must live until the next call.

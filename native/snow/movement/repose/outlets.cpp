@@ -12,9 +12,6 @@
 namespace snowbough::snow {
 namespace {
 
-/// Least depth of snow, in horizontal ways from there to an outlet.
-constexpr float kDepthsOfWay = 1.0f;
-
 /// A cell of a tile.
 struct Cell {
   const ReposeTile* tile = nullptr;
@@ -216,7 +213,7 @@ bool is_below_snow(const ReposeGround& ground, const ReposeLimits& limits,
     cell = cell_of(number);
   }
   const float thick = cell.tile->snow.top[cell.at] - cell.point().z;
-  return thick > 0.0f && thick >= kDepthsOfWay * glm::distance(glm::vec2(cell.point()), from);
+  return thick > 0.0f && thick >= glm::distance(glm::vec2(cell.point()), from);
 }
 
 float top_over(const ReposeBlocks& blocks, int32_t block, const RimLink& rim) {

@@ -29,7 +29,7 @@ void set_up_outlets(const ReposeGround& ground, const ReposeLimits& limits,
                     const std::vector<float>* stand, int32_t block, ReposeBlocks& blocks);
 
 /// Whether snow lies on the first cell up the slope from an outlet that is not too steep for it,
-/// and is thick beside the way there: bevels carry none themselves.
+/// and is at least as thick as the horizontal way there is long: bevels carry none themselves.
 bool is_below_snow(const ReposeGround& ground, const ReposeLimits& limits,
                    const ReposeBlocks& blocks, int32_t block, const RimLink& rim);
 

@@ -6,34 +6,12 @@
 
 #include "shaders/lib/texel_repose.h"
 #include "snow/movement/repose/repose.h"
+#include "tests/native/snow/movement/repose/squares.h"
 
 namespace snowbough::snow {
 namespace {
 
 constexpr ReposeLimits kOneToOne{1.0f / shared::kEven, 0.0f};
-
-/// Squares of one metre that share an edge, each a quarter of a map of 64 texels: from the left and
-/// from the middle of the map on. `ends`: of the second square's far edge; empty: no second square.
-SceneObject squares(const std::vector<glm::vec3>& ends) {
-  SceneObject object;
-  MapTopology& topology = object.description.topology;
-  topology.resolution = 64;
-  object.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-  object.positions.insert(object.positions.end(), ends.begin(), ends.end());
-  topology.vertex_count = static_cast<int32_t>(object.positions.size());
-  const auto add = [&](const std::vector<int32_t>& corners, float left) {
-    const glm::vec2 uv[4] = {{left, 0}, {left + 0.5f, 0}, {left + 0.5f, 0.5f}, {left, 0.5f}};
-    for (const size_t k : {0, 1, 2, 0, 2, 3}) {
-      topology.triangles.push_back(corners[k]);
-      topology.corner_uv.push_back(uv[k]);
-    }
-  };
-  add({0, 1, 2, 3}, 0.0f);
-  if (!ends.empty()) add({1, 4, 5, 2}, 0.5f);
-  object.description.rest = object.positions;
-  object.table = std::make_shared<const TexelTable>(build_texel_table(topology));
-  return object;
-}
 
 BlockSlack slack_of(const SceneObject& object, int32_t block) {
   ReposeSurface surface;
