@@ -21,6 +21,8 @@ constexpr double kFinest = 2e-3;
 constexpr double kTexelsADepth = 24.0;
 /// Squares of more texels a side hold too little of the surface's shape.
 constexpr int32_t kMostSide = 16;
+/// Squares whose upward parts of the normals differ by more are on two sides of an edge.
+constexpr float kEdge = 0.2f;
 constexpr size_t kRun = 4096;
 
 /// Sums of the squares and of the cubes of thicknesses.
@@ -156,13 +158,18 @@ void CoarseMap::update_areas() {
                     two_sided.data()});
   });
   square_area_.resize(texels_.middle.size());
+  square_up_.resize(height_.size());
   base::for_each_item(square_area_.size(), kRun, [&](size_t i) {
     double area = 0.0;
+    double level = 0.0;
     for (int32_t t = texels_.begin[i]; t < texels_.begin[i + 1]; ++t) {
-      area +=
-          static_cast<double>(area_[static_cast<size_t>(texels_.texel[static_cast<size_t>(t)])]);
+      const auto texel = static_cast<size_t>(texels_.texel[static_cast<size_t>(t)]);
+      area += static_cast<double>(area_[texel]);
+      level += static_cast<double>(area_[texel]) * static_cast<double>(up_[texel]);
     }
     square_area_[i] = area;
+    square_up_[static_cast<size_t>(repose_.table().texel[i])] =
+        area > 0.0 ? static_cast<float>(level / area) : 0.0f;
   });
 }
 
@@ -212,8 +219,13 @@ glm::vec2 CoarseMap::slope_at(int32_t place) const {
   const int32_t column = place % side;
   const int32_t row = place / side;
   const auto is_linked = [&](int32_t x, int32_t y, int32_t k) {
-    return x >= 0 && y >= 0 &&
-           ((links.forward[static_cast<size_t>(links.cell_at(x, y))] >> k) & 1) != 0;
+    if (x < 0 || y < 0 || ((links.forward[static_cast<size_t>(links.cell_at(x, y))] >> k) & 1) == 0)
+      return false;
+    // Over an edge of the surface thicknesses are measured in two directions.
+    const int32_t other =
+        place + (x == column && y == row ? 1 : -1) * (kForwardRow[k] * side + kForwardColumn[k]);
+    return std::abs(square_up_[static_cast<size_t>(place)] -
+                    square_up_[static_cast<size_t>(other)]) < kEdge;
   };
   const auto height = [&](int32_t at) { return std::abs(height_[static_cast<size_t>(at)]); };
   glm::vec2 slope(0.0f);
@@ -235,11 +247,12 @@ glm::vec2 CoarseMap::slope_at(int32_t place) const {
   return slope;
 }
 
-/// A texel of a square: its place and area, and by how much the snow's slope lifts it above the
-/// square's middle, in metres.
+/// A texel of a square: its place and area, the upward part of its normal, and by how much the
+/// snow's slope lifts it above the square's middle, in metres.
 struct CoarseMap::Part {
   size_t place = 0;
   double area = 0.0;
+  double up = 1.0;
   double rise = 0.0;
 };
 
@@ -281,28 +294,29 @@ bool CoarseMap::spread(size_t square, std::vector<float>& height, std::vector<Pa
                            0.5;
     // Texels far outside the square's own place lie at its middle.
     const bool is_inside = std::max(std::abs(way.x), std::abs(way.y)) < 1.0;
-    parts.push_back({own, area, is_inside ? glm::dot(slope, way) : 0.0});
+    parts.push_back({own, area, static_cast<double>(sign * up_[texel]),
+                     is_inside ? glm::dot(slope, way) : 0.0});
   });
   // Walls keep what sticks to them, unless there is nothing else.
   if (parts.empty() || on_walls > volume) {
     on_walls = 0.0;
     parts.clear();
     for_texels([&](size_t texel, size_t own) {
-      parts.push_back({own, static_cast<double>(area_[texel]), 0.0});
+      parts.push_back({own, static_cast<double>(area_[texel]), 1.0, 0.0});
     });
   }
   volume = height_[at] == 0.0f ? 0.0 : std::max(volume - on_walls, 0.0);
   const double level = level_of(parts, volume);
   for (const Part& part : parts) {
-    const auto now = static_cast<float>(std::max(level + part.rise, 0.0));
+    const auto now = static_cast<float>(std::max(level * part.up + part.rise, 0.0));
     // No zero is negative.
     height[part.place] = volume > 0.0 && now > 0.0f ? sign * now : 0.0f;
   }
   return true;
 }
 
-/// The thickness at the middle of a square under which its texels hold a volume; where snow ends
-/// within the square they are bare beyond.
+/// The upright thickness at the middle of a square under which its texels hold a volume; where snow
+/// ends within the square they are bare beyond.
 double CoarseMap::level_of(const std::vector<Part>& parts, double volume) {
   double level = std::numeric_limits<double>::infinity();
   // Each round leaves bare ones out.
@@ -311,8 +325,8 @@ double CoarseMap::level_of(const std::vector<Part>& parts, double volume) {
     double area = 0.0;
     double lifted = 0.0;
     for (const Part& part : parts) {
-      if (!(level + part.rise > 0.0)) continue;
-      area += part.area;
+      if (!(level * part.up + part.rise > 0.0)) continue;
+      area += part.area * part.up;
       lifted += part.area * part.rise;
     }
     if (!(area > 0.0)) break;

@@ -49,6 +49,8 @@ class CoarseMap {
   std::vector<float> area_, up_;
   /// Per square: area in m2.
   std::vector<double> square_area_;
+  /// By place on the coarse map: upward part of the mean normal.
+  std::vector<float> square_up_;
   /// By place on the coarse map: metres, and before the step's movement.
   std::vector<float> height_, before_;
   /// By coarse texel: a place on the receiver's map.

@@ -100,10 +100,12 @@ void OutletTargets::find_gap(const Outlet& outlet, float widest, OutletTarget& t
   }
   bool is_closed = false;
   target.far = beyond(width, width, is_closed);
-  // A body that rises more steeply than its distance is a wall: snow leans against it.
-  if (is_closed || target.far.object < 0) return;
+  if (!is_closed && target.far.object < 0) return;
   target.width = static_cast<float>(width);
-  target.farther = beyond(2.0 * width, kOverBevel * width, is_closed);
+  // A body that rises more steeply than its distance is the side of another top, or a wall, against
+  // which snow leans.
+  target.farther = beyond(2.0 * width, kOverBevel * width, target.is_at_wall);
+  target.is_at_wall = target.is_at_wall && is_closed;
   target.before = beyond(-width, kOverBevel * width, is_closed);
 }
 
@@ -179,7 +181,8 @@ float OutletTargets::rise_of(const OutletTarget& target, float widest, float nea
   if (target.fall.object >= 0) above = std::max(above, over(target.fall));
   if (!(target.width > 0.0f && target.width <= widest)) return above;
   // Snow beside a gap is low because of the gap, so the snow a width away counts, too.
-  float far = over(target.far);
+  float far = target.is_at_wall ? kClosed : 0.0f;
+  if (target.far.object >= 0) far = std::max(far, over(target.far));
   if (target.farther.object >= 0) far = std::max(far, over(target.farther));
   if (target.before.object >= 0) near = std::max(near, over(target.before));
   return std::max(above, std::min(near, far) - target.width);

@@ -25,6 +25,8 @@ struct OutletTarget {
   float searched = 0.0f;
   /// The distance of the nearest such surface; 0: not found yet.
   float width = 0.0f;
+  /// Whether it belongs to a wall that ends far above.
+  bool is_at_wall = false;
   /// The surfaces that wide a way beyond the outlet, twice as far, and the same way before it.
   MapPoint far, farther, before;
 };

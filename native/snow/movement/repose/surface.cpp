@@ -198,6 +198,8 @@ ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
   }
   const float length = glm::length(texel.normal);
   if (length > 0.0f) texel.normal /= length;
+  // A column stands on the part that carries snow.
+  texel.normal *= all / texel.area;
   return texel;
 }
 

@@ -15,7 +15,7 @@ class ReposeSurface {
   /// The bare surface of a texel.
   struct Texel {
     glm::vec3 point{0.0f};
-    /// Shading normal.
+    /// Shading normal, times the part of the area on which snow can lie.
     glm::vec3 normal{0.0f};
     float area = 0.0f;
     /// Sum of the principal curvatures in 1/m.
