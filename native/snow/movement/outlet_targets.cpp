@@ -22,6 +22,8 @@ constexpr int kBisections = 3;
 /// Rays onto the snow beside a gap start this many widths above the outlet, which may be below a
 /// bevel.
 constexpr double kOverBevel = 4.0;
+/// Sides that rise higher above an outlet, in metres, are walls.
+constexpr double kHighestTop = 1.0;
 /// Raises an outlet above all snow.
 constexpr float kClosed = 1e6f;
 /// Rays start this fraction of the reach above the outlet, so that a surface as high as the outlet
@@ -102,10 +104,12 @@ void OutletTargets::find_gap(const Outlet& outlet, float widest, OutletTarget& t
   target.far = beyond(width, width, is_closed);
   if (!is_closed && target.far.object < 0) return;
   target.width = static_cast<float>(width);
-  // A body that rises more steeply than its distance is the side of another top, or a wall, against
+  // A body that rises more steeply than its distance is the side of a higher top, or a wall, against
   // which snow leans.
-  target.farther = beyond(2.0 * width, kOverBevel * width, target.is_at_wall);
-  target.is_at_wall = target.is_at_wall && is_closed;
+  const bool is_side = is_closed;
+  target.farther = beyond(2.0 * width, kOverBevel * width, is_closed);
+  if (is_closed) target.farther = beyond(2.0 * width, kHighestTop, is_closed);
+  target.is_at_wall = is_side && is_closed;
   target.before = beyond(-width, kOverBevel * width, is_closed);
 }
 

@@ -103,6 +103,27 @@ def test_snow_falls_over_walls_in_the_chart_of_the_top(segments, texel):
     assert held(broad, "seat") < 1.1 * held(snow_on({"seat": pieces(slats([0.0]))}), "seat")
 
 
+def beside_a_joint(lift, height):
+    """Thickness on the last 3 cm of a stone, beside one whose top is higher by `lift`."""
+    middle = 0.3 + GAP / 2
+    boxes = [((-middle, 0.0, -0.05), (0.6, 0.6, 0.1)), ((middle, 0.0, lift - height / 2), (0.6, 0.6, height))]
+    stones = pieces([(*box, 0.0) for box in boxes])
+    return top_chart(stones, 0, snow_on({"stones": stones}).height("stones"))[20:-20, -3:]
+
+
+@pytest.mark.parametrize("lift", [0.0, 0.02, 0.03])
+def test_stones_that_lie_unevenly_close_their_joints(lift):
+    assert beside_a_joint(lift, 0.1).mean() > 0.9 * 0.2
+
+
+def test_snow_leans_against_a_wall_beyond_a_joint():
+    assert beside_a_joint(2.0, 2.1).mean() > 0.9 * 0.2
+
+
+def test_snow_beside_a_joint_is_no_higher_than_that_on_the_stone_beyond():
+    assert beside_a_joint(0.1, 0.2).mean() < 0.2
+
+
 def test_a_bare_neighbour_holds_no_snow_up():
     slat, bare = pieces(slats([0.0])), pieces(slats([0.06 + GAP]))
     beside = held(snow_on({"slat": slat, "bare": bare}, shade=("bare",)), "slat")

@@ -186,6 +186,7 @@ ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
   // Snow lies on parts that face up, if there are any; on two-sided sheets, on one side.
   if (texel.two_sided) upper = upper_up = 0.0f;
   texel.up = (upper_up > 0.0f ? upper_up : sum_up) / texel.area;
+  if (upper > 0.0f && !shared::is_wall(texel.up)) texel.up = upper_up / upper;
   const float all = upper > 0.0f ? upper : texel.area;
   for (size_t f = begin; f < end; ++f) {
     const glm::vec4& triangle = triangles_[static_cast<size_t>(table.fragment_triangle[f])];

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "snow/movement/movement.h"
@@ -108,6 +109,53 @@ TEST(CoarseMap, ShapesSnowAsTheReceiversOwnMapDoes) {
   RecordProperty("mean_difference_mm", std::to_string(1e3 * mean));
   EXPECT_LT(most, 0.08 * static_cast<double>(kDepth));
   EXPECT_LT(mean, 0.01 * static_cast<double>(kDepth));
+}
+
+/// A plate that ends in a bevel of 60 degrees, two texels wide, and a wall below, all in one chart.
+TEST(CoarseMap, SpreadsColumnsOverBevels) {
+  constexpr int32_t kSide = 512;
+  constexpr float kColumn = 0.1f;
+  const float texel = kPlate / static_cast<float>(kSide);
+  SceneObject object = plate(kSide);
+  MapTopology& topology = object.description.topology;
+  const std::vector<float> along = {0.0f, 482.0f, 484.0f, 512.0f};
+  const std::vector<glm::vec2> profile = {
+      {0.0f, 0.0f}, {482.0f, 0.0f}, {483.0f, -1.732f}, {483.0f, -29.732f}};
+  object.positions.clear();
+  topology.triangles.clear();
+  topology.corner_uv.clear();
+  for (const float y : {0.0f, kPlate}) {
+    for (const glm::vec2& at : profile) object.positions.push_back({at.x * texel, y, at.y * texel});
+  }
+  for (int32_t i = 0; i < 3; ++i) {
+    for (const int32_t corner : {i, i + 1, i + 5, i, i + 5, i + 4}) {
+      topology.triangles.push_back(corner);
+      topology.corner_uv.push_back(
+          {along[static_cast<size_t>(corner % 4)] / 512.0f, corner < 4 ? 0.0f : 1.0f});
+    }
+  }
+  topology.vertex_count = 8;
+  object.description.rest = object.positions;
+  object.table = std::make_shared<const TexelTable>(build_texel_table(topology));
+  SceneRays rays;
+  rays.lay_out({&object});
+  ReposeLinkTables tables;
+  const std::unique_ptr<CoarseMap> coarse = CoarseMap::make(object, 2, tables, rays);
+  ASSERT_NE(coarse, nullptr);
+  coarse->repose().ground();
+  std::vector<float> height(size_t{kSide} * kSide, 0.0f);
+  MovingMap map;
+  map.height = &height;
+  MovingMap moved = coarse->begin(map);
+  for (size_t i = 0; i < moved.height->size(); ++i) {
+    const size_t column = i % (kSide / 2);
+    (*moved.height)[i] = column < 241 ? kColumn : column == 241 ? 0.5f * kColumn : 0.0f;
+  }
+  moved.has_changed = true;
+  coarse->end(moved, map);
+  const float* const row = &height[size_t{kSide} * (kSide / 2)];
+  for (size_t column = 470; column < 482; ++column) EXPECT_NEAR(row[column], kColumn, 1e-4f);
+  for (const size_t column : {482, 483}) EXPECT_NEAR(row[column], 0.5f * kColumn, 1e-4f);
 }
 
 TEST(CoarseMap, IsNoneWhereTexelsAreCoarse) {

@@ -81,5 +81,35 @@ TEST(ReposeSurface, IsTheSameForRowsOfTexelsAsForEach) {
   }
 }
 
+/// A face of 60 degrees and a wall below it, in one chart: the fold runs through the middle of the
+/// second column of texels.
+TEST(ReposeSurface, StandsOnThePartOfATexelThatCarriesSnow) {
+  SceneObject object;
+  MapTopology& topology = object.description.topology;
+  topology.resolution = kSize;
+  topology.vertex_count = 6;
+  const float fold = 1.5f / static_cast<float>(kSize);
+  const float low = -fold * std::sqrt(0.75f);
+  for (const float y : {0.0f, 1.0f}) {
+    object.positions.push_back({0.0f, y, 0.0f});
+    object.positions.push_back({0.5f * fold, y, low});
+    object.positions.push_back({0.5f * fold, y, low - 1.0f + fold});
+  }
+  const std::vector<glm::vec2> uv = {{0, 0}, {fold, 0}, {1, 0}, {0, 1}, {fold, 1}, {1, 1}};
+  for (const int32_t corner : {0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4}) {
+    topology.triangles.push_back(corner);
+    topology.corner_uv.push_back(uv[static_cast<size_t>(corner)]);
+  }
+  object.table = std::make_shared<const TexelTable>(build_texel_table(topology));
+  ReposeSurface surface;
+  surface.set_pose(object, *object.table, object.positions, false);
+  const ReposeSurface::Texel mixed = surface.texel(1);
+  EXPECT_NEAR(mixed.up, 0.5f, 1e-5f);
+  EXPECT_NEAR(mixed.normal.z, 0.25f, 1e-5f);
+  const ReposeSurface::Texel whole = surface.texel(0);
+  EXPECT_NEAR(whole.up, 0.5f, 1e-5f);
+  EXPECT_NEAR(whole.normal.z, 0.5f, 1e-5f);
+}
+
 }  // namespace
 }  // namespace snowbough::snow
