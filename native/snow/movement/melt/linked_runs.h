@@ -21,12 +21,15 @@ class LinkedRuns {
 
  private:
   template <typename Filter>
-  void filter(std::vector<float>& values, const Filter& filter) const;
+  void filter(int32_t radius, std::vector<float>& values) const;
+  void find_groups();
 
   /// The texels column by column; and where runs of linked texels begin, of all texels in their
   /// order, which is row by row, and of `by_column_`; with the end.
   std::vector<int32_t> by_column_;
   std::vector<int32_t> row_begin_, column_begin_;
+  /// The first runs of groups of columns that are filtered side by side, with the end.
+  std::vector<int32_t> groups_;
 };
 
 }  // namespace snowbough::snow

@@ -1,18 +1,21 @@
 #include "snow/movement/melt/thaw.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <glm/ext/vector_int3_sized.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "base/parallel_for.h"
+#include "base/simd.h"
 #include "snow/movement/melt/linked_runs.h"
+#include "snow/movement/melt/texel_runs.h"
 
 namespace snowbough::snow {
 namespace {
 
-/// Texels that a thread computes at a time.
-constexpr size_t kTexelRun = 4096;
 /// Waves of the noise: their length in metres and their share.
 constexpr float kWaves[][2] = {{0.45f, 0.88f}, {0.17f, 0.60f}, {0.07f, 0.32f}};
 /// Distance in metres within which bare ground melts snow, by how much faster for each part of
@@ -41,21 +44,98 @@ float lattice_value(int64_t x, int64_t y, int64_t z, uint64_t wave) {
 }
 
 /// Smooth noise from -1 to 1, whose waves are 1 long.
-float noise_at(const glm::dvec3& at, uint64_t wave) {
-  const glm::dvec3 cell = glm::floor(at);
-  glm::dvec3 part = at - cell;
-  part = part * part * (3.0 - 2.0 * part);
-  double sum = 0.0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 offset(corner & 1, corner >> 1 & 1, corner >> 2);
-    const glm::dvec3 weight = offset * part + (1.0 - offset) * (1.0 - part);
-    const glm::dvec3 place = cell + offset;
-    sum += weight.x * weight.y * weight.z *
-           static_cast<double>(lattice_value(static_cast<int64_t>(place.x),
-                                             static_cast<int64_t>(place.y),
-                                             static_cast<int64_t>(place.z), wave));
+class Noise {
+ public:
+  explicit Noise(uint64_t wave) : wave_(wave) {}
+
+  float at(const glm::dvec3& point) {
+    const glm::dvec3 cell = glm::floor(point);
+    if (cell != cell_) find_corners(cell);
+    glm::dvec3 part = point - cell;
+    part = part * part * (3.0 - 2.0 * part);
+    double sum = 0.0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec3 offset(corner & 1, corner >> 1 & 1, corner >> 2);
+      const glm::dvec3 weight = offset * part + (1.0 - offset) * (1.0 - part);
+      sum += weight.x * weight.y * weight.z *
+             static_cast<double>(corners_[static_cast<size_t>(corner)]);
+    }
+    return static_cast<float>(sum);
   }
-  return static_cast<float>(sum);
+
+ private:
+  /// Neighbours mostly lie in the same cell.
+  void find_corners(const glm::dvec3& cell) {
+    cell_ = cell;
+    const glm::i64vec3 first(cell);
+    for (int corner = 0; corner < 8; ++corner) {
+      corners_[static_cast<size_t>(corner)] = lattice_value(
+          first.x + (corner & 1), first.y + (corner >> 1 & 1), first.z + (corner >> 2), wave_);
+    }
+  }
+
+  uint64_t wave_;
+  glm::dvec3 cell_{std::numeric_limits<double>::infinity()};
+  std::array<float, 8> corners_{};
+};
+
+/// Marks thin snow as bare, with 1; and counts texels with snow, and bare ones.
+struct Cover {
+  uint32_t covered = 0, bare = 0;
+};
+SNOWBOUGH_WIDE Cover find_cover(const float* __restrict height, size_t count,
+                                float* __restrict bareness) {
+  Cover cover;
+  for (size_t i = 0; i < count; ++i) {
+    const float own = std::abs(height[i]);
+    const bool is_bare = own < kBareDepth;
+    bareness[i] = is_bare ? 1.0f : 0.0f;
+    cover.covered += own > 0.0f ? 1u : 0u;
+    cover.bare += is_bare ? 1u : 0u;
+  }
+  return cover;
+}
+
+/// How a run of texels melts: see Thaw. Planes by texel, and of the map; null: of no effect.
+struct MeltRun {
+  double depth, sun, unevenness;
+  const float* light;
+  const float* noise;
+  const float* bareness;
+};
+
+/// Melts snow; `melted`: by how much each texel becomes thinner, in metres.
+template <bool kSun, bool kUneven>
+inline void melt_texels(const MeltRun& run, size_t count, float* __restrict height,
+                        float* __restrict melted) {
+  const float* __restrict const light = run.light;
+  const float* __restrict const noise = run.noise;
+  const float* __restrict const bareness = run.bareness;
+  for (size_t i = 0; i < count; ++i) {
+    const float shines = kSun ? std::min(light[i], kMostLight) : 0.0f;
+    double loss = run.depth * (1.0 - run.sun + run.sun * static_cast<double>(shines));
+    if (kUneven) {
+      loss *= std::max(1.0 + run.unevenness * static_cast<double>(noise[i]),
+                       static_cast<double>(kLeastFactor));
+      loss *= 1.0 + kBareMelts * run.unevenness * static_cast<double>(bareness[i]);
+    }
+    const float before = std::abs(height[i]);
+    const auto wanted = static_cast<float>(std::max(static_cast<double>(before) - loss, 0.0));
+    const float thin = wanted < kVanishes ? 0.0f : wanted;
+    const float left = std::min(thin, before);
+    melted[i] = before - left;
+    height[i] = left > 0.0f ? std::copysign(left, height[i]) : 0.0f;
+  }
+}
+
+SNOWBOUGH_WIDE_FLAT void melt_run(const MeltRun& run, size_t count, float* height, float* melted) {
+  if (run.noise != nullptr) {
+    run.light != nullptr ? melt_texels<true, true>(run, count, height, melted)
+                         : melt_texels<false, true>(run, count, height, melted);
+  } else {
+    run.light != nullptr ? melt_texels<true, false>(run, count, height, melted)
+                         : melt_texels<false, false>(run, count, height, melted);
+  }
 }
 
 }  // namespace
@@ -73,7 +153,7 @@ const std::vector<float>& Thaw::noise_of(size_t object) {
   const ObjectDescription& description = objects_[object]->description;
   const TexelTable& table = *objects_[object]->table;
   noise.resize(table.texel.size());
-  base::for_each_item(noise.size(), kTexelRun, [&](size_t i) {
+  const auto find = [&](size_t i, std::vector<Noise>& waves) {
     const int32_t* const corner =
         &description.topology.triangles[3 * static_cast<size_t>(table.triangle[i])];
     const glm::vec2 weight = table.barycentric[i];
@@ -83,12 +163,16 @@ const std::vector<float>& Thaw::noise_of(size_t object) {
     const glm::dvec3 at = point(0) * (1.0 - static_cast<double>(weight.x + weight.y)) +
                           point(1) * static_cast<double>(weight.x) +
                           point(2) * static_cast<double>(weight.y);
-    float sum = 0.0f;
-    uint64_t wave = 1;
-    for (const auto& [length, share] : kWaves) {
-      sum += share * noise_at(at / static_cast<double>(length), wave++);
+    for (size_t k = 0; k < waves.size(); ++k) {
+      const auto& [length, share] = kWaves[k];
+      noise[i] += share * waves[k].at(at / static_cast<double>(length));
     }
-    noise[i] = sum;
+  };
+  base::for_each_item((noise.size() + kTexelRun - 1) / kTexelRun, 1, [&](size_t run) {
+    std::vector<Noise> waves;
+    for (size_t k = 0; k < std::size(kWaves); ++k) waves.emplace_back(k + 1);
+    const size_t end = std::min(noise.size(), (run + 1) * kTexelRun);
+    for (size_t i = run * kTexelRun; i < end; ++i) find(i, waves);
   });
   return noise;
 }
@@ -106,56 +190,38 @@ const std::vector<float>& Thaw::melt(const MeltSettings& settings, const std::ve
   if (!(settings.depth > 0.0)) return melted_;
   const std::vector<int32_t>& places = objects_[map.object]->table->texel;
   const BareTexels& bare = repose.bare();
-  const auto thickness = [&](size_t i) {
-    return std::abs((*map.height)[static_cast<size_t>(places[i])]);
+  std::vector<float>& heights = *map.height;
+  const size_t count = places.size();
+  bareness_.resize(count);
+  std::vector<Cover> covers((count + kTexelRun - 1) / kTexelRun);
+  for_texel_runs(places, [&](size_t texel, size_t place, size_t texels) {
+    const Cover own = find_cover(&heights[place], texels, &bareness_[texel]);
+    covers[texel / kTexelRun].covered += own.covered;
+    covers[texel / kTexelRun].bare += own.bare;
+  });
+  const auto any = [&](uint32_t Cover::*texels) {
+    return std::any_of(covers.begin(), covers.end(),
+                       [&](const Cover& cover) { return cover.*texels > 0; });
   };
-  std::vector<float>& bareness = bareness_;
-  bareness.assign(settings.unevenness > 0.0 ? places.size() : 0, 0.0f);
-  size_t covered = 0;
-  size_t bare_ones = 0;
-  for (size_t i = 0; i < places.size(); ++i) {
-    const float own = thickness(i);
-    covered += own > 0.0f ? 1 : 0;
-    if (bareness.empty() || own >= kBareDepth) continue;
-    bareness[i] = 1.0f;
-    ++bare_ones;
-  }
-  if (covered == 0) return melted_;
+  if (!any(&Cover::covered)) return melted_;
   const std::vector<float>* noise = nullptr;
-  if (!bareness.empty()) {
-    double area = 0.0;
-    for (const float own : bare.area) area += static_cast<double>(own);
-    const double texel = std::sqrt(area / static_cast<double>(places.size()));
+  if (settings.unevenness > 0.0) {
+    const double texel = std::sqrt(bare.whole_area / static_cast<double>(count));
     const auto radius = static_cast<int32_t>(
         std::clamp(std::round(kNearBare / texel), 1.0, static_cast<double>(kMostRadius)));
-    if (bare_ones > 0) runs_of(map.object, repose).average(radius, bareness);
+    if (any(&Cover::bare)) runs_of(map.object, repose).average(radius, bareness_);
     noise = &noise_of(map.object);
   }
-  const double sun = settings.sun_share;
-  std::vector<float>& melted = melted_;
-  melted.assign(places.size(), 0.0f);
-  std::vector<double> volumes((places.size() + kTexelRun - 1) / kTexelRun, 0.0);
-  base::for_each_item(volumes.size(), 1, [&](size_t run) {
-    const size_t end = std::min(places.size(), (run + 1) * kTexelRun);
-    for (size_t i = run * kTexelRun; i < end; ++i) {
-      float& height = (*map.height)[static_cast<size_t>(places[i])];
-      if (height == 0.0f) continue;
-      const float shines = light == nullptr ? 0.0f : (*light)[static_cast<size_t>(places[i])];
-      double loss =
-          settings.depth * (1.0 - sun + sun * static_cast<double>(std::min(shines, kMostLight)));
-      if (noise != nullptr) {
-        loss *= std::max(1.0 + settings.unevenness * static_cast<double>((*noise)[i]),
-                         static_cast<double>(kLeastFactor));
-        loss *= 1.0 + kBareMelts * settings.unevenness * static_cast<double>(bareness[i]);
-      }
-      const float before = std::abs(height);
-      auto left = static_cast<float>(std::max(static_cast<double>(before) - loss, 0.0));
-      if (left < kVanishes) left = 0.0f;
-      if (!(left < before)) continue;
-      height = left > 0.0f ? std::copysign(left, height) : 0.0f;
-      melted[i] = before - left;
-      volumes[run] += (static_cast<double>(before) - static_cast<double>(left)) *
-                      static_cast<double>(bare.area[i]);
+  melted_.resize(count);
+  std::vector<double> volumes(covers.size(), 0.0);
+  for_texel_runs(places, [&](size_t texel, size_t place, size_t texels) {
+    melt_run({settings.depth, settings.sun_share, settings.unevenness,
+              light != nullptr ? &(*light)[place] : nullptr,
+              noise != nullptr ? &(*noise)[texel] : nullptr, &bareness_[texel]},
+             texels, &heights[place], &melted_[texel]);
+    for (size_t i = texel; i < texel + texels; ++i) {
+      volumes[texel / kTexelRun] +=
+          static_cast<double>(melted_[i]) * static_cast<double>(bare.area[i]);
     }
   });
   for (const double volume : volumes) {

@@ -7,8 +7,10 @@
 #include <numbers>
 
 #include "base/parallel_for.h"
+#include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
 #include "snow/movement/melt/linked_runs.h"
+#include "snow/movement/melt/texel_runs.h"
 
 namespace snowbough::snow {
 namespace {
@@ -27,6 +29,50 @@ constexpr float kInShade = 0.3f;
 /// Thinner water is dry, in metres.
 constexpr float kDry = 1e-7f;
 
+/// Adds water that comes with melted snow and rain. `melted`, `rain`: null: none.
+SNOWBOUGH_WIDE void add_water(const float* __restrict melted, double density,
+                              const float* __restrict rain, double rains, size_t count,
+                              float* __restrict depth) {
+  for (size_t i = 0; melted != nullptr && rain == nullptr && i < count; ++i) {
+    depth[i] += static_cast<float>(static_cast<double>(melted[i]) * density);
+  }
+  for (size_t i = 0; melted == nullptr && rain != nullptr && i < count; ++i) {
+    depth[i] += static_cast<float>(rains * static_cast<double>(rain[i]));
+  }
+  for (size_t i = 0; melted != nullptr && rain != nullptr && i < count; ++i) {
+    depth[i] += static_cast<float>(static_cast<double>(melted[i]) * density +
+                                   rains * static_cast<double>(rain[i]));
+  }
+}
+
+/// The volume of a part of the water.
+SNOWBOUGH_WIDE void take_part(const float* __restrict depth, const float* __restrict area,
+                              float part, size_t count, float* __restrict volume) {
+  for (size_t i = 0; i < count; ++i) volume[i] = part * depth[i] * area[i];
+}
+
+/// Puts it back after it has spread.
+SNOWBOUGH_WIDE void give_back(const float* __restrict volume, const float* __restrict area,
+                              float part, size_t count, float* __restrict depth) {
+  for (size_t i = 0; i < count; ++i) {
+    const bool takes = area[i] > 0.0f;
+    const float change = volume[i] / (takes ? area[i] : 1.0f) - part * depth[i];
+    depth[i] += takes ? change : 0.0f;
+  }
+}
+
+/// Lets water dry. `decay`: for bare ground under the open sky; `sun`: null: none.
+SNOWBOUGH_WIDE void dry_run(const float* __restrict height, const float* __restrict sun,
+                            float decay, size_t count, float* __restrict depth) {
+  const auto dry = [&](size_t i, float shines) {
+    const float bare = kInShade + (1.0f - kInShade) * std::min(shines, 1.0f);
+    const float left = depth[i] / (1.0f + decay * (height[i] != 0.0f ? kUnderSnow : bare));
+    depth[i] = left < kDry ? 0.0f : left;
+  };
+  for (size_t i = 0; sun != nullptr && i < count; ++i) dry(i, sun[i]);
+  for (size_t i = 0; sun == nullptr && i < count; ++i) dry(i, 0.0f);
+}
+
 }  // namespace
 
 void Water::lay_out(const SceneRays& rays) {
@@ -37,6 +83,7 @@ void Water::lay_out(const SceneRays& rays) {
 
 void Water::forget_pose(size_t object) {
   surfaces_[object].next.clear();
+  surfaces_[object].area.clear();
   // Drops may fall onto any object.
   for (Surface& own : surfaces_) own.targets.clear();
 }
@@ -65,13 +112,17 @@ void Water::find_ways(size_t object, Repose& repose) {
     const int32_t next = own.next[static_cast<size_t>(own.order[k])];
     if (next >= 0 && --above[static_cast<size_t>(next)] == 0) own.order.push_back(next);
   }
+  // On level ground, and in hollows, it stands.
+  std::erase_if(own.order, [&](int32_t texel) {
+    const auto i = static_cast<size_t>(texel);
+    return own.next[i] == kStays && !(bare.up[i] < shared::kWallUp);
+  });
 }
 
 /// Spreads water to all sides, in a step as far as diffusion would.
 void Water::soak_sideways(const MeltSettings& settings, double dt, const LinkedRuns& runs,
-                          const ReposeLinks& links, Surface& own) {
-  double area = 0.0;
-  for (const float texel : own.area) area += static_cast<double>(texel);
+                          const std::vector<int32_t>& places, const ReposeLinks& links, double area,
+                          Surface& own) {
   if (!(area > 0.0)) return;
   // Mean square of the way along an axis in texels, and that of the spread over a square.
   const double wanted =
@@ -83,12 +134,13 @@ void Water::soak_sideways(const MeltSettings& settings, double dt, const LinkedR
   const auto part = static_cast<float>(std::min(12.0 * wanted / (side * side - 1.0), 1.0));
   std::vector<float>& spread = spread_;
   spread.resize(own.depth.size());
-  for (size_t i = 0; i < spread.size(); ++i) spread[i] = part * own.depth[i] * own.area[i];
+  for_texel_runs(places, [&](size_t begin, size_t, size_t count) {
+    take_part(&own.depth[begin], &own.area[begin], part, count, &spread[begin]);
+  });
   runs.spread(radius, spread);
-  for (size_t i = 0; i < spread.size(); ++i) {
-    if (!(own.area[i] > 0.0f)) continue;
-    own.depth[i] += spread[i] / own.area[i] - part * own.depth[i];
-  }
+  for_texel_runs(places, [&](size_t begin, size_t, size_t count) {
+    give_back(&spread[begin], &own.area[begin], part, count, &own.depth[begin]);
+  });
   for (const ReposeLinks::Across& across : links.across) {
     const auto a = static_cast<size_t>(across.a), b = static_cast<size_t>(across.b);
     const float smaller = std::min(own.area[a], own.area[b]);
@@ -118,15 +170,12 @@ MapPoint Water::below(size_t object, int32_t from, int32_t texel, Repose& repose
 
 void Water::run_down(const MeltSettings& settings, size_t object, Repose& repose) {
   Surface& own = surfaces_[object];
-  const BareTexels& bare = repose.bare();
   const auto soak = static_cast<float>(settings.soak);
   for (const int32_t texel : own.order) {
     const auto i = static_cast<size_t>(texel);
     const float over = own.depth[i] - soak;
     if (!(over > 0.0f)) continue;
     const int32_t next = own.next[i];
-    // On level ground, and in hollows, it stands.
-    if (next == kStays && !(bare.up[i] < shared::kWallUp)) continue;
     const double volume = static_cast<double>(over) * static_cast<double>(own.area[i]);
     own.depth[i] = soak;
     if (next >= 0 && own.area[static_cast<size_t>(next)] > 0.0f) {
@@ -147,30 +196,23 @@ void Water::flow(const MeltSettings& settings, double dt, const std::vector<floa
   Surface& own = surfaces_[map.object];
   const std::vector<int32_t>& places = rays_->objects()[map.object]->table->texel;
   const bool rains = settings.rain > 0.0 && rain != nullptr;
-  own.area = repose.bare().area;
+  if (own.area.empty()) own.area = repose.bare().area;
   if (own.depth.empty()) {
     if (melted.empty() && !rains) return;
     own.depth.assign(places.size(), 0.0f);
   }
   find_ways(map.object, repose);
-  const double water = settings.density / kWaterDensity;
-  for (size_t i = 0; i < places.size(); ++i) {
-    double come = melted.empty() ? 0.0 : static_cast<double>(melted[i]) * water;
-    if (rains) come += settings.rain * static_cast<double>((*rain)[static_cast<size_t>(places[i])]);
-    own.depth[i] += static_cast<float>(come);
-  }
+  for_texel_runs(places, [&](size_t texel, size_t place, size_t count) {
+    add_water(melted.empty() ? nullptr : &melted[texel], settings.density / kWaterDensity,
+              rains ? &(*rain)[place] : nullptr, settings.rain, count, &own.depth[texel]);
+  });
   run_down(settings, map.object, repose);
-  soak_sideways(settings, dt, runs, repose.links(), own);
+  soak_sideways(settings, dt, runs, places, repose.links(), repose.bare().whole_area, own);
   const auto decay = static_cast<float>(std::numbers::ln2 * dt / settings.drying);
-  for (size_t i = 0; i < places.size(); ++i) {
-    if (own.depth[i] == 0.0f) continue;
-    const auto place = static_cast<size_t>(places[i]);
-    const float shines = sun != nullptr ? std::min((*sun)[place], 1.0f) : 0.0f;
-    const float speed =
-        (*map.height)[place] != 0.0f ? kUnderSnow : kInShade + (1.0f - kInShade) * shines;
-    const float left = own.depth[i] / (1.0f + decay * speed);
-    own.depth[i] = left < kDry ? 0.0f : left;
-  }
+  for_texel_runs(places, [&](size_t texel, size_t place, size_t count) {
+    dry_run(&(*map.height)[place], sun != nullptr ? &(*sun)[place] : nullptr, decay, count,
+            &own.depth[texel]);
+  });
 }
 
 void Water::drip(bool lands) {

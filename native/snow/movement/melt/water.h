@@ -40,12 +40,12 @@ class Water {
     /// By texel, empty before there is any.
     std::vector<float> depth;
     /// Of the current pose; empty: not known. By texel: the next one down, kStays, or -2 - outlet;
-    /// and the texels so that each comes before the next.
+    /// and the texels from which water runs, so that each comes before the next.
     std::vector<int32_t> next, order;
     /// By outlet, or -1 - texel of a wall's or an underside's lower edge, in this pose: where water
     /// lands. Only looked up.
     std::unordered_map<int32_t, MapPoint> targets;
-    /// By texel in m2, of the last step.
+    /// By texel in m2, of the current pose; empty: not known.
     std::vector<float> area;
   };
   struct Drip {
@@ -54,7 +54,8 @@ class Water {
   };
   void find_ways(size_t object, Repose& repose);
   void soak_sideways(const MeltSettings& settings, double dt, const LinkedRuns& runs,
-                     const ReposeLinks& links, Surface& own);
+                     const std::vector<int32_t>& places, const ReposeLinks& links, double area,
+                     Surface& own);
   void run_down(const MeltSettings& settings, size_t object, Repose& repose);
   MapPoint below(size_t object, int32_t from, int32_t texel, Repose& repose) const;
 

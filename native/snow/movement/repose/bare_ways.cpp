@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "base/parallel_for.h"
 #include "shaders/lib/texel_repose.h"
@@ -41,6 +42,7 @@ const BareTexels& bare_texels(ReposeGround& ground) {
     ground.surface.texels(static_cast<int32_t>(begin),
                           static_cast<int32_t>(std::min(kRun, count - begin)), all.at(begin));
   });
+  ground.bare.whole_area = std::accumulate(ground.bare.area.begin(), ground.bare.area.end(), 0.0);
   ground.way_end.assign(count, kNoWay);
   ground.way_last.assign(count, 0);
   return ground.bare;

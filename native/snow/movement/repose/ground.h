@@ -22,6 +22,8 @@ struct BareTexels {
   std::vector<int32_t> texel_of;
   /// By texel: metres, upward part of the normal, m2.
   std::vector<float> x, y, z, up, area;
+  /// Of all texels, in m2.
+  double whole_area = 0.0;
 };
 
 /// What a receiver's snow lies on: the links of its texels, and its surface in the current pose.
