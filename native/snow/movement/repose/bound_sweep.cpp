@@ -248,15 +248,24 @@ class BoundSweep {
   /// To the right and to the left as far as bounds change, usually not at all. Returns whether the
   /// row passes anything on.
   bool within(int32_t row) {
-    while (pass(row)) {
-      if (row == kReposeBlock) return true;
-      const size_t at = TileWindow::at(0, row);
-      bool changed = lower_row(&passed_[at], limit(0, row), &z_[at + 1], &bound_[at + 1]);
-      changed |= lower_row(&passed_[at + 1], limit(0, row), &z_[at], &bound_[at]);
-      if (!changed) return true;
-      changed_ |= row_bit(row);
-    }
-    return false;
+    if (!pass(row)) return false;
+    if (row == kReposeBlock) return true;
+    const size_t at = TileWindow::at(0, row);
+    bool changed = lower_row(&passed_[at], limit(0, row), &z_[at + 1], &bound_[at + 1]);
+    changed |= lower_row(&passed_[at + 1], limit(0, row), &z_[at], &bound_[at]);
+    if (!changed) return true;
+    changed_ |= row_bit(row);
+    // What comes from the left does not change by what it passes on to the left, nor the other way.
+    const float* const limits = limit(0, row);
+    const auto pass_to = [&](size_t from, size_t to, float limit) {
+      const float passed = shared::passed_bound(bound_[from], top_[from], z_[from]);
+      const float over = std::max(passed + shared::kCuts * limit, z_[to]);
+      if (over < bound_[to]) bound_[to] = over;
+    };
+    constexpr size_t kCells = kReposeBlock;
+    for (size_t i = 0; i < kCells; ++i) pass_to(at + i, at + i + 1, limits[i]);
+    for (size_t i = kCells; i > 0; --i) pass_to(at + i, at + i - 1, limits[i - 1]);
+    return pass(row);
   }
   void measure(int32_t row) {
     if ((measured_ & row_bit(row)) != 0) return;

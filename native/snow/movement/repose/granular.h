@@ -1,8 +1,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
-#include <glm/vec2.hpp>
 
 #include "snow/movement/repose/window.h"
 
@@ -36,25 +36,31 @@ struct GranularRow {
   std::array<float, kReposeBlock> limit, rate;
 };
 
-/// Gradients of the surface on the squares between four cells, in rows; a square has the place of
-/// its lower left cell.
+/// Squares between four cells, in a row from column -1 on; a square has the place of its lower left
+/// cell. 1 if grains lie on all four, else 0; the gradient of their surface, 0 if not; and the
+/// squared lengths in m2 of its lower and its left side, seen from above.
+struct GranularSquareRow {
+  std::array<float, kReposeBlock + 1> is_there, x, y, along, upwards;
+};
+
+/// The squares of a row and of the one before.
 class GranularSquares {
  public:
-  struct Square {
-    bool is_there = false;
-    glm::vec2 gradient{0.0f};
-  };
   /// Computes the squares of rows row - 1 (from row 1 on) and row. The window's rows row - 1, row
-  /// and row + 1 must be filled.
+  /// and row + 1 must be filled, and not change between calls.
   void find(const GranularWindow& window, const TileWindow::Plane& top, int32_t row);
-  /// Of that row, or with `below` 1 of the one before. Columns from -1 on.
-  const Square& at(int32_t column, int32_t below) const {
-    return rows_[static_cast<size_t>(below)][static_cast<size_t>(column + 1)];
-  }
+  /// Of that row, or with `below` 1 of the one before.
+  const GranularSquareRow& row(size_t below) const { return rows_[(newest_ + below) % 2]; }
 
  private:
-  std::array<std::array<Square, kReposeBlock + 1>, 2> rows_;
+  std::array<GranularSquareRow, 2> rows_;
+  size_t newest_ = 0;
+  int32_t last_ = -2;
 };
+
+/// Marks cells of a row in GranularWindow. `area`: m2; `kind`, `forward`: as in ReposeTile.
+void mark_grains(const float* area, const uint8_t* kind, const uint8_t* forward, size_t count,
+                 float* holds, float* is_square);
 
 /// `squares`: of the row; `slope`: tangent of the angle of repose; `top`: heights of the surface;
 /// `limit`: the links' usual limits, which stay where nothing flows or where snow stands.

@@ -172,15 +172,14 @@ class TileRun {
     around_.copy_row(row, &ReposeTile::ground, &TileGround::x, granular_.x, 0.0f);
     around_.copy_row(row, &ReposeTile::ground, &TileGround::y, granular_.y, 0.0f);
     around_.for_row(row, [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
-      constexpr uint8_t kSquare = 7;
-      for (size_t i = 0, at = TileWindow::at(column, row); i < count; ++i, ++at) {
-        const size_t own = cell + i;
-        const bool holds = tile != nullptr && tile->ground.area[own] > 0.0f &&
-                           !tile->snow.is_wall(own) && !tile->snow.is_full(own);
-        granular_.holds[at] = holds ? 1.0f : 0.0f;
-        granular_.is_square[at] =
-            holds && (tile->ground.forward[own] & kSquare) == kSquare ? 1.0f : 0.0f;
+      const size_t at = TileWindow::at(column, row);
+      if (tile == nullptr) {
+        std::fill_n(&granular_.holds[at], count, 0.0f);
+        std::fill_n(&granular_.is_square[at], count, 0.0f);
+        return;
       }
+      mark_grains(&tile->ground.area[cell], &tile->snow.kind[cell], &tile->ground.forward[cell],
+                  count, &granular_.holds[at], &granular_.is_square[at]);
     });
   }
 
@@ -215,13 +214,13 @@ class TileRun {
   /// Computes the requested flows; returns their rows.
   uint64_t want(float momentum) {
     uint64_t wants = 0;
+    GranularSquares squares;
     for_bits(look_, [&](int32_t row) {
       load(row);
       load(row + 1);
       if (is_granular() && row > 0) load(row - 1);
       const size_t at = TileWindow::at(0, row);
       std::array<bool, kForwardLinks>& is_wanted = is_wanted_[static_cast<size_t>(row)];
-      GranularSquares squares;
       if (is_granular()) squares.find(granular_, top_, row);
       for (int32_t k = 0; k < kForwardLinks; ++k) {
         const auto link = static_cast<size_t>(k);
