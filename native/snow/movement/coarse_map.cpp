@@ -16,9 +16,11 @@
 namespace snowbough::snow {
 namespace {
 
-/// Texels need not be smaller, in metres; nor than this part of the depth.
+/// Texels need not be smaller, in metres; nor than this part of the depth, and of the depth of
+/// grains: across more texels their heaps come to rest less round.
 constexpr double kFinest = 2e-3;
 constexpr double kTexelsADepth = 24.0;
+constexpr double kTexelsAHeap = 12.0;
 /// Squares of more texels a side hold too little of the surface's shape.
 constexpr int32_t kMostSide = 16;
 /// Squares whose upward parts of the normals differ by more are on two sides of an edge.
@@ -365,14 +367,14 @@ void CoarseMaps::forget_rooms(size_t object) {
   if (levels_[object].map != nullptr) levels_[object].map->repose().forget_rooms();
 }
 
-CoarseMap* CoarseMaps::choose(const MovingMap& map, bool keeps_own, ReposeLinkTables& tables,
-                              Repose& own) {
+CoarseMap* CoarseMaps::choose(const MovingMap& map, bool keeps_own, bool of_grains,
+                              ReposeLinkTables& tables, Repose& own) {
   const SceneObject& object = *objects_[map.object];
   Level& level = levels_[map.object];
   const double depth =
       keeps_own || object.mask != nullptr ? 0.0 : thickest(*map.height, object.table->resolution);
   if (level.texel_size == 0.0 && depth > 0.0) level.texel_size = texel_size_of(object);
-  const double wanted = std::max(kFinest, depth / kTexelsADepth);
+  const double wanted = std::max(kFinest, depth / (of_grains ? kTexelsAHeap : kTexelsADepth));
   int32_t side = 1;
   while (level.texel_size > 0.0 && depth > 0.0 && side < kMostSide &&
          std::numbers::sqrt2 * side * level.texel_size < wanted) {

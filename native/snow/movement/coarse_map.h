@@ -64,7 +64,7 @@ class CoarseMap {
 /// snow differs by 0.13 mm on average, and by less than 2 mm on 99 % of it.
 ///
 /// The choice depends on the pose at rest and on the heights alone, so that a resumed bake makes it
-/// too. Masks, pressed snow and grains keep the receiver's own map.
+/// too. Masks and pressed snow keep the receiver's own map.
 class CoarseMaps {
  public:
   /// `objects` and `rays` must live until the next call.
@@ -73,7 +73,9 @@ class CoarseMaps {
   void forget_rooms(size_t object);
   /// The coarser map on which a receiver's snow moves now, or null: its own, `own`. Replaces it if
   /// its texels have another size now. `keeps_own`: its snow needs the receiver's own texels.
-  CoarseMap* choose(const MovingMap& map, bool keeps_own, ReposeLinkTables& tables, Repose& own);
+  /// `of_grains`: see ReposeSettings::is_granular.
+  CoarseMap* choose(const MovingMap& map, bool keeps_own, bool of_grains, ReposeLinkTables& tables,
+                    Repose& own);
 
  private:
   struct Level {

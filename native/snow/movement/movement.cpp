@@ -161,8 +161,9 @@ void Movement::rest(const MovementSettings& settings, double dt, bool of_blades,
   for (MovingMap* map : maps) {
     slid.push_back(std::exchange(map->slid, 0.0));
     Repose& own = *receivers_[map->object];
-    const bool keeps_own = settings.repose.is_granular || pressing_.is_pressed(*map);
-    CoarseMap* const coarse = coarse_.choose(*map, keeps_own, *link_tables_, own);
+    const bool keeps_own = pressing_.is_pressed(*map);
+    CoarseMap* const coarse =
+        coarse_.choose(*map, keeps_own, settings.repose.is_granular, *link_tables_, own);
     const int32_t side = (coarse == nullptr ? own : coarse->repose()).table().resolution;
     if (std::exchange(sides_[map->object], side) != side) targets_.forget(map->object);
     if (coarse != nullptr) coarser.push_back(coarse->begin(*map));

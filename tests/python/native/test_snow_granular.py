@@ -53,14 +53,14 @@ def funnel(radius=0.05, sides=24):
     return np.concatenate(rings).astype(np.float32), faces.astype(np.int32)
 
 
-def poured(layout, granular, steps=40, rest=8):
+def poured(layout, granular, resolution=RESOLUTION, steps=40, rest=8):
     """(distances, directions, heights) of the texels under a heap, and the simulation."""
     positions, triangles, uv = layout()
     hole, faces = funnel()
     sim = native.SnowSimulation(
         pixel_size=0.01, repose=math.radians(ANGLE), max_depth=10.0, granular=granular
     )
-    sim.add_object("ground", triangles, uv, resolution=RESOLUTION)
+    sim.add_object("ground", triangles, uv, resolution=resolution)
     sim.add_object("funnel", faces, np.zeros((len(faces), 3, 2), np.float32), receive=False)
     for step in range(steps):
         sim.step({"ground": positions, "funnel": hole} if step == 0 else {}, 0.06)
@@ -69,10 +69,10 @@ def poured(layout, granular, steps=40, rest=8):
     return sim
 
 
-def cone(sim, layout):
+def cone(sim, layout, resolution=RESOLUTION):
     """(slopes in degrees by direction, radii at half of the height), about the heap's middle."""
     positions, triangles, uv = layout()
-    points, _, places, _ = texel_points(native, positions, triangles, uv, RESOLUTION)
+    points, _, places, _ = texel_points(native, positions, triangles, uv, resolution)
     height = sim.height("ground").ravel()[places]
     middle = np.average(points[:, :2], axis=0, weights=height * (height > 0.2 * height.max()))
     assert np.abs(middle).max() < 0.01
@@ -88,10 +88,14 @@ def cone(sim, layout):
     return np.array(slopes), np.array(radii)
 
 
-@pytest.mark.parametrize("layout", [straight, turned, stretched, four_charts])
-def test_sand_makes_a_round_cone_at_its_angle_of_repose(layout):
-    with poured(layout, True) as sim:
-        slopes, radii = cone(sim, layout)
+CASES = [(layout, RESOLUTION) for layout in (straight, turned, stretched, four_charts)]
+CASES += [(layout, 512) for layout in (straight, turned, four_charts)]
+
+
+@pytest.mark.parametrize("layout, resolution", CASES)
+def test_sand_makes_a_round_cone_at_its_angle_of_repose(layout, resolution):
+    with poured(layout, True, resolution) as sim:
+        slopes, radii = cone(sim, layout, resolution)
         total = sim.statistics()["total"]
     assert np.abs(slopes - ANGLE).max() < 1.0
     assert radii.max() / radii.min() < 1.03
