@@ -214,7 +214,7 @@ TriangleTree::Hit TriangleTree::first_along(int32_t group, const glm::dvec3& fro
   for (int axis = 0; axis < 3; ++axis) {
     inverse[axis] = 1.0 / (direction[axis] == 0.0 ? 1e-300 : direction[axis]);
   }
-  std::array<int32_t, 64> stack{};
+  std::array<int32_t, 64> stack;
   int32_t pending = 0;
   stack[pending++] = roots_[group];
   while (pending > 0) {
@@ -231,8 +231,16 @@ TriangleTree::Hit TriangleTree::first_along(int32_t group, const glm::dvec3& fro
       }
       continue;
     }
-    stack[pending++] = node.second;
-    stack[pending++] = number + 1;
+    // The nearer child first.
+    const Box& one = nodes_[number + 1].box;
+    const Box& other = nodes_[node.second].box;
+    double ahead = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      ahead += direction[axis] * static_cast<double>(other.low[axis] + other.high[axis] -
+                                                     one.low[axis] - one.high[axis]);
+    }
+    stack[pending++] = ahead < 0.0 ? number + 1 : node.second;
+    stack[pending++] = ahead < 0.0 ? node.second : number + 1;
   }
   return first.triangle < 0 ? Hit{} : first;
 }

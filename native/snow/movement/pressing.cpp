@@ -172,6 +172,7 @@ void Pressing::find_points(size_t object) {
     area += 0.5 * glm::length(glm::cross(corner(t, 1) - first, corner(t, 2) - first));
   }
   own.texel_size = std::sqrt(area / static_cast<double>(std::max<size_t>(table.texel.size(), 1)));
+  own.least_up.clear();
   own.points.resize(table.texel.size());
   own.runs.assign((own.points.size() + kRun - 1) / kRun, {});
   own.long_runs.assign((own.runs.size() + kLongRun - 1) / kLongRun, {});
@@ -205,12 +206,26 @@ void Pressing::find_columns(size_t presser, const PressedMap& map) {
     return overlap({point - most, point + most}, box, 0.0);
   };
   std::vector<Columns>& all = own.columns[presser];
+  if (own.least_up.empty()) {
+    for (size_t begin = 0; begin < own.points.size(); begin += kRun) {
+      const auto first = map.bare->up.begin() + static_cast<ptrdiff_t>(begin);
+      const auto count = static_cast<ptrdiff_t>(std::min(kRun, own.points.size() - begin));
+      const auto is_steeper = [](float a, float b) { return std::abs(a) < std::abs(b); };
+      own.least_up.push_back(std::abs(*std::min_element(first, first + count, is_steeper)));
+    }
+  }
+  const auto run_may_touch = [&](size_t run) {
+    const double up = std::min(static_cast<double>(own.least_up[run]), 1.0);
+    const double aside = own.reach * std::sqrt(1.0 - up * up) + kUnder;
+    const glm::dvec3 most(aside, aside, margin);
+    return overlap({own.runs[run].low - most, own.runs[run].high + most}, box, 0.0);
+  };
   for (size_t run = 0; run < own.runs.size(); ++run) {
     if (run % kLongRun == 0 && !overlap(own.long_runs[run / kLongRun], box, margin)) {
       run += kLongRun - 1;
       continue;
     }
-    if (!overlap(own.runs[run], box, margin)) continue;
+    if (!run_may_touch(run)) continue;
     Columns columns;
     const size_t end = std::min((run + 1) * kRun, own.points.size());
     for (size_t i = run * kRun; i < end; ++i) {

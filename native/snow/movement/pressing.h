@@ -76,6 +76,8 @@ class Pressing {
     /// not current.
     std::vector<glm::vec3> points;
     std::vector<Bounds> runs, long_runs;
+    /// By run: the least upward part of its texels' normals.
+    std::vector<float> least_up;
     /// By object: the texels that it may touch in this step; and up to which thickness.
     std::vector<std::vector<Columns>> columns;
     double reach = 0.0;

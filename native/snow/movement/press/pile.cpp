@@ -154,7 +154,8 @@ std::vector<PileCell> find_strip(const PressedMap& map, const CoveredTexels& cov
     };
     const int32_t right = column_of(high + kUneven);
     for (int32_t column = column_of(low - kUneven); column <= right; ++column) {
-      const int32_t own = texel_on(map, {column, row});
+      const auto place = static_cast<size_t>(row * map.links->resolution + column);
+      const int32_t own = map.bare->texel_of[place];
       if (own < 0) continue;
       const glm::dvec3 way = map.point(own) - from;
       const double away = glm::dot(glm::dvec2(way), front);
@@ -162,11 +163,14 @@ std::vector<PileCell> find_strip(const PressedMap& map, const CoveredTexels& cov
       if (std::abs(glm::dot(glm::dvec2(way), aside)) > width) continue;
       // Steeper surfaces are of another floor.
       if (std::abs(way.z) > away + 4.0 * half_texel) continue;
-      if (covered.has(own) || !map.is_ground(own)) continue;
-      const auto up = static_cast<float>(map.side(own)) * map.bare->up[static_cast<size_t>(own)];
+      const float height = (*map.height)[place];
+      const float normal_up = map.bare->up[static_cast<size_t>(own)];
+      const float up = PressedMap::side(height, normal_up) < 0.0 ? -normal_up : normal_up;
+      const double area = map.area(own);
+      if (covered.has(own) || !(area > 0.0) || shared::is_wall(up)) continue;
       const auto rise = static_cast<double>(shared::column_height(up));
-      const double top = way.z + rise * static_cast<double>(std::abs(map.height_at(own)));
-      cells.push_back({own, top + slope * away, map.area(own) / rise});
+      const double top = way.z + rise * static_cast<double>(std::abs(height));
+      cells.push_back({own, top + slope * away, area / rise});
     }
   }
   return cells;

@@ -30,13 +30,15 @@ void for_linked(const PressedMap& map, int32_t texel, const Visit& visit) {
   const int32_t place = map.place(texel);
   const int32_t column = place % links.resolution;
   const int32_t row = place / links.resolution;
+  const uint8_t own = links.forward[static_cast<size_t>(links.cell_at(column, row))];
   for (int32_t k = 0; k < kForwardLinks; ++k) {
     for (const int32_t sign : {1, -1}) {
       const int32_t x = column + sign * kForwardColumn[k];
       const int32_t y = row + sign * kForwardRow[k];
       if (x < 0 || y < 0 || x >= links.resolution || y >= links.resolution) continue;
-      const int32_t giver = sign > 0 ? links.cell_at(column, row) : links.cell_at(x, y);
-      if (((links.forward[static_cast<size_t>(giver)] >> k) & 1) == 0) continue;
+      const uint8_t giver =
+          sign > 0 ? own : links.forward[static_cast<size_t>(links.cell_at(x, y))];
+      if (((giver >> k) & 1) == 0) continue;
       const int32_t to = map.bare->texel_of[static_cast<size_t>(y * links.resolution + x)];
       if (to >= 0) visit(to);
     }

@@ -32,8 +32,10 @@ struct PressedMap {
   }
   /// The side on which snow lies, or comes to lie: -1 on the back.
   double side(int32_t texel) const {
-    const float own = height_at(texel);
-    return own < 0.0f || (own == 0.0f && bare->up[static_cast<size_t>(texel)] < 0.0f) ? -1.0 : 1.0;
+    return side(height_at(texel), bare->up[static_cast<size_t>(texel)]);
+  }
+  static double side(float height, float up) {
+    return height < 0.0f || (height == 0.0f && up < 0.0f) ? -1.0 : 1.0;
   }
   /// Whether snow can lie on a texel.
   bool is_ground(int32_t texel) const;
