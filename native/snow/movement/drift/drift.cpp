@@ -6,9 +6,9 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <numeric>
 
 #include "base/parallel_for.h"
+#include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
 
 namespace snowbough::snow {
@@ -28,6 +28,8 @@ constexpr float kLowerOnSlope = 1.5f;
 constexpr double kLeastGround = 0.4;
 /// Thinner snow is blown away, in metres.
 constexpr float kBlownAway = 1e-6f;
+/// The most texels side by side that move at once.
+constexpr size_t kRowRun = 64;
 constexpr float kNothing = -std::numeric_limits<float>::infinity();
 
 bool is_shown(const SceneObject& object) {
@@ -35,9 +37,56 @@ bool is_shown(const SceneObject& object) {
          !object.positions.empty();
 }
 
-std::array<float, 4> weights_of(const glm::vec2& part) {
-  return {(1.0f - part.x) * (1.0f - part.y), (1.0f - part.x) * part.y, part.x * (1.0f - part.y),
-          part.x * part.y};
+std::array<float, 4> weights_of(float x, float y) {
+  return {(1.0f - x) * (1.0f - y), (1.0f - x) * y, x * (1.0f - y), x * y};
+}
+
+/// Sums of volumes, and of these times their parts of the way to the next row, to the next column,
+/// and both.
+using Sums = double __attribute__((vector_size(32)));
+
+/// Adds the snow of texels; `packed`: by texel of the table, metres that stay; null: none.
+SNOWBOUGH_WIDE void add_snow(const int32_t* place, const int32_t* texel, const float* area,
+                             const float* x, const float* y, size_t count, const float* height,
+                             const float* packed, Sums& all, Sums& stays) {
+  for (size_t i = 0; i < count; ++i) {
+    const auto part_x = static_cast<double>(x[i]), part_y = static_cast<double>(y[i]);
+    const float own = std::abs(height[place[i]]);
+    const Sums parts{1.0, part_y, part_x, part_x};
+    const Sums again{1.0, 1.0, 1.0, part_y};
+    all += static_cast<double>(own * area[i]) * parts * again;
+    if (packed == nullptr) continue;
+    stays += static_cast<double>(std::min(packed[texel[i]], own) * area[i]) * parts * again;
+  }
+}
+
+/// What leaves and comes to a cell's texels by the moves of the four cells around: see Drift.
+struct CellMoves {
+  std::array<float, 4> comes, leaves;
+};
+
+/// The thickness of a run of texels after the wind.
+SNOWBOUGH_WIDE void move_run(const CellMoves& moves, const float* __restrict up,
+                             const float* __restrict x, const float* __restrict y, size_t count,
+                             const float* __restrict packed, const float* __restrict height,
+                             float* __restrict now) {
+  for (size_t i = 0; i < count; ++i) {
+    const float left = 1.0f - x[i];
+    const float low = 1.0f - y[i];
+    float comes = left * low * moves.comes[0];
+    float leaves = left * low * moves.leaves[0];
+    comes += left * y[i] * moves.comes[1];
+    leaves += left * y[i] * moves.leaves[1];
+    comes += x[i] * low * moves.comes[2];
+    leaves += x[i] * low * moves.leaves[2];
+    comes += x[i] * y[i] * moves.comes[3];
+    leaves += x[i] * y[i] * moves.leaves[3];
+    const float own = std::abs(height[i]);
+    const float after = own + comes * std::abs(up[i]) - leaves * (own - std::min(packed[i], own));
+    const float thick = after < kBlownAway ? 0.0f : after;
+    const bool is_back = (height[i] < 0.0f) | ((height[i] == 0.0f) & (up[i] < 0.0f));
+    now[i] = is_back & (thick > 0.0f) ? -thick : thick;
+  }
 }
 
 /// The four cells of a texel from the first one on.
@@ -97,7 +146,8 @@ void Drift::reach(const Receiver& receiver, glm::ivec2 low, const std::vector<fl
   const TexelTable& table = *object.table;
   const BareTexels& bare = receiver.repose->bare();
   const std::vector<int32_t>& corners = object.description.topology.triangles;
-  const size_t count = table.texel.size();
+  // Leaves in a wind that passes them lie above all that blocks it.
+  const size_t count = object.press.blocks_wind ? table.texel.size() : 0;
   std::vector<int32_t> first(count, -1);
   std::vector<float> height(count, 0.0f);
   std::vector<glm::vec2> part(count);
@@ -120,8 +170,6 @@ void Drift::reach(const Receiver& receiver, glm::ivec2 low, const std::vector<fl
                            static_cast<size_t>(own.y)];
     const float steep = std::sqrt(std::max(1.0f - up * up, 0.0f)) / std::abs(up);
     if (point.z < top - edge * (kLower + kLowerOnSlope * steep)) return;
-    // Leaves in a wind that passes them lie above all that blocks it.
-    if (!object.press.blocks_wind) return;
     const glm::dvec2 corner_at = glm::floor(at - 0.5);
     const glm::ivec2 base = glm::ivec2(corner_at) - low;
     first[i] = base.x * grid_.rows + base.y;
@@ -135,14 +183,21 @@ void Drift::reach(const Receiver& receiver, glm::ivec2 low, const std::vector<fl
     if (cell >= 0) ++own.begin[static_cast<size_t>(cell) + 1];
   }
   for (size_t cell = 0; cell < grid_.cells.size(); ++cell) own.begin[cell + 1] += own.begin[cell];
-  own.texels.resize(static_cast<size_t>(own.begin.back()));
+  const auto reached = static_cast<size_t>(own.begin.back());
+  for (auto* plane : {&own.texel, &own.place}) plane->resize(reached);
+  for (auto* plane : {&own.area, &own.up, &own.x, &own.y}) plane->resize(reached);
   std::vector<int32_t> next = own.begin;
   for (size_t i = 0; i < count; ++i) {
     if (first[i] < 0) continue;
-    own.texels[static_cast<size_t>(next[static_cast<size_t>(first[i])]++)] = {
-        static_cast<int32_t>(i), table.texel[i], bare.area[i], bare.up[i], part[i]};
+    const auto at = static_cast<size_t>(next[static_cast<size_t>(first[i])]++);
+    own.texel[at] = static_cast<int32_t>(i);
+    own.place[at] = table.texel[i];
+    own.area[at] = bare.area[i];
+    own.up[at] = bare.up[i];
+    own.x[at] = part[i].x;
+    own.y[at] = part[i].y;
     const double ground = static_cast<double>(bare.area[i] * std::abs(bare.up[i]));
-    const std::array<float, 4> weight = weights_of(part[i]);
+    const std::array<float, 4> weight = weights_of(part[i].x, part[i].y);
     const std::array<size_t, 4> cells = cells_of(static_cast<size_t>(first[i]), grid_.rows);
     for (size_t k = 0; k < 4; ++k) {
       const double share = static_cast<double>(weight[k]) * ground;
@@ -161,10 +216,9 @@ void Drift::find_ground(const DriftSettings& settings, const std::vector<Receive
   glm::dvec2 high = -low;
   double texel = 0.0;
   for (const Receiver& receiver : receivers) {
-    const std::vector<float>& areas = receiver.repose->bare().area;
-    const double area = std::accumulate(areas.begin(), areas.end(), 0.0);
-    texel =
-        std::max(texel, std::sqrt(area / static_cast<double>(std::max<size_t>(areas.size(), 1))));
+    const BareTexels& bare = receiver.repose->bare();
+    const auto count = static_cast<double>(std::max<size_t>(bare.area.size(), 1));
+    texel = std::max(texel, std::sqrt(bare.whole_area / count));
     for (const glm::vec3& point : objects_[receiver.map->object]->positions) {
       low = glm::min(low, in_wind(point));
       high = glm::max(high, in_wind(point));
@@ -211,26 +265,12 @@ void Drift::find_snow(const Receiver& receiver, const Reached& reached) {
   for_columns([&](int32_t column) {
     const auto begin = static_cast<size_t>(column) * static_cast<size_t>(grid_.rows);
     for (size_t first = begin; first + 1 < begin + static_cast<size_t>(grid_.rows); ++first) {
-      // Sums of all snow and of packed snow, each with its parts of the way to the next cells.
-      std::array<double, 4> all{}, packed{};
-      const auto add = [](double volume, const glm::vec2& part, std::array<double, 4>& sums) {
-        const auto x = static_cast<double>(part.x), y = static_cast<double>(part.y);
-        sums[0] += volume;
-        sums[1] += volume * y;
-        sums[2] += volume * x;
-        sums[3] += volume * x * y;
-      };
-      for (auto at = static_cast<size_t>(reached.begin[first]);
-           at < static_cast<size_t>(reached.begin[first + 1]); ++at) {
-        const Reached::Texel& texel = reached.texels[at];
-        const float own = std::abs(heights[static_cast<size_t>(texel.place)]);
-        add(static_cast<double>(own * texel.area), texel.part, all);
-        if (receiver.packed == nullptr) continue;
-        const float stays =
-            std::min((*receiver.packed)[static_cast<size_t>(texel.texel)], own) * texel.area;
-        add(static_cast<double>(stays), texel.part, packed);
-      }
-      const auto of_cell = [](const std::array<double, 4>& sums, size_t k) {
+      Sums all{}, packed{};
+      const auto at = static_cast<size_t>(reached.begin[first]);
+      add_snow(&reached.place[at], &reached.texel[at], &reached.area[at], &reached.x[at],
+               &reached.y[at], static_cast<size_t>(reached.begin[first + 1]) - at, heights.data(),
+               receiver.packed != nullptr ? receiver.packed->data() : nullptr, all, packed);
+      const auto of_cell = [](const Sums& sums, size_t k) {
         const double both = sums[3];
         return k == 0   ? std::max(sums[0] - sums[1] - sums[2] + both, 0.0)
                : k == 1 ? std::max(sums[1] - both, 0.0)
@@ -259,26 +299,36 @@ void Drift::move_snow(const Receiver& receiver, const Reached& reached) const {
                       [&](size_t cell) { return moves_[cell] == glm::vec2(0.0f); })) {
         continue;
       }
-      for (auto at = static_cast<size_t>(reached.begin[first]);
-           at < static_cast<size_t>(reached.begin[first + 1]); ++at) {
-        const Reached::Texel& texel = reached.texels[at];
-        const std::array<float, 4> weight = weights_of(texel.part);
-        glm::vec2 move(0.0f);
-        for (size_t k = 0; k < 4; ++k) move += weight[k] * moves_[cells[k]];
-        float& height = (*receiver.map->height)[static_cast<size_t>(texel.place)];
-        const float own = std::abs(height);
-        const float packed =
-            receiver.packed != nullptr
-                ? std::min((*receiver.packed)[static_cast<size_t>(texel.texel)], own)
-                : 0.0f;
-        float now = own + move.x * std::abs(texel.up) - move.y * (own - packed);
-        if (now < kBlownAway) now = 0.0f;
-        if (now == own) continue;
-        const bool is_back = height < 0.0f || (height == 0.0f && texel.up < 0.0f);
-        height = is_back && now > 0.0f ? -now : now;
-        lost[static_cast<size_t>(column)] +=
-            (static_cast<double>(own) - static_cast<double>(now)) * static_cast<double>(texel.area);
-        changes[static_cast<size_t>(column)] = 1;
+      CellMoves moves;
+      for (size_t k = 0; k < 4; ++k) {
+        moves.comes[k] = moves_[cells[k]].x;
+        moves.leaves[k] = moves_[cells[k]].y;
+      }
+      const auto end = static_cast<size_t>(reached.begin[first + 1]);
+      for (auto at = static_cast<size_t>(reached.begin[first]); at < end;) {
+        // Texels side by side.
+        const auto place = static_cast<size_t>(reached.place[at]);
+        size_t count = 1;
+        while (count < kRowRun && at + count < end &&
+               static_cast<size_t>(reached.place[at + count]) == place + count) {
+          ++count;
+        }
+        std::array<float, kRowRun> packed{}, now;
+        for (size_t i = 0; receiver.packed != nullptr && i < count; ++i) {
+          packed[i] = (*receiver.packed)[static_cast<size_t>(reached.texel[at + i])];
+        }
+        float* const height = &(*receiver.map->height)[place];
+        move_run(moves, &reached.up[at], &reached.x[at], &reached.y[at], count, packed.data(),
+                 height, now.data());
+        for (size_t i = 0; i < count; ++i) {
+          if (std::abs(now[i]) == std::abs(height[i])) continue;
+          lost[static_cast<size_t>(column)] +=
+              (static_cast<double>(std::abs(height[i])) - static_cast<double>(std::abs(now[i]))) *
+              static_cast<double>(reached.area[at + i]);
+          changes[static_cast<size_t>(column)] = 1;
+          height[i] = now[i];
+        }
+        at += count;
       }
     }
   });

@@ -44,17 +44,12 @@ class Drift {
   /// The texels of a receiver that the wind reaches, by the first of their four cells.
   struct Reached {
     size_t object = 0;
-    struct Texel {
-      /// In the table, and on the map.
-      int32_t texel = 0, place = 0;
-      /// Area in m2, and upward part of the normal.
-      float area = 0.0f, up = 0.0f;
-      /// Part of the way to the next column and row.
-      glm::vec2 part{0.0f};
-    };
-    /// By cell, with the end: into `texels`.
+    /// By cell, with the end: into the rest.
     std::vector<int32_t> begin;
-    std::vector<Texel> texels;
+    /// In the table, and on the map.
+    std::vector<int32_t> texel, place;
+    /// Area in m2, upward part of the normal, and part of the way to the next column and row.
+    std::vector<float> area, up, x, y;
   };
   void find_ground(const DriftSettings& settings, const std::vector<Receiver>& receivers);
   std::vector<float> tops_of_objects(glm::ivec2 low) const;
