@@ -84,8 +84,9 @@ SNOWBOUGH_WIDE void move_run(const CellMoves& moves, const float* __restrict up,
     const float own = std::abs(height[i]);
     const float after = own + comes * std::abs(up[i]) - leaves * (own - std::min(packed[i], own));
     const float thick = after < kBlownAway ? 0.0f : after;
-    const bool is_back = (height[i] < 0.0f) | ((height[i] == 0.0f) & (up[i] < 0.0f));
-    now[i] = is_back & (thick > 0.0f) ? -thick : thick;
+    const float side = (height[i] != 0.0f ? height[i] : up[i]) < 0.0f ? -1.0f : 1.0f;
+    // No zero is negative.
+    now[i] = side * thick + 0.0f;
   }
 }
 
