@@ -30,6 +30,9 @@ constexpr double kInsideRadius = 0.4;
 constexpr double kConeReach = 1.25;
 /// Maximum number of limbs blended at one place.
 constexpr size_t kMostLimbs = 16;
+/// Two surfaces whose normals differ by at least 60 degrees have their whole fillet, parallel ones
+/// none: there the smooth minimum of tubes that hardly separate would be thicker than both.
+constexpr double kAngleFillet = 2.0;
 
 double smooth_step(double low, double high, double x) {
   const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
@@ -37,6 +40,9 @@ double smooth_step(double low, double high, double x) {
 }
 
 FieldValue smooth_minimum(const FieldValue& a, const FieldValue& b, double width) {
+  const double lengths = glm::length(a.gradient) * glm::length(b.gradient);
+  const double cosine = lengths > 0.0 ? glm::dot(a.gradient, b.gradient) / lengths : 0.0;
+  width *= std::min(1.0, kAngleFillet * (1.0 - cosine));
   if (width <= 0.0 || std::abs(a.distance - b.distance) >= width) {
     return a.distance <= b.distance ? a : b;
   }

@@ -10,6 +10,9 @@ namespace {
 /// Maximum cosine between the directions of two children on one knuckle; otherwise one would leave
 /// through a side that faces away from it.
 constexpr double kSharingCosine = 0.35;
+/// The same for two second stems: seen from one of three equal stems around a fork, the others are
+/// 60 degrees apart.
+constexpr double kStemsCosine = 0.75;
 /// Fraction of the shorter one's length that must overlap for two children to be at one place.
 constexpr double kSharingOverlap = 0.4;
 /// Fraction of its length to which a knuckle shrinks before it pushes its neighbours along the
@@ -42,7 +45,9 @@ bool can_share(const Group& group, const ChildRequest& request) {
     return false;
   }
   return std::all_of(group.children.begin(), group.children.end(), [&](const ChildRequest& other) {
-    return glm::dot(other.direction, request.direction) < kSharingCosine;
+    const bool are_stems = other.crotch && request.crotch;
+    return glm::dot(other.direction, request.direction) <
+           (are_stems ? kStemsCosine : kSharingCosine);
   });
 }
 
