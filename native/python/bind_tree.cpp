@@ -134,7 +134,7 @@ void bind_mesh_functions(py::module_& module) {
       "build_tree_mesh",
       [](const Skeleton& skeleton, const std::string& width, const std::string& species,
          const std::string& detail, bool close_root, bool close_tips, int snow_resolution,
-         int max_influences, int threads, const py::object& progress) {
+         int max_influences, int threads, const py::object& progress, bool root_bone) {
         TreeMeshOptions options;
         options.width.mode = choose<WidthMode>(
             "width", width, {{"ORIGINAL", WidthMode::kOriginal}, {"INVERSE", WidthMode::kInverse}});
@@ -152,6 +152,7 @@ void bind_mesh_functions(py::module_& module) {
         options.snow_resolution = snow_resolution;
         options.max_influences = max_influences;
         options.threads = threads;
+        options.root_bone = root_bone;
         return run_cancellable(progress, [&](const base::Progress& asked) {
           options.progress = asked;
           auto bound = std::make_unique<BoundMesh>();
@@ -162,11 +163,12 @@ void bind_mesh_functions(py::module_& module) {
       py::arg("skeleton"), py::arg("width") = "ORIGINAL", py::arg("species") = "BROADLEAF",
       py::arg("detail") = "BASE", py::arg("close_root") = true, py::arg("close_tips") = true,
       py::arg("snow_resolution") = 1024, py::arg("max_influences") = 4, py::arg("threads") = 0,
-      py::arg("progress") = py::none(),
+      py::arg("progress") = py::none(), py::arg("root_bone") = true,
       R"(Rebuilds a tree as one continuous, rigged, weighted and unwrapped quad mesh.
 
 width: ORIGINAL or INVERSE; species: BROADLEAF or EVERGREEN; detail: BASE (limbs of four
-sides), or DRAFT, GAME, DEFAULT or FILM: sides by thickness, curved limbs, forks with fillets. threads: 0 = one per core; does not change the mesh. progress(share) is called
+sides), or DRAFT, GAME, DEFAULT or FILM: sides by thickness, curved limbs, forks with fillets. root_bone: a tree of several roots has one
+more bone, the first, that they hang from. threads: 0 = one per core; does not change the mesh. progress(share) is called
 regularly; returning False (not None) cancels with KeyboardInterrupt. Raises ValueError for
 options out of range.)");
 

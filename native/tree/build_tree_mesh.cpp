@@ -116,7 +116,7 @@ TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& option
                     execution.part(kSurfaceDone, kChartsDone));
   };
   const auto rig = [&] {
-    Armature armature = make_bones(skeleton, paths, scale);
+    Armature armature = make_bones(skeleton, paths, scale, options.root_bone);
     VertexWeights weights = make_weights(surface, paths, armature, options.max_influences);
     mesh.bone_indices = std::move(weights.indices);
     mesh.bone_weights = std::move(weights.weights);

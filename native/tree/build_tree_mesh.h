@@ -21,6 +21,8 @@ struct TreeMeshOptions {
   int snow_resolution = 1024;
   /// Maximum number of bones that influence a vertex, 1 to 4.
   int max_influences = 4;
+  /// One bone that all roots hang from: see make_bones.
+  bool root_bone = true;
   /// Threads that may share the work, the calling one included; 0 = one per core. Does not change
   /// the mesh.
   int threads = 0;

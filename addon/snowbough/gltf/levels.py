@@ -63,6 +63,7 @@ class _Builder:
             built["species"],
             detail,
             snow_resolution=built["snow_resolution"],
+            root_bone=built["root_bone"],
         )
         self._points[detail] = _with_mean_width(whole) if detail == BASE else whole.vertices
         return self._module.reduce_bones(whole, built["max_bones"], built["max_bone_level"])

@@ -18,6 +18,7 @@ OPTIONS = ("width", "species", "snow_resolution", "max_bones", "max_bone_level")
 def keep(armature, tree, options):
     """Stores the skeleton of a NativeTree, and the detail of its finest mesh, on a new armature."""
     built = {name: getattr(options, name) for name in OPTIONS}
+    built["root_bone"] = True
     built["detail"] = tree.meshes[-1].detail
     built["keeps_surface"] = tree.kept is not None
     armature.snowbough_skeleton = to_text(tree.skeleton.branches, built)
@@ -31,6 +32,7 @@ def kept(armature):
     branches, built = from_text(armature.snowbough_skeleton)
     if "detail" not in built:  # older versions counted levels, with the detail empty
         built["detail"] = built["fineness"]["detail"] or LOD_CHAIN[-1]
+    built.setdefault("root_bone", False)  # older rigs of several roots have a root bone each
     return native.load().Skeleton.from_branches([vars(branch) for branch in branches]), built
 
 
@@ -46,7 +48,11 @@ def base_arrays(armature):
     skeleton, built = found
     module = native.load()
     base = module.build_tree_mesh(
-        skeleton, built["width"], built["species"], snow_resolution=built["snow_resolution"]
+        skeleton,
+        built["width"],
+        built["species"],
+        snow_resolution=built["snow_resolution"],
+        root_bone=built["root_bone"],
     )
     return module.tree_arrays(module.reduce_bones(base, built["max_bones"], built["max_bone_level"]))
 

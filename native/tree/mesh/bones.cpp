@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 namespace snowbough::tree {
 namespace {
@@ -25,9 +26,27 @@ float distance_to_segment(const glm::vec3& p, const glm::vec3& a, const glm::vec
 }  // namespace
 
 Armature make_bones(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
-                    const SurfaceScale& scale) {
+                    const SurfaceScale& scale, bool root_bone) {
   Armature armature;
   Bones& bones = armature.bones;
+  const auto add = [&bones, &skeleton](int32_t branch, int32_t parent, std::string name) {
+    bones.parents.push_back(parent);
+    bones.names.push_back(std::move(name));
+    bones.branches.push_back(branch);
+    bones.levels.push_back(skeleton.branches[branch].level);
+  };
+  const auto is_root = [](const Branch& branch) { return branch.parent < 0; };
+  const bool has_root_bone =
+      root_bone && std::count_if(skeleton.branches.begin(), skeleton.branches.end(), is_root) > 1;
+  if (has_root_bone) {
+    const LimbPath& first = paths.front();
+    const double length = std::max(first.corners.front(), scale.smallest_knuckle);
+    bones.heads.push_back(glm::vec3(first.points.front() - glm::dvec3(0.0, 0.0, length)));
+    bones.tails.push_back(glm::vec3(first.points.front()));
+    bones.head_radii.push_back(limb_radius(first.corners.front()));
+    bones.tail_radii.push_back(limb_radius(first.corners.front()));
+    add(0, -1, "root");
+  }
   std::set<std::string> names;
   // Per limb with children.
   std::vector<std::optional<PathSearch>> searches(paths.size());
@@ -37,7 +56,7 @@ Armature make_bones(const Skeleton& skeleton, const std::vector<LimbPath>& paths
     const auto first = static_cast<int32_t>(bones.heads.size());
     armature.first_bone.push_back(first);
 
-    int32_t parent = -1;
+    int32_t parent = has_root_bone ? 0 : -1;
     if (branch.parent >= 0) {
       const LimbPath& holder = paths[branch.parent];
       // Slightly towards the root, so that rounding does not pick the bone that starts at a joint.
@@ -54,10 +73,8 @@ Armature make_bones(const Skeleton& skeleton, const std::vector<LimbPath>& paths
     for (size_t i = 0; i + 1 < path.points.size(); ++i) {
       bones.heads.push_back(glm::vec3(path.points[i]));
       bones.tails.push_back(glm::vec3(path.points[i + 1]));
-      bones.parents.push_back(i == 0 ? parent : first + static_cast<int32_t>(i) - 1);
-      bones.names.push_back(std::string(name).append(".").append(std::to_string(i)));
-      bones.branches.push_back(static_cast<int32_t>(b));
-      bones.levels.push_back(branch.level);
+      add(static_cast<int32_t>(b), i == 0 ? parent : first + static_cast<int32_t>(i) - 1,
+          std::string(name).append(".").append(std::to_string(i)));
       bones.head_radii.push_back(limb_radius(path.corners[i]));
       bones.tail_radii.push_back(limb_radius(path.corners[i + 1]));
     }

@@ -19,8 +19,12 @@ struct Armature {
 /// One bone per segment of each branch's path, branch by branch, so that parents come before
 /// children. A branch's first bone is a child of the parent's bone at its attach point; at a joint,
 /// of the bone that ends there.
+/// @param root_bone  whether a tree of several roots has one more bone, the first: it ends where
+/// its
+///   first root begins, as long as that is thick, and holds the first bones of all roots. No vertex
+///   has a weight of it.
 Armature make_bones(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
-                    const SurfaceScale& scale);
+                    const SurfaceScale& scale, bool root_bone = true);
 
 /// Per leaf: the bone of its branch nearest to its attach point.
 /// @throws std::invalid_argument if the mesh was not built from this skeleton.

@@ -78,6 +78,8 @@ std::optional<Crotch> find_crotch(const PathSearch& search, double attach, const
   const double thick = radius_at(parent, attach);
   const double farthest = std::min(child.length(), kFarthest * thick);
   const double least = std::max(kLeastRadius * thick, kLeastStem * scale.height);
+  const double widest = *std::max_element(child.corners.begin(), child.corners.end());
+  if (widest * std::sqrt(2.0 / M_PI) < least) return std::nullopt;
   std::vector<Sample> samples{sample_at(search, child, 0.0)};
   if (samples[0].apart >= 0.0) return std::nullopt;
   double own = radius_at(child, 0.0);

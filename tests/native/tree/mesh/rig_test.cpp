@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -43,6 +44,36 @@ TEST(Bones, AChildHangsOnTheBoneThatEndsWhereItSits) {
   EXPECT_EQ(mesh.bones.parents[10], 4);
   EXPECT_EQ(mesh.bones.parents[11], 10);
   EXPECT_NEAR(mesh.bones.head_radii[0], 0.2f, 1e-6f);
+}
+
+TEST(Bones, SeveralRootsHangFromOneRootBone) {
+  Branch second = trunk(0.1f);
+  for (glm::vec3& p : second.points) p.x += 1.0f;
+  const Skeleton skeleton = make_skeleton({trunk(), second, side_branch(5.0f, 0.1f)});
+  const TreeMesh mesh = build_tree_mesh(skeleton);
+  EXPECT_EQ(std::count(mesh.bones.parents.begin(), mesh.bones.parents.end(), -1), 1);
+  EXPECT_EQ(mesh.bones.names[0], "root");
+  EXPECT_EQ(mesh.bones.parents[1], 0);
+  EXPECT_EQ(mesh.bones.parents[11], 0);
+  EXPECT_EQ(mesh.bones.tails[0], mesh.bones.heads[1]);
+  EXPECT_LT(mesh.bones.heads[0].z, 0.0f);
+  TreeMeshOptions without;
+  without.root_bone = false;
+  const TreeMesh apart = build_tree_mesh(skeleton, without);
+  EXPECT_EQ(std::count(apart.bones.parents.begin(), apart.bones.parents.end(), -1), 2);
+  ASSERT_THAT(mesh.bones.heads, SizeIs(apart.bones.heads.size() + 1));
+  for (size_t v = 0; v < mesh.bone_weights.size(); ++v) {
+    // The same weights, of bones that are numbered one higher.
+    EXPECT_EQ(mesh.bone_weights[v], apart.bone_weights[v]);
+    for (int k = 0; k < 4 && mesh.bone_weights[v][k] > 0.0f; ++k) {
+      EXPECT_EQ(mesh.bone_indices[v][k], apart.bone_indices[v][k] + 1);
+    }
+  }
+}
+
+TEST(Bones, OneRootNeedsNoBoneBelowIt) {
+  const TreeMesh mesh = build_tree_mesh(make_skeleton({trunk(), side_branch(5.0f, 0.1f)}));
+  EXPECT_EQ(mesh.bones.names[0], "b0.0");
 }
 
 TEST(Bones, ReducingHandsWeightsToTheNearestKeptAncestor) {

@@ -165,6 +165,34 @@ TEST(Crotch, KeepsBothLimbsWidthAtAllLevels) {
   }
 }
 
+TEST(Crotch, OfThreeEqualStemsIsSharedByAll) {
+  // Seen from the trunk, which leans away, the other two are 60 degrees apart.
+  Branch leaning = trunk(0.2f);
+  const glm::dvec3 way(std::sin(14.0 * kDegrees), 0.0, std::cos(14.0 * kDegrees));
+  for (glm::vec3& p : leaning.points) {
+    if (p.z > 5.0f) p = glm::vec3(glm::dvec3(0.0, 0.0, 5.0) + way * (p.z - 5.0));
+  }
+  const Skeleton skeleton =
+      make_skeleton({leaning, stem(0.19f, 14.0, 120.0), stem(0.19f, 14.0, 240.0)});
+  const Built built = build(skeleton);
+  ASSERT_EQ(built.surface.junctions.size(), 2u);
+  EXPECT_EQ(built.surface.junctions[0].row, built.surface.junctions[1].row);
+  TreeMeshOptions options;
+  options.detail = Detail::kDefault;
+  const TreeMesh mesh = build_tree_mesh(skeleton, options);
+  EXPECT_TRUE(mesh.warnings.empty());
+  const MeshCheck check = check_mesh(mesh.vertices, mesh.quads);
+  EXPECT_TRUE(check.closed());
+  EXPECT_EQ(check.euler, std::vector<int32_t>{2});
+  const glm::dvec3 up(0.0, 0.0, 1.0);
+  for (double s = -0.5; s < 0.2; s += 0.05) {
+    // Where three stems hardly separate they are together no thicker than one by a fifth.
+    const double area = section_area(mesh, glm::dvec3(0.0, 0.0, 5.0) + up * s, up, 1e300);
+    EXPECT_LT(area, 1.2 * 1.2 * M_PI * 0.2 * 0.2) << s;
+    EXPECT_GT(area, 0.9 * M_PI * 0.2 * 0.2) << s;
+  }
+}
+
 TEST(Crotch, NarrowsNoStemAsThickAsItsParent) {
   Branch tapering = trunk(0.2f);
   for (size_t i = 0; i < tapering.points.size(); ++i) {
