@@ -16,6 +16,7 @@ from conftest import ROOT, SHARED_DATA
 from exported_tree import MAPLE, assert_follows, assert_weighted, import_collection
 from forest import write_forest
 
+PRESETS = {"Broad-leaf", "Evergreen", "Game_engine", "Film_close-up"}
 CLI = ROOT / "addon" / "snowbough" / "cli.py"
 
 
@@ -35,6 +36,43 @@ def _refused(path, **settings):
         bpy.ops.import_scene.xfrog_tree(filepath=str(path), **settings)
     assert _data_names() == before
     return str(error.value)
+
+
+class _PresetMenu:
+    """Blender's menu of operator presets, which notes the files of its entries instead of drawing them."""
+
+    bl_idname = "WM_MT_operator_presets"
+    preset_operator, preset_subdir = "script.execute_preset", "operator/import_scene.xfrog_tree"
+    path_menu = bpy.types.Menu.path_menu
+
+    def __init__(self):
+        self.entries = []
+        self.layout = self
+        self.operator_context = "INVOKE_DEFAULT"
+
+    def operator(self, _name, **_shown):
+        self.entries.append(SimpleNamespace())
+        return self.entries[-1]
+
+    def column(self, **_shown):
+        return self
+
+    def row(self, **_shown):
+        return self
+
+    def separator(self):
+        pass
+
+
+def shown_presets():
+    """The files of the operator's presets by name, in the order of the menu."""
+    menu = _PresetMenu()
+    drawn = getattr(bpy.types.WM_MT_operator_presets.draw, "_draw_funcs", [])
+    for draw in [bpy.types.Menu.draw_preset, *drawn[1:]]:  # the first one is Blender's own
+        draw(menu, bpy.context)
+    paths = [Path(entry.filepath) for entry in menu.entries]
+    assert len({path.stem for path in paths}) == len(paths)
+    return {path.stem: path for path in paths}
 
 
 def test_collection_armature_and_bark_have_the_files_name():
@@ -332,9 +370,8 @@ def test_long_and_foreign_file_names(tmp_path):
 
 
 def test_presets_set_only_what_the_operator_has():
-    folders = bpy.utils.preset_paths("operator/import_scene.xfrog_tree")
-    presets = {path.stem: path for folder in folders for path in Path(folder).glob("*.py")}
-    assert {"Broad-leaf", "Evergreen", "Game_engine", "Film_close-up"} <= set(presets)
+    presets = shown_presets()
+    assert PRESETS <= set(presets)
     for path in presets.values():
         lines = [line for line in path.read_text().splitlines() if line.startswith("op.")]
         values = {key[3:]: eval(value) for key, value in (line.split(" = ") for line in lines)}
@@ -345,10 +382,29 @@ def test_presets_set_only_what_the_operator_has():
         import_collection(**values)
 
 
-@pytest.mark.parametrize("name", ["Broad-leaf", "Evergreen", "Game_engine", "Film_close-up"])
+def test_presets_stay_when_another_blender_of_the_user_ends():
+    if not bpy.app.binary_path:
+        pytest.skip("this Blender is a Python module, which starts with the factory's preferences")
+    folders = (Path(bpy.utils.user_resource("SCRIPTS")) / "presets" / "operator", bpy.app.tempdir)
+    before = {path for folder in folders for path in Path(folder).rglob("*")}
+    program = "import bpy; bpy.ops.import_scene.xfrog_tree.get_rna_type(); print('has it')"
+    command = [
+        bpy.app.binary_path,
+        "-b",
+        "--addons",
+        os.environ["SNOWBOUGH_TEST_ADDON"],
+        "--python-expr",
+        program,
+    ]
+    other = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert other.returncode == 0 and "has it" in other.stdout, other.stdout + other.stderr
+    assert PRESETS <= {name for name, path in shown_presets().items() if path.is_file()}
+    assert {path for folder in folders for path in Path(folder).rglob("*")} == before
+
+
+@pytest.mark.parametrize("name", sorted(PRESETS))
 def test_blender_applies_a_preset_to_the_operator(name):
-    folders = bpy.utils.preset_paths("operator/import_scene.xfrog_tree")
-    path = next(path for folder in folders for path in Path(folder).glob(f"{name}.py"))
+    path = shown_presets()[name]
     lines = [line for line in path.read_text().splitlines() if line.startswith("op.")]
     expected = {key[3:]: eval(value) for key, value in (line.split(" = ") for line in lines)}
     # What the file browser shows beside its list: the properties of the operator that will run.

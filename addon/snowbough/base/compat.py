@@ -5,8 +5,6 @@ The rest of the add-on calls the functions below, which test for the feature its
 compat_nodes.
 """
 
-import os
-import shutil
 from pathlib import Path
 
 import bpy
@@ -206,41 +204,43 @@ def unregister_file_handler(handler):
         bpy.utils.unregister_class(handler)
 
 
-def register_presets(folder):
-    """Shows the operator presets in `folder`/operator/<idname>/*.py; returns a token for unregister_presets.
+def register_presets(folder, operator):
+    """Shows the presets `folder`/operator/`operator`/*.py in the operator's menu; returns a token for
+    unregister_presets.
 
     `folder` must be named `presets`. Blender versions without register_preset_path find presets of add-ons only in the
-    user's own folder: there they are copied to it, and files that the user has changed are kept.
+    user's own folder, which all running Blenders share. There, nothing is copied: the menu gets further entries.
     """
     if hasattr(bpy.utils, "register_preset_path"):
         bpy.utils.register_preset_path(str(Path(folder).parent))  # expects a subfolder `presets`
         return None
-    copied = []
-    target_root = Path(bpy.utils.user_resource("SCRIPTS", path="presets", create=True))
-    for source in sorted(Path(folder).rglob("*.py")):
-        target = target_root / source.relative_to(folder)
-        try:
-            if not target.exists():
-                target.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copyfile(source, target)
-        except OSError as error:  # a read-only home folder must not stop the add-on
-            print(f"Snowbough: the preset {target} could not be written ({error.strerror})")
-            continue
-        copied.append((source, target))
-    return copied
+    subfolder = f"operator/{operator}"
+    user_folder = Path(bpy.utils.user_resource("SCRIPTS", path="presets")) / subfolder
+    try:
+        user_folder.mkdir(parents=True, exist_ok=True)  # without any folder the menu says "Missing Paths"
+    except OSError as error:  # a read-only home folder must not stop the add-on
+        print(f"Snowbough: the folder {user_folder} for presets could not be made ({error.strerror})")
+
+    def draw(menu, _context):
+        if menu.preset_subdir == subfolder:
+            own = {path.name for shown in bpy.utils.preset_paths(subfolder) for path in Path(shown).iterdir()}
+            menu.path_menu(
+                [str(Path(folder) / subfolder)],
+                menu.preset_operator,
+                filter_path=lambda name: name not in own,  # a preset that the user has saved by that name
+                display_name=lambda path: bpy.path.display_name(path, title_case=False),
+            )
+
+    bpy.types.WM_MT_operator_presets.append(draw)
+    return draw
 
 
 def unregister_presets(folder, token):
-    """Reverts register_presets. Presets that the user has changed stay."""
-    if hasattr(bpy.utils, "unregister_preset_path"):
+    """Reverts register_presets."""
+    if token is None:
         bpy.utils.unregister_preset_path(str(Path(folder).parent))
-        return
-    for source, target in token or ():
-        try:
-            if target.read_bytes() == source.read_bytes():
-                os.remove(target)
-        except OSError:
-            continue  # already gone, or not ours to remove
+    else:
+        bpy.types.WM_MT_operator_presets.remove(token)
 
 
 def register_command(name, run):

@@ -67,7 +67,7 @@ def register():
     # In Blender's temporary folder, which is deleted with the session.
     folder = Path(tempfile.mkdtemp(prefix="snowbough-", dir=bpy.app.tempdir)) / "presets"
     write_presets(folder)
-    _registered.append((folder, compat.register_presets(folder)))
+    _registered.append((folder, compat.register_presets(folder, OPERATOR)))
 
 
 def unregister():
