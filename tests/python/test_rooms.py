@@ -42,7 +42,7 @@ LINES = {
     "native/python": 3400,
     "native/render": 5150,
     "native/tree": 22800,
-    "native/snow/movement": 10750,
+    "native/snow/movement": 11150,
     "native/snow/output": 2100,
     "native/snow/scene": 1850,
     "native/snow/seams": 2550,
@@ -66,7 +66,7 @@ LINES = {
     "addon/snowbough/usd": 600,
     "shaders": 5050,
     "benchmarks": 5450,
-    "tests": 57300,
+    "tests": 57500,
 }
 SOURCES = {".h", ".cpp", ".glsl", ".py"}
 
