@@ -293,7 +293,7 @@ SNOWBOUGH_SHARED_FUNCTION SnowProfile front_profile(KERNEL_CONST_REF(SnowFront) 
   const float joined = join.joined;
   const float full = inland * (1.0f - kBridgeSag * bridged);
   const float base = clamp(behind.beyond, 0.0f, full) * (1.0f - bridged);
-  // Over a step that snow covers, the upper side is lower and the lower side is higher (see kRise in feet.cpp).
+  // Over a step that snow covers, the upper side is lower.
   const float height = full - kSettles * (full - base) * joined * (1.0f - bridged);
   const float open = height - base;
   // Each side is level up to the middle and dives below the other one beyond it, so that no edge shows between them.

@@ -51,6 +51,17 @@ constexpr float kNearBelow = 0.2f;
 /// Greatest upward component of the normal of an upright face.
 constexpr float kSteepBank = 0.12f;
 
+/// A blanket reaches outwards by the first fraction of the snow's height, beyond half the gap. It
+/// does so over the second part of the zone, and dips by the third, as a fraction of that way. On
+/// the far face it dives by the fraction of the height that is given last.
+constexpr float kBlanketOver = 0.08f;
+constexpr float kBlanketRun = 0.2f;
+constexpr float kBlanketDip = 0.25f;
+constexpr float kBlanketDive = 0.3f;
+/// Distances from a rim at which its step counts fully and not at all, as fractions of the depth.
+constexpr float kNearStep = 0.6f;
+constexpr float kFarStep = 1.2f;
+
 /// Points whose feet are within this many depths of each other belong to one stretch of a rim.
 constexpr float kFullnessReach = 0.4f;
 /// Least mean thickness in a zone, as a fraction of that behind the rim.
@@ -90,6 +101,18 @@ void smooth_presence(Fronts& fronts, const HeightSamples& samples) {
 bool is_sheltered(const base::TriangleTree& tree, const glm::vec3& place, float depth) {
   const glm::dvec3 from = glm::dvec3(place) + glm::dvec3(0.0, 0.0, kOffFace * depth);
   return std::isfinite(tree.first_along(0, from, {0.0, 0.0, 1.0}, 1e-5, depth).distance);
+}
+
+/// Unit normals of the faces at each point, those of the most level ones above all.
+std::vector<glm::vec3> upper_normals(const SurfaceMesh& mesh) {
+  std::vector<glm::vec3> normal(mesh.position.size(), glm::vec3(0.0f));
+  for (size_t t = 0; t < mesh.triangle.size(); ++t) {
+    const glm::vec3 cross = triangle_cross(mesh, t);
+    const float level = std::max(unit(cross).z, 0.02f);
+    for (const int32_t p : mesh.triangle[t]) normal[p] += cross * (level * level * level);
+  }
+  for (glm::vec3& one : normal) one = unit(one);
+  return normal;
 }
 
 std::vector<uint8_t> sheltered_points(const SurfacePoints& points, const base::TriangleTree& tree,
@@ -173,7 +196,30 @@ float Fronts::presence(size_t number, const shared::SnowBehind& behind,
   return own > 0.0f ? std::max(own, join.joined) : 0.0f;
 }
 
-Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zone, const Rims& rims,
+float Fronts::goes_on(size_t number, const shared::SnowJoin& join, float depth) const {
+  const SnowFront& at = front[number];
+  if (at.presence <= 0.0f) return 0.0f;
+  return join.joined * eased(std::abs(at.distance), kFarStep * depth, kNearStep * depth);
+}
+
+glm::vec3 Fronts::blanket_offset(size_t number, const std::vector<float>& shown,
+                                 const glm::vec3& offset) const {
+  const SnowFront& at = front[number];
+  const bool is_far = at.distance < 0.0f;
+  const float height = is_far ? edge[number].of(shown) : std::max(shown[point[number]], 0.0f);
+  const float reach = at.bridged > 0.0f ? at.half_gap : 0.0f;
+  const float near = std::clamp(1.0f - at.distance / (kBlanketRun * at.zone), 0.0f, 1.0f);
+  const float out = (reach + kBlanketOver * height) * near;
+  const float dip = kBlanketDip * out * near;
+  if (!is_far) return offset + at.outward * out - at.support * dip;
+  const float dive =
+      kBlanketDive * height * eased(-at.distance, 0.0f, shared::kTucked * at.far_zone);
+  const glm::vec3 to_rim = at.outward * (at.distance + at.below) - at.down * at.below;
+  return to_rim + at.outward * out + at.support * (height - dip - dive);
+}
+
+Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
+                   const std::vector<RimZones::Zone>& zone, const Rims& rims,
                    const SurfaceMesh& receiver, const base::TriangleTree& tree,
                    const Beyond& beyond, const glm::vec2& wind, const glm::vec3& noise_shift,
                    float depth) {
@@ -274,9 +320,42 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zon
     const float near = eased(zone[p].share, 1.15f, 0.6f);
     points.normal[p] = unit(glm::mix(points.normal[p], zone[p].place.support, near));
   }
-  fronts.feet = find_feet(points, rims, lying, depth);
+  const std::vector<glm::vec3> upper = upper_normals(points.mesh);
+  std::vector<Blanket::Member> members = find_feet(points.mesh.position, upper, rims, lying, depth);
   fronts.counted.assign(points.count(), 1.0f);
-  for (const Foot& foot : fronts.feet) fronts.counted[foot.point] = 1.0f - foot.share;
+  for (const Blanket::Member& foot : members) {
+    if (foot.tucked > 0.0f) fronts.counted[foot.point] = 0.0f;
+    // The mean normal leans away from the end of a piece that lies below another.
+    glm::vec3& normal = points.normal[foot.point];
+    normal = unit(glm::mix(normal, upper[foot.point], foot.foot));
+  }
+  std::vector<int32_t> foot_of(points.count(), -1);
+  for (size_t i = 0; i < members.size(); ++i) foot_of[members[i].point] = static_cast<int32_t>(i);
+  for (size_t f = 0; f < fronts.count(); ++f) {
+    const SnowFront& front = fronts.front[f];
+    const Fronts::Fall& fall = fronts.fall[f];
+    if (!(fall.weight > 0.0f || front.bridged > 0.0f)) continue;
+    int32_t& at = foot_of[fronts.point[f]];
+    if (at < 0) {
+      at = static_cast<int32_t>(members.size());
+      members.emplace_back();
+      members.back().point = fronts.point[f];
+    }
+    members[at].front = static_cast<int32_t>(f);
+    members[at].is_far = front.distance < 0.0f;
+    if (fall.other < 0.0f) members[at].step = std::max(members[at].step, fall.drop * fall.weight);
+  }
+  fronts.edge.resize(fronts.count());
+  base::for_each_item(fronts.count(), 64, [&](size_t f) {
+    if (fronts.front[f].distance >= 0.0f || fronts.front[f].presence <= 0.0f) return;
+    const RimPlace& place = zone[fronts.point[f]].place;
+    const glm::vec3 rim = points.mesh.position[fronts.point[f]] +
+                          place.out * (place.distance + place.below) - place.down * place.below;
+    fronts.edge[f] = lying.at(rim, fronts.point[f], 0.6f * depth, false);
+  });
+  std::vector<int32_t> open = lying.chosen();
+  std::erase_if(open, [&](int32_t p) { return sheltered[p] != 0; });
+  fronts.blanket = Blanket(points, open, area, std::move(members), depth);
   fronts.room.resize(fronts.front.size());
   for (size_t f = 0; f < fronts.front.size(); ++f) fronts.room[f] = zone[fronts.point[f]].room;
   return fronts;

@@ -9,7 +9,7 @@
 #include "shaders/lib/snow_surface.h"
 #include "snow/surface/banks.h"
 #include "snow/surface/beyond.h"
-#include "snow/surface/feet.h"
+#include "snow/surface/blanket.h"
 #include "snow/surface/height_samples.h"
 #include "snow/surface/nearest_points.h"
 #include "snow/surface/rim_zones.h"
@@ -41,10 +41,12 @@ struct Fronts {
     float weight = 0.0f;
   };
   std::vector<Fall> fall;
-  std::vector<Foot> feet;
+  Blanket blanket;
+  /// Points at the rim, which give the height of the blanket at the far face.
+  std::vector<PointMean> edge;
   std::vector<Bank> banks;
-  /// Per point of the surface, unless there are no rims: 0 where a furrow is filled, else 1. The
-  /// snow that fills it, partly below other pieces, does not count in the volume.
+  /// Per point of the surface, unless there are no rims: 0 where snow that is drawn lies below
+  /// other pieces, else 1.
   std::vector<float> counted;
 
   size_t count() const { return point.size(); }
@@ -55,16 +57,23 @@ struct Fronts {
   /// snow that the map has in the gap.
   float presence(size_t number, const shared::SnowBehind& behind,
                  const shared::SnowJoin& join) const;
+  /// How far the snow of a front goes on beyond its rim, 0 to 1; not at all far from the rim.
+  float goes_on(size_t number, const shared::SnowJoin& join, float depth) const;
+  /// Offset of a front's point under a blanket: on the supporting face it is that of a point away
+  /// from rims, `offset`. Beyond the rim the snow goes on a little, and dives into that beyond.
+  glm::vec3 blanket_offset(size_t number, const std::vector<float>& shown,
+                           const glm::vec3& offset) const;
 };
 
 /// All but the presence, which depends on the snow. Sets the normals of points near rims to those
 /// of the supporting faces: on a smooth-shaded cap the mean normals lean over the rim.
-/// @param zone the rim zones of the points.
+/// @param zone the rim zones of the points; `area`: their areas in m2.
 /// @param receiver the receiver's faces; `tree`: a tree over its triangles.
 /// @param beyond the other receivers.
 /// @param wind as in SurfacePlan.
 /// @param noise_shift offset of positions in noise space, in depths.
-Fronts find_fronts(SurfacePoints& points, const std::vector<RimZones::Zone>& zone, const Rims& rims,
+Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
+                   const std::vector<RimZones::Zone>& zone, const Rims& rims,
                    const SurfaceMesh& receiver, const base::TriangleTree& tree,
                    const Beyond& beyond, const glm::vec2& wind, const glm::vec3& noise_shift,
                    float depth);

@@ -184,7 +184,9 @@ SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& 
   surface.samples = samples_of(points.mesh, source, smoothing, dented, depth);
   find_normals(points, surface.samples, kCrease * depth);
   surface.fronts =
-      find_fronts(points, zone, rims, receiver, tree, Beyond(neighbours), plan.wind, shift, depth);
+      find_fronts(points, surface.samples.area, zone, rims, receiver, tree, Beyond(neighbours), plan.wind, shift, depth);
+  // Cushions join the snow of needles.
+  if (needles) surface.fronts.blanket = {};
   surface.looks = point_looks(points, surface.samples, zone, tree, shift, depth);
 
   const SurfaceFrame frame = frame_of(last, depth);

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "base/parallel_for.h"
-#include "snow/surface/feet.h"
+#include "snow/surface/blanket.h"
 #include "snow/surface/flip_edges.h"
 #include "snow/surface/map_sampler.h"
 

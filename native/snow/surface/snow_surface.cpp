@@ -72,7 +72,11 @@ std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& styl
           front, style, {behind.inland * part, behind.across * part, behind.beyond * part}, join,
           points.normal[p], heights.shown[p], looks.point[p].bumps,
           std::min(kSink, looks.point[p].deepest));
-      offsets[p] = glm::mix(offsets[p], drawn, presence);
+      const glm::vec3 off_rims = offsets[p];
+      offsets[p] = glm::mix(off_rims, drawn, presence);
+      if (heights.blanket[f] <= 0.0f) continue;
+      offsets[p] = glm::mix(offsets[p], fronts.blanket_offset(f, heights.shown, off_rims),
+                            heights.blanket[f]);
     }
   });
   bury_banks(fronts.banks, heights.thickness, heights.shown, up, frame.open_depth, offsets);
@@ -90,8 +94,15 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
   const size_t count = points.count();
   SurfaceHeightsNow heights;
   heights.thickness = sampled_heights(samples, frame.height);
-  fill_feet(fronts.feet, heights.thickness);
+  heights.blanket.resize(fronts.count());
+  base::for_each_item(fronts.count(), 1024, [&](size_t f) {
+    const SnowBehind behind = fronts.behind(f, heights.thickness, frame.open_depth);
+    heights.blanket[f] =
+        fronts.goes_on(f, snow_join(fronts.front[f], style, behind), frame.open_depth);
+  });
   smooth(samples, heights.thickness, kRoundsBefore);
+  const std::vector<float> held = heights.thickness;
+  const std::vector<float> laid = fronts.blanket.lay(points, heights.blanket, heights.thickness);
   heights.shown.resize(count);
   std::vector<float> threshold(count), sink(count);
   for_point_blocks(count, [&](size_t, size_t begin, size_t end) {
@@ -108,6 +119,7 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
     const SnowBehind behind = fronts.behind(f, heights.thickness, frame.open_depth);
     front[fronts.point[f]] = fronts.presence(f, behind, snow_join(fronts.front[f], style, behind));
   });
+  for (size_t p = 0; p < count; ++p) front[p] = std::max(front[p], laid[p]);
   const Borders borders = find_borders(points, samples, heights.thickness, threshold, heights.shown,
                                        up, front, frame.open_depth);
   base::for_each_item(borders.point.size(), 512, [&](size_t b) {
@@ -116,7 +128,11 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
         borders, b, std::max(heights.shown[p], heights.thickness[p]), sink[p],
         looks.point[p].deepest, style.hem_variation * looks.point[p].hem, frame.open_depth);
   });
+  const std::vector<float> rough = heights.shown;
   smooth(samples, heights.shown, kRoundsAfter);
+  // A blanket is smooth, also where its mesh ends below another piece.
+  for (size_t p = 0; p < count; ++p)
+    heights.shown[p] = glm::mix(heights.shown[p], rough[p], laid[p]);
   const auto counted_area = [&](size_t p) {
     return fronts.counted.empty() ? samples.area[p] : samples.area[p] * fronts.counted[p];
   };
@@ -128,8 +144,8 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
         heights.shown[p] +=
             surface_relief(looks.point[p], style, heights.shown[p], frame.open_depth);
       }
-      volumes[block] += glm::dvec2(heights.thickness[p], std::max(heights.shown[p], 0.0f)) *
-                        static_cast<double>(counted_area(p));
+      volumes[block] +=
+          glm::dvec2(samples.area[p] * held[p], counted_area(p) * std::max(heights.shown[p], 0.0f));
     }
   });
   glm::dvec2 volume(0.0);
@@ -146,8 +162,8 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
       // Snow that goes on beyond the rim holds what the map holds.
       const float height = behind.inland * glm::mix(kUpright, front.full, join.joined);
       const float more = height - std::max(heights.shown[p], 0.0f);
-      added[block] +=
-          static_cast<double>(counted_area(p) * fronts.presence(f, behind, join) * more);
+      added[block] += static_cast<double>(counted_area(p) * fronts.presence(f, behind, join) *
+                                          more * (1.0f - heights.blanket[f]));
     }
   });
   for (const double one : added) volume.y += one;
@@ -157,7 +173,9 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
   for_point_blocks(count, [&](size_t, size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
       float& shown = heights.shown[p];
-      if (shown > 0.0f) shown = swept_height(looks.point[p], shown * factor);
+      if (shown <= 0.0f) continue;
+      shown *= factor;
+      shown = glm::mix(swept_height(looks.point[p], shown), shown, laid[p]);
     }
   });
   return heights;

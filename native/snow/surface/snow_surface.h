@@ -83,6 +83,8 @@ struct SurfaceHeightsNow {
   std::vector<float> thickness;
   /// Height of the shown snow; not over 0 at bare points.
   std::vector<float> shown;
+  /// Per front: how far the blanket has its shape, 0 to 1.
+  std::vector<float> blanket;
 };
 /// @param up upward components of the points' normals.
 SurfaceHeightsNow heights_now(const SnowSurface& surface, const shared::SnowStyle& style,

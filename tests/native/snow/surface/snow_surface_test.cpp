@@ -231,6 +231,52 @@ TEST(SnowSurface, AFrontIsAsHighAsItStandsAboveTheSnowBeyond) {
   EXPECT_NEAR(at_the_foot(1.0f), 1.0f + kDepth, 0.04f);
 }
 
+/// Height of the drawn top every centimetre across four boards whose upper sides are 25 cm wide,
+/// and lie `step` above each other and `gap` apart; each reaches below the next one by `under`.
+std::vector<float> top_of_boards(float step, float gap, float under) {
+  std::vector<Box> all;
+  for (int k = 0; k < 4; ++k) {
+    const float x = 0.25f * static_cast<float>(k), z = -step * static_cast<float>(k);
+    all.push_back({{x + 0.5f * gap - under, -0.5f, z - 0.02f}, {x + 0.25f - 0.5f * gap, 0.5f, z}});
+  }
+  const SurfaceSource stair = boxes(all);
+  const std::vector<float> map = on_tops(stair, kDepth);
+  const StyledSurface surface = surface_on(stair, map, {0.0f, 0.0f, 1.0f, 0.0f});
+  const std::vector<glm::vec3> points = surface.points(frame_of(map));
+  const SurfaceFaces& faces = surface.surface.faces;
+  std::vector<std::array<int32_t, 3>> triangles;
+  for (size_t f = 0; f + 1 < faces.begin.size(); ++f) {
+    for (int32_t k = faces.begin[f] + 1; k + 1 < faces.begin[f + 1]; ++k)
+      triangles.push_back({faces.corner[faces.begin[f]], faces.corner[k], faces.corner[k + 1]});
+  }
+  const base::TriangleTree tree(points, triangles, {0, static_cast<int32_t>(triangles.size())});
+  std::vector<float> top;
+  for (float x = 0.3f; x < 0.7f; x += 0.01f) {
+    const auto hit = tree.first_along(0, {x, 0.013, 1.0}, {0.0, 0.0, -1.0}, 1e-5);
+    top.push_back(1.0f - static_cast<float>(hit.distance));
+  }
+  return top;
+}
+
+/// Greatest fall of the top within a centimetre.
+float steepest_fall(const std::vector<float>& top) {
+  float most = 0.0f;
+  for (size_t i = 1; i < top.size(); ++i) most = std::max(most, std::abs(top[i - 1] - top[i]));
+  return most;
+}
+
+TEST(SnowSurface, IsOneBlanketOverStepsMuchLowerThanItsDepth) {
+  EXPECT_LT(steepest_fall(top_of_boards(0.02f, 0.0f, 0.05f)), 0.005f);
+}
+
+TEST(SnowSurface, IsOneBlanketOverNarrowGaps) {
+  EXPECT_LT(steepest_fall(top_of_boards(0.0f, 0.006f, 0.0f)), 0.003f);
+}
+
+TEST(SnowSurface, KeepsStepsThatStandOutOfIt) {
+  EXPECT_GT(steepest_fall(top_of_boards(0.1f, 0.0f, 0.05f)), 0.03f);
+}
+
 TEST(SnowSurface, LeansFurtherOnTheLeeSide) {
   const SurfaceSource board = slab(1.0f, 0.3f);
   const std::vector<float> map = on_tops(board, kDepth);

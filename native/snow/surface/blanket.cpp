@@ -1,0 +1,280 @@
+#include "snow/surface/blanket.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+#include "base/group_by_key.h"
+#include "base/parallel_for.h"
+#include "shaders/lib/snow_surface.h"
+#include "snow/surface/cell_grid.h"
+#include "snow/surface/vectors.h"
+
+namespace snowbough::snow {
+namespace {
+
+using shared::eased;
+
+// Lengths are fractions of the snow depth on open ground unless stated otherwise.
+/// Size of the cells whose points make a node.
+constexpr float kCell = 0.2f;
+/// A plane fits the nodes around it with weights that fall off over the first distance, up to the
+/// second. A member takes the planes of the nodes around it likewise.
+constexpr float kPlane = 0.4f;
+constexpr float kPlaneReach = 0.8f;
+constexpr float kNear = 0.25f;
+constexpr float kNearReach = 0.5f;
+/// Nodes that lie farther from the plane through the receiver than the first distance count less,
+/// those farther than the second not at all.
+constexpr float kOneGround = 0.5f;
+constexpr float kOtherGround = 0.8f;
+/// Least upward component of the normals of points that snow can lie on.
+constexpr float kLeastUp = 0.3f;
+/// Cosines of the angle to the blanket at which a face bears it not at all and fully.
+constexpr float kLeans = 0.6f;
+constexpr float kBears = 0.85f;
+/// Mean height of the snow above the ground, in steps, that leaves a step as it is, and that hides
+/// it.
+constexpr float kBareStep = 0.75f;
+constexpr float kHiddenStep = 1.75f;
+
+/// Greatest distance of a foot outwards from the rim and inwards below it.
+constexpr float kFootOut = 0.45f;
+constexpr float kFootUnder = 0.3f;
+/// Distance from the rim at which the snow is not lower because of the step.
+constexpr float kOffFoot = 0.5f;
+/// Faces need points up to this distance inwards below the rim.
+constexpr float kSeenUnder = 0.06f;
+/// Slope of the snow that goes on below the upper piece.
+constexpr float kTuckedSlope = 0.35f;
+/// Least upward component of the normal of a face at a foot.
+constexpr float kFootCarries = 0.3f;
+
+/// The plane z = x * level.x + y * level.y + z of weighted places, relative to a centre; it is
+/// level in directions in which there are too few.
+struct Fit {
+  glm::mat3 square{0.0f};
+  void add(const glm::vec3& row, float weight) { square += glm::outerProduct(row, row) * weight; }
+  glm::mat3 inverse(float reach) const {
+    // Few nodes in a row give no slope across it.
+    const float least = 0.02f * square[2][2] * reach * reach;
+    glm::mat3 whole = square;
+    whole[0][0] += least;
+    whole[1][1] += least;
+    whole[2][2] += 1e-12f;
+    return glm::inverse(whole);
+  }
+};
+
+float falling(float distance, float over) {
+  return std::exp(-distance * distance / (over * over));
+}
+
+}  // namespace
+
+Blanket::Blanket(const SurfacePoints& points, const std::vector<int32_t>& lying,
+                 const std::vector<float>& area, std::vector<Member> members, float depth)
+    : members_(std::move(members)) {
+  if (members_.empty()) return;
+  const std::vector<glm::vec3>& position = points.mesh.position;
+  // Nodes: the points of a cell, in the order of the cells.
+  struct Placed {
+    glm::ivec3 cell;
+    int32_t point;
+  };
+  std::vector<Placed> placed;
+  for (const int32_t p : lying) {
+    placed.push_back({glm::ivec3(glm::floor(position[p] / (kCell * depth))), p});
+  }
+  const auto key = [](const Placed& one) {
+    return std::array{one.cell.x, one.cell.y, one.cell.z, one.point};
+  };
+  std::sort(placed.begin(), placed.end(),
+            [&](const Placed& a, const Placed& b) { return key(a) < key(b); });
+  share_begin_.push_back(0);
+  for (size_t i = 0; i < placed.size();) {
+    Node node;
+    const size_t first = i;
+    for (; i < placed.size() && placed[i].cell == placed[first].cell; ++i) {
+      const int32_t p = placed[i].point;
+      const float covers = area[p] * points.normal[p].z + 1e-9f * depth * depth;
+      node.centre += position[p] * covers;
+      node.area += covers;
+      shares_.push_back({p, covers / std::max(points.normal[p].z, kLeastUp)});
+    }
+    node.centre /= node.area;
+    for (size_t s = first; s < i; ++s) shares_[s].weight /= node.area;
+    share_begin_.push_back(static_cast<int32_t>(shares_.size()));
+    nodes_.push_back(node);
+  }
+  std::vector<CellGrid::Box> boxes;
+  for (const Node& node : nodes_) boxes.push_back({node.centre, node.centre});
+  const CellGrid grid(boxes, kPlaneReach * depth);
+
+  // Planes through the receiver, and from them the planes through the tops of the snow.
+  const auto around = [&](const glm::vec3& place, float reach, const auto& visit) {
+    grid.visit(place - reach, place + reach, [&](int32_t n) {
+      const float distance = glm::distance(nodes_[n].centre, place);
+      if (distance < reach) visit(n, distance);
+    });
+  };
+  const float reach = kPlaneReach * depth, over = kPlane * depth;
+  base::for_each_item(nodes_.size(), 16, [&](size_t n) {
+    const glm::vec3 centre = nodes_[n].centre;
+    Fit fit;
+    glm::vec3 sum(0.0f);
+    around(centre, reach, [&](int32_t m, float distance) {
+      const glm::vec3 to = nodes_[m].centre - centre;
+      const glm::vec3 row(to.x, to.y, 1.0f);
+      const float weight = nodes_[m].area * falling(distance, over);
+      fit.add(row, weight);
+      sum += row * (weight * to.z);
+    });
+    nodes_[n].ground = fit.inverse(reach) * sum;
+  });
+  std::vector<std::vector<PlanePart>> parts(nodes_.size());
+  base::for_each_item(nodes_.size(), 16, [&](size_t n) {
+    const Node& node = nodes_[n];
+    Fit fit;
+    std::vector<PlanePart>& own = parts[n];
+    around(node.centre, reach, [&](int32_t m, float distance) {
+      const glm::vec3 to = nodes_[m].centre - node.centre;
+      const float off = std::abs(to.z - node.ground.x * to.x - node.ground.y * to.y);
+      const float weight = nodes_[m].area * falling(distance, over) *
+                           eased(off, kOtherGround * depth, kOneGround * depth);
+      if (weight <= 0.0f) return;
+      const glm::vec3 row(to.x, to.y, 1.0f);
+      fit.add(row, weight);
+      own.push_back({m, row * weight});
+    });
+    const glm::mat3 inverse = fit.inverse(reach);
+    for (PlanePart& one : own) one.part = inverse * one.part;
+  });
+  part_begin_.push_back(0);
+  for (const std::vector<PlanePart>& own : parts) {
+    parts_.insert(parts_.end(), own.begin(), own.end());
+    part_begin_.push_back(static_cast<int32_t>(parts_.size()));
+  }
+
+  near_.resize(members_.size());
+  base::for_each_item(members_.size(), 64, [&](size_t i) {
+    const glm::vec3& at = position[members_[i].point];
+    Near& near = near_[i];
+    around(at, kNearReach * depth, [&](int32_t n, float distance) {
+      const Node& node = nodes_[n];
+      const glm::vec3 to = at - node.centre;
+      const float off = std::abs(to.z - node.ground.x * to.x - node.ground.y * to.y);
+      const float weight = node.area * falling(distance, kNear * depth) *
+                           eased(distance, kNearReach * depth, 0.6f * kNearReach * depth) *
+                           eased(off, kOtherGround * depth, kOneGround * depth);
+      const auto least = std::min_element(near.weight.begin(), near.weight.end());
+      if (weight <= *least) return;
+      *least = weight;
+      near.node[static_cast<size_t>(least - near.weight.begin())] = n;
+    });
+    float sum = 0.0f;
+    for (const float weight : near.weight) sum += weight;
+    for (int k = 0; k < kNodes; ++k) {
+      if (sum > 0.0f) near.weight[k] /= sum;
+      const Node& node = nodes_[near.node[k]];
+      const glm::vec3 to = at - node.centre;
+      near.ground += near.weight[k] *
+                     (node.centre.z + node.ground.z + node.ground.x * to.x + node.ground.y * to.y);
+    }
+  });
+}
+
+std::vector<float> Blanket::lay(const SurfacePoints& points, std::vector<float>& goes_on,
+                                std::vector<float>& thickness) const {
+  std::vector<float> shares(thickness.size(), 0.0f);
+  std::vector<float> filled = thickness;
+  for (const Member& member : members_) {
+    if (member.foot <= 0.0f) continue;
+    const float own = thickness[member.point];
+    filled[member.point] = glm::mix(own, std::max(own, member.off.of(thickness)), member.foot);
+  }
+  std::vector<float> top(nodes_.size());
+  base::for_each_item(top.size(), 256, [&](size_t n) {
+    float snow = 0.0f;
+    for (int32_t i = share_begin_[n]; i < share_begin_[n + 1]; ++i) {
+      snow += shares_[i].weight * filled[shares_[i].index];
+    }
+    top[n] = nodes_[n].centre.z + snow;
+  });
+  std::vector<glm::vec3> plane(nodes_.size());
+  base::for_each_item(plane.size(), 64, [&](size_t n) {
+    // Relative to the node's own top, for the sake of precision.
+    glm::vec3 sum(0.0f);
+    for (int32_t i = part_begin_[n]; i < part_begin_[n + 1]; ++i) {
+      sum += parts_[i].part * (top[parts_[i].node] - top[n]);
+    }
+    plane[n] = sum + glm::vec3(0.0f, 0.0f, top[n]);
+  });
+  std::vector<float> of_front(goes_on.size(), 0.0f);
+  base::for_each_item(members_.size(), 256, [&](size_t i) {
+    const Member& member = members_[i];
+    const auto p = static_cast<size_t>(member.point);
+    const glm::vec3& at = points.mesh.position[p];
+    float here = 0.0f, weights = 0.0f;
+    glm::vec3 slope(0.0f, 0.0f, 1.0f);
+    for (int k = 0; k < kNodes; ++k) {
+      const float weight = near_[i].weight[k];
+      if (weight <= 0.0f) continue;
+      const auto n = static_cast<size_t>(near_[i].node[k]);
+      const glm::vec3 to = at - nodes_[n].centre;
+      here += weight * (plane[n].z + plane[n].x * to.x + plane[n].y * to.y);
+      slope -= weight * glm::vec3(plane[n].x, plane[n].y, 0.0f);
+      weights += weight;
+    }
+    if (weights <= 0.0f) return;
+    const float step = std::max(member.step, 1e-4f);
+    const float hides = eased(here - near_[i].ground, kBareStep * step, kHiddenStep * step);
+    const glm::vec3 up = unit(slope);
+    const float along = glm::dot(up, points.normal[p]);
+    const float bears = member.is_far ? 1.0f : eased(along, kLeans, kBears);
+    float share = member.foot * hides * bears;
+    if (member.front >= 0) {
+      of_front[member.front] = goes_on[member.front] * hides * bears;
+      share = std::max(share, of_front[member.front]);
+    }
+    shares[p] = share;
+    if (share <= 0.0f || member.is_far) return;
+    const float thick = std::max((here - at.z) * up.z / along - member.tucked, 0.0f);
+    thickness[p] = glm::mix(thickness[p], thick, share);
+  });
+  goes_on = std::move(of_front);
+  return shares;
+}
+
+bool is_at_foot(const Rims& rims, const glm::vec3& point, const glm::vec3& normal, float depth) {
+  if (normal.z < kFootCarries) return false;
+  const Rims::Step step = rims.step_above(point, normal, kFootOut * depth, depth);
+  return step.height > 0.0f && step.out > -kSeenUnder * depth;
+}
+
+std::vector<Blanket::Member> find_feet(const std::vector<glm::vec3>& position,
+                                       const std::vector<glm::vec3>& normal, const Rims& rims,
+                                       const NearestPoints& lying, float depth) {
+  const std::vector<int32_t>& all = lying.chosen();
+  std::vector<Blanket::Member> found(all.size());
+  base::for_each_item(all.size(), 64, [&](size_t i) {
+    const int32_t p = all[i];
+    const Rims::Step step = rims.step_above(position[p], normal[p], kFootOut * depth, depth);
+    if (step.height <= 0.0f || step.out < -kFootUnder * depth) return;
+    Blanket::Member& foot = found[i];
+    foot.point = p;
+    foot.step = step.height;
+    const glm::vec3 off = step.foot + step.level_out * (kOffFoot * depth);
+    const glm::vec3 place = off - normal[p] * glm::dot(off - position[p], normal[p]);
+    foot.off = lying.at(place, p, kOffFoot * depth, false);
+    foot.tucked = kTuckedSlope * std::max(-step.out, 0.0f);
+    foot.foot = eased(step.out, kFootOut * depth, 0.6f * kFootOut * depth) *
+                eased(step.out, -kFootUnder * depth, -0.5f * kFootUnder * depth);
+  });
+  std::erase_if(found, [](const Blanket::Member& foot) { return foot.foot <= 0.0f; });
+  return found;
+}
+
+}  // namespace snowbough::snow

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "snow/surface/nearest_points.h"
+#include "snow/surface/rims.h"
+#include "snow/surface/surface_points.h"
+
+namespace snowbough::snow {
+
+/// The top of snow that goes on over steps and gaps, such as those between tiles, stones and slats:
+/// one smooth surface over all of them. Its nodes stand for the points of a few centimetres; each
+/// has a plane through the tops of the snow around it.
+class Blanket {
+ public:
+  /// A point near a step or a gap that snow may hide.
+  struct Member {
+    int32_t point = 0;
+    /// The front that holds the point, or -1.
+    int32_t front = -1;
+    /// On the far face of a rim: it has no thickness of its own.
+    bool is_far = false;
+    /// Height of the step in metres.
+    float step = 0.0f;
+    /// At the foot of a step: share of the blanket if the snow hides the step, and by how much the
+    /// point lies below it, further in below the upper piece, in metres.
+    float foot = 0.0f;
+    float tucked = 0.0f;
+    /// Points off the foot: maps have a furrow at it, as their snow is rounded off towards the
+    /// step.
+    PointMean off;
+  };
+
+  Blanket() = default;
+  /// @param lying the points that snow can lie on, open to the sky; `area`: of all points, in m2.
+  Blanket(const SurfacePoints& points, const std::vector<int32_t>& lying,
+          const std::vector<float>& area, std::vector<Member> members, float depth);
+
+  const std::vector<Member>& members() const { return members_; }
+
+  /// Replaces the thickness of the snow at the members by that up to the blanket, as far as the
+  /// snow hides the step.
+  /// @param goes_on per front, 0 to 1: how far its snow joins that beyond the rim; becomes how far
+  ///   the blanket has its shape.
+  /// @return that share of each point.
+  std::vector<float> lay(const SurfacePoints& points, std::vector<float>& goes_on,
+                         std::vector<float>& thickness) const;
+
+ private:
+  static constexpr int kNodes = 6;
+  struct Node {
+    glm::vec3 centre{0.0f};
+    float area = 0.0f;
+    /// Upward slope of the plane through the receiver.
+    glm::vec3 ground{0.0f};
+  };
+  struct Near {
+    std::array<int32_t, kNodes> node{};
+    std::array<float, kNodes> weight{};
+    /// Height of the mean plane through the receiver, in metres.
+    float ground = 0.0f;
+  };
+  struct Share {
+    int32_t index = 0;
+    float weight = 0.0f;
+  };
+  struct PlanePart {
+    int32_t node = 0;
+    /// Parts of a node's height in the value and in both slopes of the plane.
+    glm::vec3 part{0.0f};
+  };
+
+  std::vector<Member> members_;
+  std::vector<Node> nodes_;
+  std::vector<Near> near_;
+  /// The points of each node with their weights, divided by the upward component of the normal.
+  std::vector<int32_t> share_begin_, part_begin_;
+  std::vector<Share> shares_;
+  std::vector<PlanePart> parts_;
+};
+
+/// True if a point with this unit normal lies at the foot of a step.
+bool is_at_foot(const Rims& rims, const glm::vec3& point, const glm::vec3& normal, float depth);
+
+/// The points of `lying` at the feet of steps. `position`, `normal`: of all points.
+std::vector<Blanket::Member> find_feet(const std::vector<glm::vec3>& position,
+                                       const std::vector<glm::vec3>& normal, const Rims& rims,
+                                       const NearestPoints& lying, float depth);
+
+}  // namespace snowbough::snow
