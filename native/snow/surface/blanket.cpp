@@ -182,8 +182,21 @@ Blanket::Blanket(const SurfacePoints& points, const std::vector<int32_t>& lying,
       const glm::vec3 to = at - node.centre;
       near.ground += near.weight[k] *
                      (node.centre.z + node.ground.z + node.ground.x * to.x + node.ground.y * to.y);
+      near.up -= near.weight[k] * glm::vec3(node.ground.x, node.ground.y, 0.0f);
     }
+    near.up = unit(near.up);
   });
+}
+
+void Blanket::set_upright(const std::vector<glm::vec3>& upper,
+                          std::vector<glm::vec3>& normal) const {
+  for (size_t i = 0; i < members_.size(); ++i) {
+    const Member& member = members_[i];
+    const auto p = static_cast<size_t>(member.point);
+    const float bears = eased(glm::dot(upper[p], near_[i].up), kLeans, kBears);
+    const glm::vec3 upright = glm::mix(near_[i].up, upper[p], bears);
+    normal[p] = unit(glm::mix(normal[p], upright, member.foot));
+  }
 }
 
 std::vector<float> Blanket::lay(const SurfacePoints& points, std::vector<float>& goes_on,

@@ -39,7 +39,10 @@ class Blanket {
   Blanket(const SurfacePoints& points, const std::vector<int32_t>& lying,
           const std::vector<float>& area, std::vector<Member> members, float depth);
 
-  const std::vector<Member>& members() const { return members_; }
+  /// Turns the normals of points at feet upright that lean away from the ground around them, as on
+  /// bevels and at the ends of pieces that lie below others: a blanket would be drawn beside them.
+  /// @param upper  normals of the most level faces at the points.
+  void set_upright(const std::vector<glm::vec3>& upper, std::vector<glm::vec3>& normal) const;
 
   /// Replaces the thickness of the snow at the members by that up to the blanket, as far as the
   /// snow hides the step.
@@ -60,8 +63,9 @@ class Blanket {
   struct Near {
     std::array<int32_t, kNodes> node{};
     std::array<float, kNodes> weight{};
-    /// Height of the mean plane through the receiver, in metres.
+    /// Height of the mean plane through the receiver, in metres, and its unit normal.
     float ground = 0.0f;
+    glm::vec3 up{0.0f, 0.0f, 1.0f};
   };
   struct Share {
     int32_t index = 0;

@@ -325,9 +325,6 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
   fronts.counted.assign(points.count(), 1.0f);
   for (const Blanket::Member& foot : members) {
     if (foot.tucked > 0.0f) fronts.counted[foot.point] = 0.0f;
-    // The mean normal leans away from the end of a piece that lies below another.
-    glm::vec3& normal = points.normal[foot.point];
-    normal = unit(glm::mix(normal, upper[foot.point], foot.foot));
   }
   std::vector<int32_t> foot_of(points.count(), -1);
   for (size_t i = 0; i < members.size(); ++i) foot_of[members[i].point] = static_cast<int32_t>(i);
@@ -356,6 +353,7 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
   std::vector<int32_t> open = lying.chosen();
   std::erase_if(open, [&](int32_t p) { return sheltered[p] != 0; });
   fronts.blanket = Blanket(points, open, area, std::move(members), depth);
+  fronts.blanket.set_upright(upper, points.normal);
   fronts.room.resize(fronts.front.size());
   for (size_t f = 0; f < fronts.front.size(); ++f) fronts.room[f] = zone[fronts.point[f]].room;
   return fronts;

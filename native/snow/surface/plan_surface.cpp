@@ -183,8 +183,8 @@ SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& 
   zones.find(points.mesh, zone);
   surface.samples = samples_of(points.mesh, source, smoothing, dented, depth);
   find_normals(points, surface.samples, kCrease * depth);
-  surface.fronts =
-      find_fronts(points, surface.samples.area, zone, rims, receiver, tree, Beyond(neighbours), plan.wind, shift, depth);
+  surface.fronts = find_fronts(points, surface.samples.area, zone, rims, receiver, tree,
+                               Beyond(neighbours), plan.wind, shift, depth);
   // Cushions join the snow of needles.
   if (needles) surface.fronts.blanket = {};
   surface.looks = point_looks(points, surface.samples, zone, tree, shift, depth);
