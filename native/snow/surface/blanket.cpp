@@ -204,9 +204,10 @@ std::vector<float> Blanket::lay(const SurfacePoints& points, std::vector<float>&
   std::vector<float> shares(thickness.size(), 0.0f);
   std::vector<float> filled = thickness;
   for (const Member& member : members_) {
-    if (member.foot <= 0.0f) continue;
+    if (member.filled <= 0.0f) continue;
+    const float share = member.foot > 0.0f ? member.filled : member.filled * goes_on[member.front];
     const float own = thickness[member.point];
-    filled[member.point] = glm::mix(own, std::max(own, member.off.of(thickness)), member.foot);
+    filled[member.point] = glm::mix(own, std::max(own, member.off.of(thickness)), share);
   }
   std::vector<float> top(nodes_.size());
   base::for_each_item(top.size(), 256, [&](size_t n) {
@@ -261,6 +262,10 @@ std::vector<float> Blanket::lay(const SurfacePoints& points, std::vector<float>&
   return shares;
 }
 
+float filled_behind(float distance, float depth) {
+  return eased(distance, kFootOut * depth, 0.6f * kFootOut * depth);
+}
+
 bool is_at_foot(const Rims& rims, const glm::vec3& point, const glm::vec3& normal, float depth) {
   if (normal.z < kFootCarries) return false;
   const Rims::Step step = rims.step_above(point, normal, kFootOut * depth, depth);
@@ -283,9 +288,10 @@ std::vector<Blanket::Member> find_feet(const std::vector<glm::vec3>& position,
     const glm::vec3 place = off - normal[p] * glm::dot(off - position[p], normal[p]);
     foot.off = lying.at(place, p, kOffFoot * depth, false);
     foot.tucked = kTuckedSlope * std::max(-step.out, 0.0f);
-    foot.foot = eased(step.out, kFootOut * depth, 0.6f * kFootOut * depth) *
+    foot.foot = filled_behind(step.out, depth) *
                 eased(step.out, -kFootUnder * depth, -0.5f * kFootUnder * depth);
   });
+  for (Blanket::Member& foot : found) foot.filled = foot.foot;
   std::erase_if(found, [](const Blanket::Member& foot) { return foot.foot <= 0.0f; });
   return found;
 }

@@ -29,9 +29,10 @@ class Blanket {
     /// point lies below it, further in below the upper piece, in metres.
     float foot = 0.0f;
     float tucked = 0.0f;
-    /// Points off the foot: maps have a furrow at it, as their snow is rounded off towards the
-    /// step.
+    /// Points off the foot or behind the rim, and the share of the thickness there in the blanket:
+    /// maps have a furrow at a step, as their snow is rounded off towards it.
     PointMean off;
+    float filled = 0.0f;
   };
 
   Blanket() = default;
@@ -86,6 +87,8 @@ class Blanket {
   std::vector<PlanePart> parts_;
 };
 
+/// Share of the thickness behind a rim at a distance from it.
+float filled_behind(float distance, float depth);
 /// True if a point with this unit normal lies at the foot of a step.
 bool is_at_foot(const Rims& rims, const glm::vec3& point, const glm::vec3& normal, float depth);
 

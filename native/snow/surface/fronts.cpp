@@ -340,6 +340,10 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
     }
     members[at].front = static_cast<int32_t>(f);
     members[at].is_far = front.distance < 0.0f;
+    if (members[at].foot <= 0.0f && !members[at].is_far) {
+      members[at].off = fronts.inland[f];
+      members[at].filled = filled_behind(front.distance, depth);
+    }
     if (fall.other < 0.0f) members[at].step = std::max(members[at].step, fall.drop * fall.weight);
   }
   fronts.edge.resize(fronts.count());
