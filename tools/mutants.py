@@ -59,7 +59,7 @@ THAW = module_tests("melt")
 SHEDDING = module_tests("shedding")
 TURNS = Linked("snowbough_map_tests", ("--gtest_filter=RigidTurn*",))
 COARSE = Linked("snowbough_map_tests", ("--gtest_filter=CoarseMap*",))
-SURFACE = Linked("snowbough_surface_tests", ("--gtest_filter=SnowSurface.*-*Blades*:*Twice*",))
+SURFACE = Linked("snowbough_surface_tests", ("--gtest_filter=Fronts.*:SnowSurface.*-*Blades*:*Twice*",))
 SURFACE_PARTS = Linked("snowbough_surface_tests", ("--gtest_filter=FaceParts*:PointTree*",))
 KEPT = Linked("snowbough_tree_uv_tests", ("--gtest_filter=Kept*",))
 COVERAGE = Linked(

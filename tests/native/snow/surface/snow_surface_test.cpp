@@ -123,6 +123,25 @@ TEST(SnowSurface, HangsOverARimThatHasSnow) {
   EXPECT_LT(most(points, 2, -1.0f), -0.01f * kDepth);
 }
 
+TEST(SnowSurface, HangsOverARimWhereTheFloorBehindIsBareBelowABoard) {
+  // A strip with snow in front, and a bare board 5 cm above the bare rest.
+  constexpr float kFront = -0.5f, kBoard = -0.45f, kBack = 0.5f;
+  const SurfaceSource floor = quads({{kFront, -1, 0},
+                                     {kBoard, -1, 0},
+                                     {kBoard, 1, 0},
+                                     {kFront, 1, 0},
+                                     {kBack, -1, 0},
+                                     {kBack, 1, 0},
+                                     {kBoard, -1, 0.05f},
+                                     {kBack, -1, 0.05f},
+                                     {kBack, 1, 0.05f},
+                                     {kBoard, 1, 0.05f}},
+                                    {{0, 1, 2, 3}, {1, 4, 5, 2}, {6, 7, 8, 9}});
+  const std::vector<float> map = map_of(floor, {kDepth});
+  const std::vector<glm::vec3> points = surface_on(floor, map).points(frame_of(map));
+  EXPECT_LT(most(points, 0, -1.0f), kFront - 0.15f * kDepth);
+}
+
 /// m3 between the faces and the plane z = 0.
 float volume_of(const StyledSurface& surface, const std::vector<glm::vec3>& points) {
   double volume = 0.0;
