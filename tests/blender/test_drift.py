@@ -72,6 +72,42 @@ def test_a_drift_that_was_stopped_goes_on_to_the_same_bytes(addon, tmp_path):
     assert s.files_of(tmp_path / "parts") == whole
 
 
+def test_the_live_preview_shows_drifts(addon):
+    scene("//", (1, 4))
+    live, shown = addon("preview.live"), bpy.context.scene
+    shown.frame_set(1)
+    live.start(shown, bpy.context.evaluated_depsgraph_get(), draws=False)
+    try:
+        preview = addon("base.session").preview
+
+        def depths():
+            (key,) = preview.simulated.maps
+            return columns(preview.heights(key))
+
+        first = depths()
+        for frame in (2, 3, 4):
+            shown.frame_set(frame)
+        last = depths()
+        half = len(last) // 2
+        assert last[half + 4 : -4].max() > first[half + 4 : -4].max() + 0.01 > 0.115
+        assert last[4 : half // 2].max() < 0.1001
+        shown.frame_set(1)
+        assert (depths() == first).all()
+    finally:
+        live.stop()
+
+
+def test_check_scene_says_what_the_wind_passes(addon, tmp_path):
+    wall, own = scene(tmp_path)
+    assert "The wind passes" not in s.issues(addon, "INFO")
+    wall.snowbough.blocks_wind = False
+    assert "The wind passes 'Wall': Blocks Wind is off" in s.issues(addon, "INFO")
+    s.square("Leaf", 0.1, z=0.5).snowbough.blocks_wind = False
+    assert "and 1 other object: Blocks Wind is off" in s.issues(addon, "INFO")
+    own.drift = 0.0
+    assert "The wind passes" not in s.issues(addon, "INFO")
+
+
 def test_blocks_wind_says_nothing_without_drifts(addon):
     press_of = addon("settings.pressing").press_of
     own = s.square("Tree").snowbough

@@ -82,6 +82,7 @@ def of_bake(scene, depsgraph):
             if size:
                 sizes.append(memory.MapSize(size, _triangle_count(entry.object, depsgraph)))
     issues += [*_amounts(scene, sizes), *_alpha(depsgraph), *_outliers(scene, depsgraph), *_layers(shown)]
+    issues += _passed_by_wind(scene, depsgraph)
     return issues + [Issue(*issue) for issue in physics_caches.issues(scene)]
 
 
@@ -109,6 +110,19 @@ def _outliers(scene, depsgraph):
                 f"(the first is number {lost.argmax()}). They and their faces are left out: move or delete them"
             )
             yield Issue("WARNING", text, obj.name)
+
+
+def _passed_by_wind(scene, depsgraph):
+    """What makes no drifts, as imported trees: one might expect them."""
+    if scene.snowbough.drift == 0.0:
+        return
+    names = {obj.name: None for obj, _ in _shown_meshes(depsgraph) if not obj.original.snowbough.blocks_wind}
+    if names:
+        more = f" and {counted(len(names) - 1, 'other object')}" if len(names) > 1 else ""
+        text = (
+            f"The wind passes '{next(iter(names))}'{more}: Blocks Wind is off, so that no drifts form behind"
+        )
+        yield Issue("INFO", text, next(iter(names)))
 
 
 def _alpha(depsgraph):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import snowbough_native as native
 from checkpoints import restore, save
-from snow_meshes import STAYS, grid, rotated, sphere, wind
+from snow_meshes import STAYS, box, grid, rotated, sphere, wind
 
 STEPS, STEP_DEPTH = 6, 0.01
 
@@ -102,6 +102,29 @@ def test_engines_agree_on_what_slides_off_and_lands():
         assert sums[0]["total"][name] == pytest.approx(sums[1]["total"][name], rel=1e-5), name
     for name in ("left_volume", "floor_volume", "air_volume"):
         assert sums[0][name] == pytest.approx(sums[1][name], rel=1e-5, abs=1e-9), name
+
+
+def test_engines_agree_on_drifts():
+    """A wall in the wind. The drift is 10,000 times as deep as the largest difference."""
+    ground = grid(6.0, 6.0)
+    wall = box()
+    wall = wall[0] * np.float32([0.1, 5.0, 0.6]), *wall[1:]
+    maps, sums = [], []
+    for engine in ("CPU", "GL"):
+        with native.SnowSimulation(
+            pixel_size=0.02, repose=math.radians(65.0), drift=0.4, flutter=0.0, engine=engine
+        ) as sim:
+            sim.add_object("ground", *ground[1:], resolution=128)
+            sim.add_object("wall", *wall[1:], receive=False)
+            for step in range(16):
+                poses = {"ground": ground[0], "wall": wall[0]} if step == 0 else {}
+                sim.step(poses, 0.02 if step < 5 else 0.0, dt=1.0 / 24.0, wind=(1.0, 0.0))
+            maps.append(sim.height("ground"))
+            sums.append(sim.statistics()["total"])
+    cpu, gl = maps
+    assert cpu[64, 70:].max() > 1.2 * cpu[64, 8:32].mean() > 0.09
+    assert abs(cpu - gl).max() < 1e-4 * cpu.max()
+    assert sums[0]["drifted_volume"] == pytest.approx(sums[1]["drifted_volume"], rel=1e-4)
 
 
 def test_the_engine_tells_its_name_driver_and_reason():
