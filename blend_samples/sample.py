@@ -46,6 +46,26 @@ def finish(material, smooth=True, subdivisions=0):
     return made
 
 
+def block(name, material, place, size):
+    """A box with sharp edges."""
+    bpy.ops.mesh.primitive_cube_add(size=1.0)
+    bpy.context.view_layer.objects.active.scale = size
+    bpy.ops.object.transform_apply(location=False, rotation=False, scale=True)
+    made = finish(material, smooth=False)
+    made.name, made.location = name, place
+    return made
+
+
+def board(name, material, size, place, cells=32):
+    """A level square with a UV map for snow."""
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=cells, y_subdivisions=cells, size=size, location=place)
+    made = bpy.context.view_layer.objects.active
+    made.name = name
+    made.data.uv_layers.active.name = "snow"
+    made.data.materials.append(material)
+    return made
+
+
 def turn(target, axis, degrees, frames):
     """Turns an object about an axis (0, 1, 2) between two frames."""
     for frame, angle in zip(frames, (0.0, math.radians(degrees))):

@@ -8,14 +8,6 @@ FRAMES = 40
 FIELD, TOP = 14.0, 0.4
 
 
-def block(name, material, place, size):
-    bpy.ops.mesh.primitive_cube_add(size=1.0)
-    made = sample.finish(material, smooth=False)
-    made.name, made.location, made.scale = name, place, size
-    bpy.ops.object.transform_apply(location=False, rotation=False, scale=True)
-    return made
-
-
 def roof(material, place, size, rise):
     """A gable roof whose ridge runs along Y."""
     x, y = 0.5 * size[0], 0.5 * size[1]
@@ -36,22 +28,17 @@ def roof(material, place, size, rise):
 def build():
     wood = sample.painted("wood", (0.16, 0.085, 0.035), mottle=0.3, scale=12.0)
     tar = sample.painted("tar", (0.035, 0.033, 0.032), mottle=0.3, scale=7.0)
-    bpy.ops.mesh.primitive_grid_add(
-        x_subdivisions=32, y_subdivisions=32, size=FIELD, location=(0.0, 0.0, TOP)
-    )
-    field = bpy.context.view_layer.objects.active
-    field.name = "field"
-    field.data.uv_layers.active.name = "snow"
-    field.data.materials.append(sample.painted("meadow", (0.07, 0.075, 0.03), mottle=0.4, scale=4.0))
+    meadow = sample.painted("meadow", (0.07, 0.075, 0.03), mottle=0.4, scale=4.0)
+    field = sample.board("field", meadow, FIELD, (0.0, 0.0, TOP))
     fence = [
-        block(f"board {row}", wood, (-1.2, -1.4, TOP + 0.12 + 0.21 * row), (0.05, 4.4, 0.2))
+        sample.block(f"board {row}", wood, (-1.2, -1.4, TOP + 0.12 + 0.21 * row), (0.05, 4.4, 0.2))
         for row in range(4)
     ]
     posts = [
-        block(f"post {post}", wood, (-1.26, -3.5 + 1.4 * post, TOP + 0.5), (0.08, 0.08, 1.0))
+        sample.block(f"post {post}", wood, (-1.26, -3.5 + 1.4 * post, TOP + 0.5), (0.08, 0.08, 1.0))
         for post in range(4)
     ]
-    hut = block("hut", wood, (-0.6, 3.2, TOP + 0.6), (1.8, 1.6, 1.2))
+    hut = sample.block("hut", wood, (-0.6, 3.2, TOP + 0.6), (1.8, 1.6, 1.2))
     return [field, roof(tar, (-0.6, 3.2, TOP + 1.2), (2.2, 2.0), 0.7), hut, *fence, *posts]
 
 

@@ -10,19 +10,9 @@ TOP = 0.4
 HOLES = ((-0.5, 0.0, 0.20), (0.36, -0.25, 0.16), (0.1, 0.62, 0.13))
 
 
-def board(material):
-    bpy.ops.mesh.primitive_grid_add(x_subdivisions=16, y_subdivisions=16, size=2.6, location=(0.0, 0.1, TOP))
-    made = bpy.context.view_layer.objects.active
-    made.name = "board"
-    made.data.uv_layers.active.name = "snow"
-    made.data.materials.append(material)
-    return made
-
-
 def crate(material):
-    bpy.ops.mesh.primitive_cube_add(size=0.36)
-    made = sample.finish(material, smooth=False)
-    made.name, made.location, made.rotation_euler[2] = "crate", (0.85, 0.42, TOP + 0.18), 0.4
+    made = sample.block("crate", material, (0.85, 0.42, TOP + 0.18), (0.36, 0.36, 0.36))
+    made.rotation_euler[2] = 0.4
     return made
 
 
@@ -50,7 +40,7 @@ def build():
     lid()
     wood = sample.painted("wood", (0.16, 0.085, 0.035), mottle=0.3, scale=10.0)
     paint = sample.painted("blue paint", (0.03, 0.09, 0.16), roughness=0.5)
-    return [board(wood), crate(paint)]
+    return [sample.board("board", wood, 2.6, (0.0, 0.1, TOP), 16), crate(paint)]
 
 
 def sand(settings):

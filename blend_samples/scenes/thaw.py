@@ -8,27 +8,15 @@ FRAMES = 40
 YARD, TOP = 4.0, 0.4
 
 
-def block(name, material, place, size):
-    bpy.ops.mesh.primitive_cube_add(size=1.0)
-    made = sample.finish(material, smooth=False)
-    made.name, made.location, made.scale = name, place, size
-    bpy.ops.object.transform_apply(location=False, rotation=False, scale=True)
-    return made
-
-
 def build():
     stone = sample.painted("stone", (0.22, 0.20, 0.175), mottle=0.35, scale=5.0)
     brick = sample.painted("brick", (0.26, 0.085, 0.05), mottle=0.3, scale=9.0)
     wood = sample.painted("wood", (0.20, 0.11, 0.045), mottle=0.3, scale=12.0)
-    bpy.ops.mesh.primitive_grid_add(x_subdivisions=32, y_subdivisions=32, size=YARD, location=(0.0, 0.0, TOP))
-    yard = bpy.context.view_layer.objects.active
-    yard.name = "yard"
-    yard.data.uv_layers.active.name = "snow"
-    yard.data.materials.append(stone)
-    slab = block("slab", stone, (0.0, 0.0, 0.5 * TOP - 0.255), (YARD, YARD, TOP + 0.5))
+    yard = sample.board("yard", stone, YARD, (0.0, 0.0, TOP))
+    slab = sample.block("slab", stone, (0.0, 0.0, 0.5 * TOP - 0.255), (YARD, YARD, TOP + 0.5))
     slab.snowbough.occlude = False
-    wall = block("wall", brick, (-0.55, 0.55, TOP + 0.3), (0.2, 1.9, 0.6))
-    crate = block("crate", wood, (0.75, -0.35, TOP + 0.22), (0.44, 0.44, 0.44))
+    wall = sample.block("wall", brick, (-0.55, 0.55, TOP + 0.3), (0.2, 1.9, 0.6))
+    crate = sample.block("crate", wood, (0.75, -0.35, TOP + 0.22), (0.44, 0.44, 0.44))
     crate.rotation_euler[2] = 0.5
     return [yard, wall, crate]
 

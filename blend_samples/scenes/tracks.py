@@ -36,9 +36,7 @@ def active(name, material):
 
 
 def yard(material):
-    bpy.ops.mesh.primitive_grid_add(x_subdivisions=48, y_subdivisions=48, size=YARD, location=(0.0, 0.0, TOP))
-    made = active("yard", material)
-    made.data.uv_layers.active.name = "snow"
+    made = sample.board("yard", material, YARD, (0.0, 0.0, TOP), 48)
     group = made.vertex_groups.new(name="heated")
     for vertex in made.data.vertices:
         weight = 1.0 - min(1.0, max(0.0, (abs(vertex.co.x - 1.35) - 0.12) / 0.1))

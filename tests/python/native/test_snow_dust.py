@@ -6,6 +6,8 @@ import math
 import numpy as np
 import pytest
 import snowbough_native as native
+from checkpoints import restore, save
+from child import in_child
 from snow_fall import new_simulation
 from snow_meshes import box, grid
 from snow_rays import texel_points
@@ -70,3 +72,42 @@ def test_undersides_get_what_rises():
 def test_nothing_rises_from_still_air():
     with pytest.raises(ValueError, match="^rising must be 0 to 1"):
         native.SnowSimulation(rising=1.5)
+
+
+def test_dust_goes_on_from_a_checkpoint_to_the_bit(tmp_path):
+    positions, triangles, uv = box()
+
+    def dusty(steps):
+        sim = new_simulation(
+            pixel_size=0.02,
+            repose=math.pi / 2,
+            flutter=math.pi / 2,
+            adhesion=0.3,
+            rising=0.1,
+            max_depth=0.004,
+        )
+        sim.add_object("thing", triangles, uv, resolution=128)
+        for step in range(steps):
+            sim.step({"thing": positions} if step == 0 else {}, 0.0005)
+        return sim
+
+    with dusty(6) as whole, dusty(1) as later:
+        save(whole, tmp_path / "state")
+        restore(later, tmp_path / "state")
+        for sim in (whole, later):
+            for _ in range(6):
+                sim.step({}, 0.0005)
+        assert whole.height("thing").max() > 0.003
+        assert later.height("thing").tobytes() == whole.height("thing").tobytes()
+
+
+def test_the_number_of_threads_changes_no_byte():
+    program = """
+import os
+if {single}:
+    os.sched_setaffinity(0, {{min(os.sched_getaffinity(0))}})
+from snow_meshes import box
+from test_snow_dust import mean_by_side
+print(mean_by_side(box(), adhesion=0.3, rising=0.1))
+"""
+    assert in_child(program.format(single=True)) == in_child(program.format(single=False))

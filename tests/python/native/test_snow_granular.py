@@ -6,6 +6,8 @@ import math
 import numpy as np
 import pytest
 import snowbough_native as native
+from checkpoints import restore, save
+from child import in_child
 from snow_meshes import grid
 from snow_rays import texel_points
 
@@ -100,6 +102,30 @@ def test_sand_makes_a_round_cone_at_its_angle_of_repose(layout, resolution):
     assert np.abs(slopes - ANGLE).max() < 1.0
     assert radii.max() / radii.min() < 1.03
     assert total["held_volume"] == pytest.approx(total["deposited_volume"], rel=1e-6)
+
+
+def test_a_heap_of_sand_goes_on_from_a_checkpoint_to_the_bit(tmp_path):
+    with poured(straight, True, 128, steps=6, rest=0) as whole:
+        save(whole, tmp_path / "state")
+        with poured(straight, True, 128, steps=1, rest=0) as later:
+            restore(later, tmp_path / "state")
+            for sim in (whole, later):
+                for _ in range(4):
+                    sim.step({}, 0.06)
+            assert later.height("ground").tobytes() == whole.height("ground").tobytes()
+            assert later.statistics()["total"] == whole.statistics()["total"]
+
+
+def test_the_number_of_threads_changes_no_byte():
+    program = """
+import hashlib, os
+if {single}:
+    os.sched_setaffinity(0, {{min(os.sched_getaffinity(0))}})
+from test_snow_granular import poured, straight
+with poured(straight, True, 512, steps=6, rest=0) as sim:
+    print(hashlib.sha256(sim.height("ground").tobytes()).hexdigest())
+"""
+    assert in_child(program.format(single=True)) == in_child(program.format(single=False))
 
 
 def test_links_in_eight_directions_alone_make_a_pyramid():

@@ -175,6 +175,26 @@ def test_packed_snow_carries():
     assert world.at(0.0, 0.0) == pytest.approx(0.25 * DEPTH, abs=1e-3)
 
 
+def test_nine_boot_prints_have_clean_walls_and_even_floors():
+    sole = block(0.11, 0.3)[0] * np.float32([2.6, 1.0, 1.0]), block(0.11, 0.3)[1]
+    world = World(3.2, 768)
+    world.add("tool", sole, pushed_aside=0.2)
+    places = [(-1.24 + 0.31 * step, 0.13 if step % 2 else -0.13) for step in range(9)]
+    poses = [
+        sole[0] + np.float32([x, y, z]) for x, y in places for z in (0.5, 0.22, 0.155, 0.22, 0.5)
+    ]  # the sole's lowest point is 15 cm lower
+    world.press(poses)
+    world.balance()
+    for x, y in places:
+        floor = [world.at(x + dx, y + dy) for dx in (-0.1, 0.0, 0.1) for dy in (-0.035, 0.0, 0.035)]
+        assert max(floor) - min(floor) < 1e-3
+        assert floor[4] < 0.3 * DEPTH
+        for dx, dy in ((0.0, 1.0), (0.0, -1.0), (2.6, 0.0), (-2.6, 0.0)):
+            inside, outside = (world.at(x + share * dx, y + share * dy) for share in (0.05, 0.065))
+            # Within 1.5 cm across the wall, 4 cm along.
+            assert outside - inside > 0.09
+
+
 def test_prints_keep_their_walls_and_new_snow_rounds_them():
     mesh = block(0.2, 0.3)
     world = World()
