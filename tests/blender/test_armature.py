@@ -2,9 +2,17 @@
 """The armature: names, hierarchy, bone budget, weights and what they deform."""
 
 import math
+import sys
 
+import bpy
 import numpy as np
+import pytest
+from conftest import ROOT
+from exported_tree import PLAIN, assert_follows, assert_weighted, export, import_tree
 from synthetic_tree import build_synthetic, evaluated_vertices, synthetic_bones
+
+sys.path.insert(0, str(ROOT / "tests" / "support"))
+import tube_tree  # noqa: E402
 
 
 def _weights(obj):
@@ -44,6 +52,69 @@ def test_only_segments_that_continue_their_branch_are_connected(addon):
     assert rig.data.bones["trunk1.1"].use_connect
     assert rig.data.bones["branch1.2"].use_connect
     assert not rig.data.bones["branch1.0"].use_connect
+
+
+@pytest.fixture
+def stems(tmp_path):
+    """The file of two stems."""
+    path = tmp_path / "stems.obj"
+    limbs = [((x, 0, 0), (0.1 * x, 0, 1), 5.0, 0.2) for x in (0, 1)]
+    path.write_text(tube_tree.obj_text(limbs, groups=("trunk1", "trunk2")))
+    return path
+
+
+@pytest.mark.parametrize("keep_surface", [False, True])
+def test_stems_hang_from_one_root_bone(addon, stems, keep_surface):
+    rig, bark = import_tree(stems, keep_surface=keep_surface)
+    bones = rig.data.bones
+    assert [bone.name for bone in bones if bone.parent is None] == ["root"]
+    assert len(bones["root"].children) == 2
+    assert_weighted(bark)
+    assert keep_surface or not _weights(bark)["root"]
+    assert_follows(bark, rig)
+
+
+@pytest.mark.parametrize("suffix", ["glb", "usda"])
+def test_files_have_the_root_bone_as_the_only_root_joint(addon, tmp_path, stems, suffix):
+    path = tmp_path / f"stems.{suffix}"
+    import_tree(stems)
+    if suffix == "glb":
+        file = export(path).json
+        joints = file["skins"][0]["joints"]
+        below = {child for joint in joints for child in file["nodes"][joint].get("children", ())}
+        roots = [file["nodes"][joint]["name"] for joint in joints if joint not in below]
+    else:
+        usd = pytest.importorskip("pxr.Usd")
+        assert bpy.ops.export_scene.snowbough_tree(filepath=str(path), **PLAIN) == {"FINISHED"}
+        joints = usd.Stage.Open(str(path)).GetPrimAtPath("/stems/Skin/Skeleton").GetAttribute("joints").Get()
+        roots = [joint for joint in joints if "/" not in joint]
+    assert roots == ["root"]
+
+
+def test_stems_sway_about_a_root_bone_that_hardly_moves(addon, stems):
+    rig, bark = import_tree(stems)
+    rest = evaluated_vertices(bark)
+    bpy.context.view_layer.objects.active = rig
+    assert bpy.ops.snowbough.add_sway(loop_frames=48, seed=3) == {"FINISHED"}
+    moved = np.zeros(len(rest))
+    for frame in range(1, 49, 6):
+        bpy.context.scene.frame_set(frame)
+        moved = np.maximum(moved, np.linalg.norm(evaluated_vertices(bark) - rest, axis=1))
+    assert moved[rest[:, 2] < 0.01].max() < 0.05 * moved.max()
+    for side in (rest[:, 0] < 0.5, rest[:, 0] > 0.5):
+        assert moved[side].max() > 0.05
+
+
+def test_an_older_rig_with_a_root_bone_each_keeps_its_bones(addon, stems):
+    rig, _bark = import_tree(stems)
+    kept_skeleton, texts = addon("tree.kept_skeleton"), addon("tree.skeleton_text")
+    branches, built = texts.from_text(rig.data.snowbough_skeleton)
+    assert built.pop("root_bone")
+    now = kept_skeleton.base_arrays(rig.data)
+    rig.data.snowbough_skeleton = texts.to_text(branches, built)
+    old = kept_skeleton.base_arrays(rig.data)
+    # The vertices' bones by number, as the older armature has them.
+    assert old["bone_indices"].max() == now["bone_indices"].max() - 1
 
 
 def test_bones_are_grouped_by_branch_level(addon):

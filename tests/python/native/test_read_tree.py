@@ -242,7 +242,8 @@ def test_progress_cancels(small):
         native.read_tree(small, progress=lambda share: False)
 
 
-def test_a_welded_tree_can_be_cancelled_while_it_is_traced(tmp_path):
+def welded_lines():
+    """OBJ lines of a trunk and two limbs in one closed surface."""
     limbs = [
         ("trunk", -1, (0, 0, 0), (0, 0, 8), 0.4),
         ("left", 0, (0, 0, 3), (-4, 0.5, 6), 0.2),
@@ -257,10 +258,13 @@ def test_a_welded_tree_can_be_cancelled_while_it_is_traced(tmp_path):
         ]
     )  # fmt: skip
     mesh = native.build_tree_mesh(grown, detail="GAME")
-    path = tmp_path / "welded.obj"
     lines = ["v %.6f %.6f %.6f" % tuple(p) for p in mesh.vertices]
-    lines += ["f " + " ".join(str(v + 1) for v in quad) for quad in mesh.quads]
-    path.write_text("\n".join(lines) + "\n")
+    return lines + ["f " + " ".join(str(v + 1) for v in quad) for quad in mesh.quads]
+
+
+def test_a_welded_tree_can_be_cancelled_while_it_is_traced(tmp_path):
+    path = tmp_path / "welded.obj"
+    path.write_text("\n".join(welded_lines()) + "\n")
     shares = []
     assert native.read_tree(path, up_axis="Z", progress=shares.append).report["form"] == "WELDED"
     assert shares == sorted(shares)
@@ -464,6 +468,17 @@ def test_curved_leaves_without_names_are_no_limbs(tmp_path):
     path.write_text("\n".join([text.replace("usemtl bark", ""), *curved_leaves(300), ""]))
     skeleton = native.read_tree(path)
     assert len(skeleton.branches) == 4 and len(skeleton.foliage.leaf_branch) == 300
+
+
+@pytest.mark.parametrize("leaves", [20, 3000])
+def test_the_largest_piece_at_the_ground_is_never_foliage(tmp_path, leaves):
+    # A forking surface without names, below few and below many leaves.
+    wood, path = welded_lines(), tmp_path / "nameless.obj"
+    path.write_text("\n".join([*wood, *curved_leaves(leaves), ""]))
+    skeleton = native.read_tree(path, up_axis="Z")
+    assert len(skeleton.branches) == 3
+    assert len(skeleton.foliage.vertices) == 12 * leaves
+    assert len(skeleton.foliage.leaf_branch) == leaves
 
 
 def tubes_without_shared_vertices():
