@@ -11,6 +11,8 @@ import bpy
 import child
 import pytest
 
+import addon_utils  # isort: skip: bpy brings it
+
 # Run in a Blender of its own with a copy of the add-on, whose files it changes.
 PROGRAM = """
 import json
@@ -136,3 +138,15 @@ def test_the_add_on_may_be_switched_off_in_the_middle_of_a_bake(addon, tmp_path,
     assert "the script goes on" in done.stdout
     assert list(tmp_path.glob("cache/*/v001/*/height_0003.exr"))
     assert not list(tmp_path.glob("cache/*/v001/*/height_0008.exr"))
+
+
+def test_blender_finds_nothing_that_extensions_may_not_do(addon):
+    """What its list of add-ons shows as violations of its policies, from 4.2 on."""
+    if not hasattr(addon_utils, "_extensions_warnings_get"):
+        pytest.skip("this Blender has no policies")
+    native = addon("base.native").load()
+    addon_utils._extensions_warnings_get._is_first = True
+    found = addon_utils._extensions_warnings_get().get(os.environ["SNOWBOUGH_TEST_ADDON"], [])
+    if Path(native.__file__).parent.name == "lib":  # the package of a checkout has no wheel
+        found.remove("Policy violation with top level module: snowbough_native")
+    assert found == []

@@ -5,7 +5,6 @@ A small receiver uses only one core, because most of its work cannot be parallel
 """
 
 import os
-import threading
 from concurrent.futures import ThreadPoolExecutor, wait
 
 # Maximum number of threads. Each has the maps of one receiver in memory.
@@ -21,20 +20,21 @@ def run_side_by_side(jobs, progress):
     started are skipped.
     """
     shares = [0.0] * len(jobs)
-    stop = threading.Event()
+    stopped = False
 
     def run(index):
-        if stop.is_set():
+        nonlocal stopped
+        if stopped:
             return False
 
         def own_progress(share):
             shares[index] = share
-            return not stop.is_set()
+            return not stopped
 
         try:
             finished = jobs[index](own_progress)
         except BaseException:
-            stop.set()
+            stopped = True
             raise
         shares[index] = 1.0
         return finished
@@ -44,7 +44,7 @@ def run_side_by_side(jobs, progress):
         try:
             while wait(running, POLL_SECONDS).not_done:
                 if not progress(sum(shares) / len(jobs)):
-                    stop.set()
+                    stopped = True
         finally:
-            stop.set()
+            stopped = True
     return all([future.result() for future in running])

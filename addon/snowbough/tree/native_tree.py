@@ -3,7 +3,6 @@
 stopped.
 """
 
-import threading
 import time
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, replace
@@ -61,12 +60,12 @@ def _build_meshes(module, skeleton, options, progress):
     if options.keep_surface:
         meshes = (BASE,)  # only for its bones
     shares = dict.fromkeys(meshes, 0.0)
-    stopped = threading.Event()
+    stopped = False
 
     def build(detail):
         def step(share):
             shares[detail] = share
-            return not stopped.is_set() and progress(sum(shares.values()) / len(shares))
+            return not stopped and progress(sum(shares.values()) / len(shares))
 
         whole = module.build_tree_mesh(
             skeleton,
@@ -90,7 +89,7 @@ def _build_meshes(module, skeleton, options, progress):
             for future in as_completed(futures):
                 built[futures[future]] = future.result()
         except BaseException:
-            stopped.set()
+            stopped = True
             workers.shutdown(wait=True, cancel_futures=True)
             raise
     return built[meshes[0]][0], [built[detail][1] for detail in meshes]
@@ -122,14 +121,10 @@ def size_settings(options, units_per_metre):
     }
 
 
-def _lay_out_leaves(module, skeleton, options, stopped):
-    """The leaves' UV map `snow`; None without leaves. stopped: an event that stops it."""
+def _lay_out_leaves(module, skeleton, options, go_on):
+    """The leaves' UV map `snow`; None without leaves. go_on(share 0..1) -> False stops it."""
     if not len(skeleton.foliage.vertices):
         return None
-
-    def go_on(_share):
-        return not stopped.is_set()
-
     return module.layout_leaf_uvs(skeleton, options.snow_resolution, progress=go_on)
 
 
@@ -188,10 +183,12 @@ def _build(name, read, options, progress, units_per_metre):
     if not skeleton.branches:
         raise ValueError(f"{name} has no branches: there is no tree to import")
     # The leaves' charts need only the skeleton: a second thread packs them while the mesh is built.
-    stopped = threading.Event()
+    stopped = False
     with ThreadPoolExecutor(1, "snowbough-leaves") as worker:
         try:
-            leaf_charts = worker.submit(_lay_out_leaves, module, skeleton, options, stopped)
+            leaf_charts = worker.submit(
+                _lay_out_leaves, module, skeleton, options, lambda _share: not stopped
+            )
             built = 0.6 if options.keep_surface else 0.95
             whole, meshes = _build_meshes(module, skeleton, options, part(0.4, built))
             kept = None
@@ -201,7 +198,7 @@ def _build(name, read, options, progress, units_per_metre):
             base = _base_of(module, skeleton, meshes)
             leaf_layout = leaf_charts.result()
         except BaseException:
-            stopped.set()
+            stopped = True
             raise
     warnings = list(whole.warnings)
     leaf_bones = None

@@ -53,14 +53,14 @@ class _Job:
 
     def __init__(self, paths, options, units):
         self.share, self.trees, self.failures, self.error = 0.0, [], [], None
-        self._stop = threading.Event()
+        self._stop = False
         self._thread = threading.Thread(target=self._run, args=(paths, options, units), daemon=True)
         native.load()  # on the main thread, so that a missing module is reported at once
         self._thread.start()
 
     def _progress(self, share):
         self.share = share
-        return not self._stop.is_set()
+        return not self._stop
 
     def _run(self, paths, options, units):
         try:
@@ -72,7 +72,7 @@ class _Job:
         return self._thread.is_alive()
 
     def stop(self):
-        self._stop.set()
+        self._stop = True
         self._thread.join()
 
 

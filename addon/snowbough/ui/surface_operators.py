@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Operator ``snowbough.update_surface``."""
 
-import threading
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 import bpy
@@ -27,7 +27,6 @@ class _Update:
         self.share = 0.0
         self.stop = False
         self.error = None
-        self.thread = threading.Thread(target=self.run, name="snowbough-surface")
 
     def run(self):
         def progress(share):
@@ -84,7 +83,9 @@ class SNOWBOUGH_OT_update_surface(NotWhileBaking, bpy.types.Operator):
             self._update = self._begin(context)
         except FAILURES as error:
             return self.refuse(error)
-        self._update.thread.start()
+        worker = ThreadPoolExecutor(1, "snowbough-surface")
+        self._running = worker.submit(self._update.run)
+        worker.shutdown(wait=False)
         manager = context.window_manager
         manager.progress_begin(0.0, 1.0)
         self._timer = manager.event_timer_add(POLL_SECONDS, window=context.window)
@@ -95,11 +96,12 @@ class SNOWBOUGH_OT_update_surface(NotWhileBaking, bpy.types.Operator):
         update = self._update
         if event.type == "ESC":
             update.stop = True
-        if event.type != "TIMER" or update.thread.is_alive():
+        if event.type != "TIMER" or not self._running.done():
             context.window_manager.progress_update(update.share)
             return {"RUNNING_MODAL"} if event.type in {"ESC", "TIMER"} else {"PASS_THROUGH"}
         context.window_manager.event_timer_remove(self._timer)
         context.window_manager.progress_end()
+        self._running.result()
         outcome = self._end(context, update)
         if outcome == {"FINISHED"}:
             bpy.ops.ed.undo_push(message=self.bl_label)
