@@ -17,7 +17,7 @@ class SceneRays {
   /// `objects` must live until the next call.
   void lay_out(const std::vector<const SceneObject*>& objects);
   /// Call it when an object's positions have changed.
-  void forget_pose(size_t object) { items_[object]->set_pose(objects_[object]->positions); }
+  void forget_pose(size_t object);
 
   /// The first surface at a distance over `least` and under `most` metres from `from` along the
   /// unit vector `direction`, except one object's. Callable from several threads.
@@ -28,8 +28,18 @@ class SceneRays {
   const std::vector<const SceneObject*>& objects() const { return objects_; }
 
  private:
+  void split(size_t begin, size_t size);
+  void join(size_t node);
+
   std::vector<const SceneObject*> objects_;
   std::vector<std::unique_ptr<ObjectRays>> items_;
+  /// A full binary tree of boxes around the objects. Node 1 is its root, and 2 n and 2 n + 1 are
+  /// the children of node n; leaf k, node leaves_ + k, is the object order_[k]. The order is that
+  /// of the places when lay_out was called: objects that go far make rays slower, not wrong.
+  size_t leaves_ = 0;
+  std::vector<Bounds> boxes_;
+  std::vector<size_t> order_;
+  std::vector<size_t> leaf_of_;
 };
 
 }  // namespace snowbough::snow
