@@ -58,6 +58,7 @@ PRESSING = module_tests("pressing")
 THAW = module_tests("melt")
 SHEDDING = module_tests("shedding")
 TURNS = Linked("snowbough_map_tests", ("--gtest_filter=RigidTurn*",))
+RAYS = Linked("snowbough_map_tests", ("--gtest_filter=SceneRays*",))
 COARSE = Linked("snowbough_map_tests", ("--gtest_filter=CoarseMap*",))
 SURFACE = Linked("snowbough_surface_tests", ("--gtest_filter=Fronts.*:SnowSurface.*-*Blades*:*Twice*",))
 SURFACE_PARTS = Linked("snowbough_surface_tests", ("--gtest_filter=FaceParts*:PointTree*",))
@@ -259,6 +260,11 @@ MUTANTS = (
     moving("shedding", "-std::expm1(-dt / half_life * std::log(2.0))", "dt / half_life", SHEDDING),
     moving("shedding", "glm::floor(at * (1.0 / edge))", "glm::floor(at / 1e-3)", SHEDDING),
     moving("shedding", "      map.slid += static_cast<double>(volume);\n", "", SHEDDING),
+    # Rays.
+    moving("rays/scene_rays", "  boxes_[node] = objects_[object]->bounds;\n", "", RAYS),
+    moving("rays/scene_rays", "while ((node /= 2) > 0) join(node);", "", RAYS),
+    moving("rays/scene_rays", "hit.triangle >= 0 && i < object", "false", RAYS),
+    moving("rays/scene_rays", "!may_meet(boxes_[node], from, direction, hit.distance)", "false", RAYS),
     # Coarser maps.
     moving("coarse_map", "std::numbers::sqrt2 * side * level.texel_size < wanted", "false", COARSE),
     # Fronts of snow, and the parts and points among which they are found.

@@ -52,15 +52,19 @@ TEST(SceneRays, PassTheObjectThatIsLeftOut) {
   EXPECT_DOUBLE_EQ(below.distance, 3.0);
 }
 
+void move(SceneObject& object, const glm::vec3& way) {
+  for (glm::vec3& point : object.positions) point += way;
+  object.bounds.low += way;
+  object.bounds.high += way;
+}
+
 /// Level squares of 2 m, in rows of 50 that are 3 m apart.
 std::vector<SceneObject> rows_of(int32_t count) {
   std::vector<SceneObject> objects;
   for (int32_t i = 0; i < count; ++i) {
     objects.push_back(square("square", 2.0f, 0.1f * static_cast<float>(i % 7), 8, false));
     const glm::vec3 way(3.0f * static_cast<float>(i % 50), 3.0f * static_cast<float>(i / 50), 0.0f);
-    for (glm::vec3& point : objects.back().positions) point += way;
-    objects.back().bounds.low += way;
-    objects.back().bounds.high += way;
+    move(objects.back(), way);
   }
   return objects;
 }
@@ -92,10 +96,7 @@ TEST(SceneRays, MeetAnObjectWhereItHasGone) {
   std::vector<SceneObject> objects = rows_of(100);
   SceneRays rays;
   rays.lay_out(pointers_to(objects));
-  const glm::vec3 way(-600.0f, 0.0f, 0.0f);
-  for (glm::vec3& point : objects[30].positions) point += way;
-  objects[30].bounds.low += way;
-  objects[30].bounds.high += way;
+  move(objects[30], {-600.0f, 0.0f, 0.0f});
   rays.forget_pose(30);
   EXPECT_EQ(rays.first_along({90.0, 0.5, 3.0}, kDown, 0.0).object, -1);
   EXPECT_EQ(rays.first_along({-510.0, 0.5, 3.0}, kDown, 0.0).object, 30);
@@ -103,16 +104,16 @@ TEST(SceneRays, MeetAnObjectWhereItHasGone) {
 }
 
 TEST(SceneRays, MeetTheFirstOfEquallyNearObjects) {
-  std::vector<SceneObject> objects = rows_of(100);
-  for (const size_t i : {20, 70}) {
-    objects[i].positions = objects[40].positions;
-    objects[i].bounds = objects[40].bounds;
+  // Three that overlap, the last one in the list farthest to the left.
+  std::vector<SceneObject> objects;
+  for (const float x : {1.0f, 0.0f, -1.0f}) {
+    objects.push_back(square("square", 4.0f, 0.0f, 8, false));
+    move(objects.back(), {x, 0.0f, 0.0f});
   }
   SceneRays rays;
   rays.lay_out(pointers_to(objects));
-  const glm::dvec3 above(120.5, 0.5, 3.0);
-  EXPECT_EQ(rays.first_along(above, kDown, 0.0).object, 20);
-  EXPECT_EQ(rays.first_along(above, kDown, 0.0, 10.0, &objects[20]).object, 40);
+  EXPECT_EQ(rays.first_along(kFrom, kDown, 0.0).object, 0);
+  EXPECT_EQ(rays.first_along(kFrom, kDown, 0.0, 10.0, &objects[0]).object, 1);
 }
 
 /// Processor time of 20,000 rays at ten of so many objects.
