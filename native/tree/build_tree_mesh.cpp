@@ -10,6 +10,7 @@
 #include "tree/mesh/bones.h"
 #include "tree/mesh/limb_sections.h"
 #include "tree/mesh/weights.h"
+#include "tree/surface/crotch.h"
 #include "tree/surface/limb_path.h"
 #include "tree/surface/surface.h"
 #include "tree/uv/bark_uvs.h"
@@ -104,8 +105,9 @@ TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& option
   const SurfaceScale scale = surface_scale(skeleton);
   const Widths widths = limb_widths(skeleton, options.width);
   const std::vector<LimbPath> paths = limb_paths(skeleton, widths, scale);
+  const std::vector<LimbPath> limbs = join_stems(skeleton, paths, scale);
   const UncrossedSurface uncrossed =
-      build_uncrossed_surface(skeleton, paths, scale, {options.close_root, options.close_tips},
+      build_uncrossed_surface(skeleton, limbs, scale, {options.close_root, options.close_tips},
                               execution.part(0.0f, kSurfaceDone));
   const Surface& surface = uncrossed.surface;
 
@@ -131,7 +133,7 @@ TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& option
 
   if (options.detail) {
     mesh.base = std::make_shared<const TreeMesh>(mesh);
-    refine(mesh, surface, paths, scale, *options.detail, options.max_influences,
+    refine(mesh, surface, limbs, scale, *options.detail, options.max_influences,
            whole.part(base_done, 1.0f));
   }
   base::report_progress(whole.progress, 1.0f);

@@ -1,8 +1,10 @@
 #include "tree/surface/crotch.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
 #include <vector>
 
 namespace snowbough::tree {
@@ -23,6 +25,12 @@ constexpr double kFarthest = 40.0;
 
 /// A stem leaves another stem if both separate this many times as far up as from their parent.
 constexpr double kLater = 1.05;
+/// A stem begins beside another stem within this many of that stem's radii.
+constexpr double kBeside = 2.0;
+/// Joints closer than this to an added one are left out, in the limb's radii.
+constexpr double kClosest = 0.5;
+/// Samples across two circles.
+constexpr int kChords = 64;
 
 double radius_at(const LimbPath& path, double s) {
   return corner_at(path, s) * std::sqrt(2.0 / M_PI);
@@ -70,6 +78,61 @@ double mix(double a, double b, double t) {
   return a + (b - a) * t;
 }
 
+/// The circle with the area and the centroid of two circles together.
+struct Circle {
+  double middle = 0.0, radius = 0.0;
+};
+
+/// @param apart  distance of the other's centre.
+Circle join_circles(double radius, double other, double apart) {
+  const double low = std::min(-radius, apart - other), high = std::max(radius, apart + other);
+  const double step = (high - low) / kChords;
+  double area = 0.0, moment = 0.0;
+  for (int i = 0; i < kChords; ++i) {
+    const double x = low + (i + 0.5) * step, off = x - apart;
+    const double square = std::max({radius * radius - x * x, other * other - off * off, 0.0});
+    area += 2.0 * std::sqrt(square) * step;
+    moment += 2.0 * std::sqrt(square) * step * x;
+  }
+  return {moment / area, std::sqrt(area / M_PI)};
+}
+
+/// Gives a limb the area of its own and of a stem beside it, from where the stem rises to its heel.
+void join_stem(const LimbPath& stem, const Crotch& crotch, LimbPath& limb) {
+  LimbPath joined;
+  const auto add = [&](double s, bool with_stem) {
+    glm::dvec3 p = position_at(limb, s);
+    double corner = corner_at(limb, s);
+    if (with_stem) {
+      const double beside = nearest_length(stem, p);
+      const glm::dvec3 to = position_at(stem, beside) - p;
+      const double apart = glm::length(to), radius = radius_at(limb, s);
+      const Circle both = join_circles(radius, radius_at(stem, beside), apart);
+      if (apart > 0.0) p += to * (both.middle / apart);
+      corner *= both.radius / radius;
+    }
+    joined.points.push_back(p);
+    joined.corners.push_back(corner);
+    joined.bone_lengths.push_back(bone_length_at(limb, s));
+  };
+  const std::array<double, 3> added = {crotch.parent_rise, crotch.parent_heel, crotch.parent_end};
+  size_t next = 0;
+  for (size_t i = 0; i < limb.points.size(); ++i) {
+    const double s = limb.lengths[i];
+    while (next < added.size() && added[next] <= s) {
+      if (added[next] > 0.0 && added[next] < limb.length()) add(added[next], next == 1);
+      ++next;
+    }
+    const bool is_end = i == 0 || i + 1 == limb.points.size();
+    const bool is_close = std::any_of(added.begin(), added.end(), [&](double place) {
+      return std::abs(place - s) < kClosest * radius_at(limb, s);
+    });
+    if (is_end || !is_close) add(s, s > crotch.parent_rise && s <= crotch.parent_heel);
+  }
+  limb = std::move(joined);
+  measure(limb);
+}
+
 }  // namespace
 
 std::optional<Crotch> find_crotch(const PathSearch& search, double attach, const LimbPath& child,
@@ -108,7 +171,8 @@ std::optional<Crotch> find_crotch(const PathSearch& search, double attach, const
   }
   const double longest = kLongest * radius_at(child, crotch.child_end);
   crotch.child_heel = samples[0].child;
-  crotch.parent_heel = samples[0].outer_length;
+  crotch.parent_heel = crotch.parent_rise = samples[0].outer_length;
+  bool has_risen = samples[0].outer >= 0.0;
   for (size_t i = 1; i < samples.size(); ++i) {
     const Sample& a = samples[i - 1];
     const Sample& b = samples[i];
@@ -117,6 +181,11 @@ std::optional<Crotch> find_crotch(const PathSearch& search, double attach, const
     const double t = early || b.outer < 0.0 ? 1.0 : zero_between(a.outer, b.outer);
     crotch.child_heel = mix(a.child, b.child, t);
     crotch.parent_heel = mix(a.outer_length, b.outer_length, t);
+    if (!has_risen) {
+      const double rise = b.outer < 0.0 ? 1.0 : zero_between(a.outer, b.outer);
+      crotch.parent_rise = mix(a.outer_length, b.outer_length, rise);
+      has_risen = b.outer >= 0.0;
+    }
   }
   if (crotch.parent_end <= crotch.parent_heel || crotch.child_end <= crotch.child_heel) {
     return std::nullopt;
@@ -139,14 +208,20 @@ std::vector<int32_t> surface_parents(const Skeleton& skeleton, const std::vector
     double end = 0.0;
   };
   std::vector<int32_t> parents;
+  // Of each stem: where on its own path it leaves its parent.
+  std::vector<double> heels(paths.size(), -1.0);
   std::vector<std::vector<Stem>> stems(paths.size());
   std::vector<std::optional<PathSearch>> searches(paths.size());
   for (size_t b = 0; b < paths.size(); ++b) {
     const auto branch = static_cast<int32_t>(b);
-    const int32_t parent = skeleton.branches[b].parent;
+    int32_t parent = skeleton.branches[b].parent;
+    const glm::dvec3 attach(skeleton.branches[b].attach_point);
+    while (parent >= 0 && heels[parent] > 0.0 &&
+           nearest_length(paths[parent], attach) < heels[parent]) {
+      parent = parents[parent];
+    }
     parents.push_back(parent);
     if (parent < 0) continue;
-    const glm::dvec3 attach(skeleton.branches[b].attach_point);
     std::optional<PathSearch>& search = searches[parent];
     if (!search) search.emplace(paths[parent]);
     const auto crotch = find_crotch(*search, search->nearest_length(attach), paths[b], scale);
@@ -154,19 +229,54 @@ std::vector<int32_t> surface_parents(const Skeleton& skeleton, const std::vector
     double latest = crotch->child_end;
     for (const Stem& other : stems[parent]) {
       const LimbPath& path = paths[other.branch];
-      if (glm::distance(path.points.front(), attach) > kLongest * radius_at(path, 0.0)) continue;
       std::optional<PathSearch>& beside = searches[other.branch];
       if (!beside) beside.emplace(path);
-      const auto between = find_crotch(*beside, beside->nearest_length(attach), paths[b], scale);
+      const double near = beside->nearest_length(attach);
+      const double away = glm::distance(position_at(path, near), attach);
+      if (away > (near > 0.0 ? kBeside : kLongest) * radius_at(path, near)) continue;
+      const auto between = find_crotch(*beside, near, paths[b], scale);
       // The other stem must have left their parent by then.
       if (between && between->child_end > kLater * latest && between->parent_end > other.end) {
         latest = between->child_end;
         parents[b] = other.branch;
       }
     }
+    heels[b] = crotch->child_heel;
     stems[parent].push_back({branch, crotch->child_end});
   }
   return parents;
+}
+
+std::vector<LimbPath> join_stems(const Skeleton& skeleton, std::vector<LimbPath> paths,
+                                 const SurfaceScale& scale) {
+  const std::vector<int32_t> parents = surface_parents(skeleton, paths, scale);
+  const auto crotch_of = [&](const PathSearch& search, int32_t stem) {
+    const glm::dvec3 attach(skeleton.branches[stem].attach_point);
+    return find_crotch(search, search.nearest_length(attach), paths[stem], scale);
+  };
+  std::vector<std::vector<int32_t>> children(paths.size());
+  for (size_t b = 0; b < paths.size(); ++b) {
+    if (parents[b] >= 0) children[parents[b]].push_back(static_cast<int32_t>(b));
+  }
+  // Stems join their parent together with what has joined them: parents come first.
+  for (size_t limb = paths.size(); limb-- > 0;) {
+    std::vector<std::pair<double, int32_t>> stems;
+    if (children[limb].empty()) continue;
+    const PathSearch own(paths[limb]);
+    for (const int32_t child : children[limb]) {
+      const auto crotch = crotch_of(own, child);
+      if (crotch && crotch->parent_rise < crotch->parent_heel) {
+        stems.emplace_back(-crotch->parent_heel, child);
+      }
+    }
+    // The last one that leaves joins first: it shifts where the others leave.
+    std::sort(stems.begin(), stems.end());
+    for (const auto& [heel, stem] : stems) {
+      const auto crotch = crotch_of(PathSearch(paths[limb]), stem);
+      if (crotch) join_stem(paths[stem], *crotch, paths[limb]);
+    }
+  }
+  return paths;
 }
 
 }  // namespace snowbough::tree

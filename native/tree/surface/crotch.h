@@ -15,6 +15,9 @@ namespace snowbough::tree {
 struct Crotch {
   double child_heel = 0.0, child_end = 0.0;
   double parent_heel = 0.0, parent_end = 0.0;
+  /// Where the child's outer side first rises from its parent: before the heel of stems that lie
+  /// side by side for long.
+  double parent_rise = 0.0;
 };
 
 /// The crotch between a limb and a child that leaves it as a second stem: with at least half of its
@@ -28,9 +31,15 @@ struct Crotch {
 std::optional<Crotch> find_crotch(const PathSearch& search, double attach, const LimbPath& child,
                                   const SurfaceScale& scale);
 
+/// The paths that the surface follows: up to the heel of a stem beside it, a limb has the area of
+/// both, and their middle. Bone lengths stay those of the limb's own centreline.
+std::vector<LimbPath> join_stems(const Skeleton& skeleton, std::vector<LimbPath> paths,
+                                 const SurfaceScale& scale);
+
 /// Per branch: the limb that it leaves on the surface, or -1. Of several stems that separate from
-/// one parent, one that stays within another longer than within their parent leaves that one; all
-/// other branches leave their parent in the skeleton.
+/// one parent, one that stays within another longer than within their parent leaves that one. What
+/// leaves a stem before its heel leaves that stem's parent; all other branches leave their parent
+/// in the skeleton.
 std::vector<int32_t> surface_parents(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
                                      const SurfaceScale& scale);
 

@@ -12,7 +12,7 @@ namespace {
 constexpr double kSharingCosine = 0.35;
 /// The same for two second stems: seen from one of three equal stems around a fork, the others are
 /// 60 degrees apart.
-constexpr double kStemsCosine = 0.75;
+constexpr double kStemsCosine = 0.85;
 /// Fraction of the shorter one's length that must overlap for two children to be at one place.
 constexpr double kSharingOverlap = 0.4;
 /// Fraction of its length to which a knuckle shrinks before it pushes its neighbours along the

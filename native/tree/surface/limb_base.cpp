@@ -169,6 +169,11 @@ bool leave_as_stem(const PathSearch& search, double attach, const LimbPath& chil
   const double side = 2.0 * kSideDistance * corner_at(search.path(), middle);
   const double wanted = 2.0 * kSideDistance * corner_at(child, crotch->child_heel);
   exit.request.crotch = crotch;
+  // Stems that lie side by side for long leave in the direction in which they separate.
+  const glm::dvec3 apart =
+      across(position_at(child, crotch->child_end) - position_at(search.path(), crotch->parent_end),
+             direction_at(search.path(), crotch->parent_end));
+  if (glm::length(apart) > scale.coincident) exit.request.direction = glm::normalize(apart);
   exit.request.position = middle;
   exit.request.heading = crotch->parent_end;
   exit.request.width = std::min(wanted, side) * std::pow(kStemFactor, narrowing_steps);

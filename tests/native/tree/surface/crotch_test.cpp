@@ -123,6 +123,22 @@ TEST(Crotch, OfStemsSideBySideBeginsLate) {
   EXPECT_GT(crotch->parent_heel, 6.5);
 }
 
+TEST(Crotch, UpToTheHeelALimbHasTheAreaOfTheStemBesideIt) {
+  const Skeleton skeleton = make_skeleton({trunk(0.2f), stem(0.2f, 7.0)});
+  const SurfaceScale scale = surface_scale(skeleton);
+  const std::vector<LimbPath> paths = limb_paths(skeleton, limb_widths(skeleton, {}), scale);
+  const LimbPath joined = join_stems(skeleton, paths, scale)[0];
+  const std::optional<Crotch> crotch = crotch_of(skeleton.branches[1]);
+  ASSERT_TRUE(crotch);
+  const double corner = corner_at(joined, nearest_length(joined, {0.1, 0.0, crotch->parent_heel}));
+  const double both = covered_area(0.2, 0.2, 7.0, crotch->parent_heel - 5.0);
+  EXPECT_GT(both, 1.4 * M_PI * 0.2 * 0.2);
+  EXPECT_NEAR(2.0 * corner * corner, both, 0.05 * both);
+  // Bones stay on the limb's own centreline.
+  EXPECT_NEAR(joined.bone_lengths.back(), 10.0, 1e-6);
+  EXPECT_NEAR(corner_at(joined, 4.0), corner_at(paths[0], 4.0), 1e-6);
+}
+
 TEST(Crotch, IsNotOfTwigsAndOfBranchesThatLeaveAtWideAngles) {
   EXPECT_FALSE(crotch_of(stem(0.05f, 25.0)));
   EXPECT_FALSE(crotch_of(stem(0.2f, 50.0)));
