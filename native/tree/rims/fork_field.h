@@ -42,7 +42,7 @@ double fillet_width(const Fork& fork, const glm::dvec3& p);
 
 /// The blended surface of all limbs at some forks: the smooth minimum of the distances from their
 /// tubes, thicker limbs first. The fillet is as wide as the radius of the child's base, and
-/// vanishes towards the fork's reach.
+/// vanishes towards the fork's reach, and where the surfaces are parallel.
 FieldValue blended_distance(const glm::dvec3& p, std::span<const int32_t> at,
                             const std::vector<Fork>& forks);
 
