@@ -200,7 +200,7 @@ void Blanket::set_upright(const std::vector<glm::vec3>& upper,
 }
 
 std::vector<float> Blanket::lay(const SurfacePoints& points, std::vector<float>& goes_on,
-                                std::vector<float>& thickness) const {
+                                std::vector<glm::vec3>& ups, std::vector<float>& thickness) const {
   std::vector<float> shares(thickness.size(), 0.0f);
   std::vector<float> filled = thickness;
   for (const Member& member : members_) {
@@ -251,6 +251,7 @@ std::vector<float> Blanket::lay(const SurfacePoints& points, std::vector<float>&
     float share = member.foot * hides * bears;
     if (member.front >= 0) {
       of_front[member.front] = goes_on[member.front] * hides * bears;
+      ups[member.front] = up;
       share = std::max(share, of_front[member.front]);
     }
     shares[p] = share;

@@ -49,9 +49,10 @@ class Blanket {
   /// snow hides the step.
   /// @param goes_on per front, 0 to 1: how far its snow joins that beyond the rim; becomes how far
   ///   the blanket has its shape.
+  /// @param ups  become the blanket's unit normals per front.
   /// @return that share of each point.
   std::vector<float> lay(const SurfacePoints& points, std::vector<float>& goes_on,
-                         std::vector<float>& thickness) const;
+                         std::vector<glm::vec3>& ups, std::vector<float>& thickness) const;
 
  private:
   static constexpr int kNodes = 6;

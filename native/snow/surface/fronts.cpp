@@ -203,14 +203,16 @@ float Fronts::goes_on(size_t number, const shared::SnowJoin& join, float depth) 
 }
 
 glm::vec3 Fronts::blanket_offset(size_t number, const std::vector<float>& shown,
-                                 const glm::vec3& offset) const {
+                                 const glm::vec3& offset, const glm::vec3& up) const {
   const SnowFront& at = front[number];
   const bool is_far = at.distance < 0.0f;
   const float height = is_far ? edge[number].of(shown) : std::max(shown[point[number]], 0.0f);
   const float reach = at.bridged > 0.0f ? at.half_gap : 0.0f;
   const float near = std::clamp(1.0f - at.distance / (kBlanketRun * at.zone), 0.0f, 1.0f);
   const float out = (reach + kBlanketOver * height) * near;
-  const float dip = kBlanketDip * out * near;
+  // Along the slope of the blanket.
+  const float slope = glm::dot(at.outward, up) / std::max(glm::dot(at.support, up), kCarriesBelow);
+  const float dip = (kBlanketDip * near + slope) * out;
   if (!is_far) return offset + at.outward * out - at.support * dip;
   const float dive =
       kBlanketDive * height * eased(-at.distance, 0.0f, shared::kTucked * at.far_zone);

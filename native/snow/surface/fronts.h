@@ -61,8 +61,9 @@ struct Fronts {
   float goes_on(size_t number, const shared::SnowJoin& join, float depth) const;
   /// Offset of a front's point under a blanket: on the supporting face it is that of a point away
   /// from rims, `offset`. Beyond the rim the snow goes on a little, and dives into that beyond.
-  glm::vec3 blanket_offset(size_t number, const std::vector<float>& shown,
-                           const glm::vec3& offset) const;
+  /// `up`: unit normal of the blanket.
+  glm::vec3 blanket_offset(size_t number, const std::vector<float>& shown, const glm::vec3& offset,
+                           const glm::vec3& up) const;
 };
 
 /// All but the presence, which depends on the snow. Sets the normals of points near rims to those

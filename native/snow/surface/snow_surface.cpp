@@ -75,8 +75,9 @@ std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& styl
       const glm::vec3 off_rims = offsets[p];
       offsets[p] = glm::mix(off_rims, drawn, presence);
       if (heights.blanket[f] <= 0.0f) continue;
-      offsets[p] = glm::mix(offsets[p], fronts.blanket_offset(f, heights.shown, off_rims),
-                            heights.blanket[f]);
+      offsets[p] = glm::mix(
+          offsets[p], fronts.blanket_offset(f, heights.shown, off_rims, heights.blanket_up[f]),
+          heights.blanket[f]);
     }
   });
   bury_banks(fronts.banks, heights.thickness, heights.shown, up, frame.open_depth, offsets);
@@ -95,6 +96,7 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
   SurfaceHeightsNow heights;
   heights.thickness = sampled_heights(samples, frame.height);
   heights.blanket.resize(fronts.count());
+  heights.blanket_up.assign(fronts.count(), glm::vec3(0.0f, 0.0f, 1.0f));
   base::for_each_item(fronts.count(), 1024, [&](size_t f) {
     const SnowBehind behind = fronts.behind(f, heights.thickness, frame.open_depth);
     heights.blanket[f] =
@@ -102,7 +104,8 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
   });
   smooth(samples, heights.thickness, kRoundsBefore);
   const std::vector<float> held = heights.thickness;
-  const std::vector<float> laid = fronts.blanket.lay(points, heights.blanket, heights.thickness);
+  const std::vector<float> laid =
+      fronts.blanket.lay(points, heights.blanket, heights.blanket_up, heights.thickness);
   heights.shown.resize(count);
   std::vector<float> threshold(count), sink(count);
   for_point_blocks(count, [&](size_t, size_t begin, size_t end) {

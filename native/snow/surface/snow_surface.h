@@ -83,8 +83,9 @@ struct SurfaceHeightsNow {
   std::vector<float> thickness;
   /// Height of the shown snow; not over 0 at bare points.
   std::vector<float> shown;
-  /// Per front: how far the blanket has its shape, 0 to 1.
+  /// Per front: how far the blanket has its shape, 0 to 1, and the blanket's unit normal.
   std::vector<float> blanket;
+  std::vector<glm::vec3> blanket_up;
 };
 /// @param up upward components of the points' normals.
 SurfaceHeightsNow heights_now(const SnowSurface& surface, const shared::SnowStyle& style,
