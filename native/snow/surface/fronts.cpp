@@ -61,6 +61,9 @@ constexpr float kBlanketDive = 0.3f;
 /// Distances from a rim at which its step counts fully and not at all, as fractions of the depth.
 constexpr float kNearStep = 0.6f;
 constexpr float kFarStep = 1.2f;
+/// Steps behind which furrows are filled, and steps behind which they are not, likewise.
+constexpr float kLowStep = 0.25f;
+constexpr float kHighStep = 0.5f;
 
 /// Points whose feet are within this many depths of each other belong to one stretch of a rim.
 constexpr float kFullnessReach = 0.4f;
@@ -342,11 +345,12 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
     }
     members[at].front = static_cast<int32_t>(f);
     members[at].is_far = front.distance < 0.0f;
+    if (fall.other < 0.0f) members[at].step = std::max(members[at].step, fall.drop * fall.weight);
     if (members[at].foot <= 0.0f && !members[at].is_far) {
       members[at].off = fronts.inland[f];
-      members[at].filled = filled_behind(front.distance, depth);
+      members[at].filled = filled_behind(front.distance, depth) *
+                           eased(members[at].step, kHighStep * depth, kLowStep * depth);
     }
-    if (fall.other < 0.0f) members[at].step = std::max(members[at].step, fall.drop * fall.weight);
   }
   fronts.edge.resize(fronts.count());
   base::for_each_item(fronts.count(), 64, [&](size_t f) {
