@@ -41,8 +41,8 @@ LINES = {
     "native/image": 800,
     "native/python": 3400,
     "native/render": 5150,
-    "native/tree": 22800,
-    "native/snow/movement": 11150,
+    "native/tree": 22950,
+    "native/snow/movement": 11250,
     "native/snow/output": 2100,
     "native/snow/scene": 1850,
     "native/snow/seams": 2550,
@@ -66,7 +66,7 @@ LINES = {
     "addon/snowbough/usd": 600,
     "shaders": 5050,
     "benchmarks": 5450,
-    "tests": 57850,
+    "tests": 57950,
 }
 SOURCES = {".h", ".cpp", ".glsl", ".py"}
 
