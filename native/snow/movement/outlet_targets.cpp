@@ -15,6 +15,8 @@ namespace {
 constexpr float kWidestGap = 0.25f;
 /// A gap wider than this times the depth of the snow beside it stays open.
 constexpr float kDepthsOfGap = 4.0f;
+/// Snow up to this many times as thick as a gap is wide has a furrow above it.
+constexpr float kArchesToWidths = 3.0f;
 /// Factor between the distances at which a gap's far side is searched, and the bisections that
 /// follow.
 constexpr float kNextDistance = 1.6f;
@@ -176,7 +178,8 @@ void OutletTargets::raise(size_t object, Repose& repose,
       }
       if (target->second.searched < widest)
         find_gap(outlet_of(ground, rim), widest, target->second);
-      const float above = rise_of(target->second, widest, top_over(map, blocks[i], rim), heights);
+      const float above = rise_of(target->second, widest, top_over(map, blocks[i], rim),
+                                  repose.choice().limits.slope, heights);
       // What is known must not depend on earlier steps.
       if (above > 0.0f && (is_new || is_below(rim))) {
         rim.top = rim.bare + rim.rise + above;
@@ -186,19 +189,24 @@ void OutletTargets::raise(size_t object, Repose& repose,
 }
 
 /// Height in metres of what the snow above an outlet rests against, over the outlet. `near`: the
-/// top of that snow.
-float OutletTargets::rise_of(const OutletTarget& target, float widest, float near,
+/// top of that snow; `slope`: tangent of the angle of repose.
+float OutletTargets::rise_of(const OutletTarget& target, float widest, float near, float slope,
                              const std::vector<const std::vector<float>*>& heights) {
   float above = target.is_closed ? kClosed : 0.0f;
   const auto over = [&](const MapPoint& point) { return top_at(point, heights) - target.z; };
   if (target.fall.object >= 0) above = std::max(above, over(target.fall));
   if (!(target.width > 0.0f && target.width <= widest)) return above;
+  const float next = target.is_at_wall ? kClosed : target.far.object >= 0 ? over(target.far) : 0.0f;
   // Snow beside a gap is low because of the gap, so the snow a width away counts, too.
-  float far = target.is_at_wall ? kClosed : 0.0f;
-  if (target.far.object >= 0) far = std::max(far, over(target.far));
+  float far = next;
   if (target.farther.object >= 0) far = std::max(far, over(target.farther));
   if (target.before.object >= 0) near = std::max(near, over(target.before));
-  return std::max(above, std::min(near, far) - target.width);
+  const float least = std::min(near, far);
+  const float arch = least - target.width;
+  // Deep snow lies over a gap as it lies on one surface.
+  const float joined = std::max(arch, std::min(next, near) + shared::kEven * slope * target.width);
+  const float part = std::clamp(least / target.width - kArchesToWidths, 0.0f, 1.0f);
+  return std::max(above, arch + part * (joined - arch));
 }
 
 }  // namespace snowbough::snow

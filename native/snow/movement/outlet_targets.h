@@ -66,7 +66,7 @@ class OutletTargets {
   MapPoint below(const glm::dvec3& from, double over, bool& is_closed) const;
   OutletTarget find(const Outlet& outlet) const;
   bool is_anything_across(const Outlet& outlet) const;
-  static float rise_of(const OutletTarget& target, float widest, float near,
+  static float rise_of(const OutletTarget& target, float widest, float near, float slope,
                        const std::vector<const std::vector<float>*>& heights);
   void find_gap(const Outlet& outlet, float widest, OutletTarget& target) const;
 

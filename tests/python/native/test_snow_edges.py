@@ -73,6 +73,18 @@ def test_snow_closes_the_gaps_between_slats():
     assert on_the_middle_slat([0.0]).mean() < 0.25 * 0.2
 
 
+@pytest.mark.parametrize("steps", [16, 64])
+def test_deep_snow_lies_over_slats_as_on_one_board(steps):
+    """However many steps it takes to get deep."""
+    places = [(i - 2.5) * (0.06 + GAP) for i in range(6)]
+    width = places[-1] - places[0] + 0.06
+    on_slats = snow_on({"seat": pieces(slats(places))}, 0.3, steps)
+    on_board = snow_on({"seat": pieces([((0.0, 0.0, 0.4875), (1.0, width, 0.025), 0.0)])}, 0.3, steps)
+    # The gaps have no map.
+    share = len(places) * 0.06 / width
+    assert held(on_slats, "seat") == pytest.approx(share * held(on_board, "seat"), rel=0.06)
+
+
 def test_thin_snow_falls_through_a_gap():
     wide = [-0.12, 0.0, 0.12]
     assert np.array_equal(on_the_middle_slat(wide, 0.02), on_the_middle_slat([0.0], 0.02))
