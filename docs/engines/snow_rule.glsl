@@ -33,8 +33,10 @@ float lattice_share(vec3 cell, vec3 in_cell, vec3 corner) {
 
 /// Noise from about -1 to 1 with a mean of 0. The wavelength is about 1.
 float gradient_noise(vec3 position) {
-  const vec3 cell = floor(position);
-  const vec3 f = position - cell;
+  // Farther out, floats have no fractions, and an int no such number.
+  const vec3 bounded = clamp(position, vec3(-1e9f), vec3(1e9f));
+  const vec3 cell = floor(bounded);
+  const vec3 f = bounded - cell;
   const vec3 w = f * f * f * (f * (f * 6.0f - vec3(15.0f)) + vec3(10.0f));
   float along_z[2];
   for (int k = 0; k < 2; ++k) {

@@ -33,8 +33,10 @@ float lattice_share(float3 cell, float3 in_cell, float3 corner) {
 
 /// Noise from about -1 to 1 with a mean of 0. The wavelength is about 1.
 float gradient_noise(float3 position) {
-  const float3 cell = floor(position);
-  const float3 f = position - cell;
+  // Farther out, floats have no fractions, and an int no such number.
+  const float3 bounded = clamp(position, ((float3)(-1e9f)), ((float3)(1e9f)));
+  const float3 cell = floor(bounded);
+  const float3 f = bounded - cell;
   const float3 w = f * f * f * (f * (f * 6.0f - ((float3)(15.0f))) + ((float3)(10.0f)));
   float along_z[2];
   for (int k = 0; k < 2; ++k) {
