@@ -32,8 +32,6 @@ constexpr float kNearSlope = 0.5f;
 constexpr float kFarSlope = 1.2f;
 /// Height of the snow over a point at which the point counts as buried.
 constexpr float kIsBuried = 0.12f;
-/// Rounds of smoothing of the top: on a steep slope, a little in the map is much in a column.
-constexpr int kTopRounds = 6;
 
 }  // namespace
 
@@ -103,38 +101,16 @@ std::vector<Bank> find_banks(const SurfacePoints& points, const SurfaceMesh& rec
   return found;
 }
 
-void bury_banks(const std::vector<Bank>& banks, const SurfacePoints& points,
-                const HeightSamples& samples, const std::vector<float>& column, float depth,
+void bury_banks(const std::vector<Bank>& banks, const std::vector<float>& column, float depth,
                 std::vector<glm::vec3>& offsets) {
-  std::vector<float> buried(column.size(), 0.0f), top(column.size(), 0.0f);
   base::for_each_item(banks.size(), 1024, [&](size_t b) {
     const Bank& bank = banks[b];
     const auto p = static_cast<size_t>(bank.point);
     const float over =
         std::min(bank.halfway.of(column) - bank.above, bank.level.of(column) - bank.halfway_above);
     if (over <= 0.0f || column[p] <= 0.0f) return;
-    buried[p] = bank.share * shared::eased(over, 0.0f, kIsBuried * depth);
-    top[p] = points.mesh.position[p].z + column[p];
-  });
-  std::vector<float> before;
-  for (int round = 0; round < kTopRounds; ++round) {
-    before = top;
-    base::for_each_item(banks.size(), 256, [&](size_t b) {
-      const auto p = static_cast<size_t>(banks[b].point);
-      float sum = before[p], weights = 1.0f;
-      for (int32_t i = samples.neighbour_begin[p]; i < samples.neighbour_begin[p + 1]; ++i) {
-        const int32_t other = samples.neighbour[i];
-        sum += buried[other] * before[other];
-        weights += buried[other];
-      }
-      top[p] = sum / weights;
-    });
-  }
-  base::for_each_item(banks.size(), 1024, [&](size_t b) {
-    const auto p = static_cast<size_t>(banks[b].point);
-    if (buried[p] <= 0.0f) return;
-    const float high = std::max(top[p] - points.mesh.position[p].z, 0.0f);
-    offsets[p] = glm::mix(offsets[p], glm::vec3(0.0f, 0.0f, high), buried[p]);
+    const float buried = bank.share * shared::eased(over, 0.0f, kIsBuried * depth);
+    offsets[p] = glm::mix(offsets[p], glm::vec3(0.0f, 0.0f, column[p]), buried);
   });
 }
 

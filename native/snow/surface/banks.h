@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "base/triangle_tree.h"
-#include "snow/surface/height_samples.h"
 #include "snow/surface/nearest_points.h"
 #include "snow/surface/surface_points.h"
 
@@ -30,10 +29,9 @@ std::vector<Bank> find_banks(const SurfacePoints& points, const SurfaceMesh& rec
                              const base::TriangleTree& tree, const NearestPoints& lying,
                              float depth);
 
-/// Moves the offsets of buried points to the vertical, up to a smooth top.
+/// Moves the offsets of buried points to the vertical.
 /// @param column height of the snow along the vertical, of all points, in metres.
-void bury_banks(const std::vector<Bank>& banks, const SurfacePoints& points,
-                const HeightSamples& samples, const std::vector<float>& column, float depth,
+void bury_banks(const std::vector<Bank>& banks, const std::vector<float>& column, float depth,
                 std::vector<glm::vec3>& offsets);
 
 }  // namespace snowbough::snow

@@ -82,7 +82,7 @@ std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& styl
           heights.blanket[f]);
     }
   });
-  bury_banks(fronts.banks, points, surface.samples, heights.column, frame.open_depth, offsets);
+  bury_banks(fronts.banks, heights.column, frame.open_depth, offsets);
   return offsets;
 }
 
