@@ -244,8 +244,7 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
   // Below a rim over an upright face, the front has the shape.
   std::erase_if(fronts.banks, [&](const Bank& bank) {
     const RimPlace& place = zone[bank.point].place;
-    if (place.is_far_off) return false;
-    return rims.all()[place.parts[0].rim].far_normal.z < kSteepBank;
+    return !place.is_far_off && rims.all()[place.parts[0].rim].far_normal.z < kSteepBank;
   });
   if (rims.all().empty()) return fronts;
   for (size_t p = 0; p < points.count(); ++p) {

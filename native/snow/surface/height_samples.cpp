@@ -30,7 +30,6 @@ void find_samples(HeightSamples& samples, const SurfaceMesh& mesh, const Surface
   samples.area.assign(count, 0.0f);
   samples.side.assign(count, 1.0f);
   samples.up.assign(count, 0.0f);
-  samples.level.assign(count, 0.0f);
   std::vector<float> sum_up(count, 0.0f);
   for (size_t t = 0; t < mesh.triangle.size(); ++t) {
     const glm::vec3 cross = triangle_cross(mesh, t);
@@ -47,15 +46,12 @@ void find_samples(HeightSamples& samples, const SurfaceMesh& mesh, const Surface
       samples.side[p] = side;
       const float weight = area * (0.02f + level * level);
       samples.up[p] += weight * mesh.normal[t][k].z;
-      samples.level[p] += weight * level;
       sum_up[p] += weight;
       corners.push_back({p, mesh.uv[t][k], weight});
     }
   }
   for (size_t p = 0; p < count; ++p) {
-    if (sum_up[p] <= 0.0f) continue;
-    samples.up[p] /= sum_up[p];
-    samples.level[p] /= sum_up[p];
+    if (sum_up[p] > 0.0f) samples.up[p] /= sum_up[p];
   }
   std::stable_sort(corners.begin(), corners.end(), [](const Sample& a, const Sample& b) {
     if (a.point != b.point) return a.point < b.point;

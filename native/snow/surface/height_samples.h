@@ -25,8 +25,6 @@ struct HeightSamples {
   std::vector<float> area;
   /// Upward component of the normals of the faces at a point, the level ones above all.
   std::vector<float> up;
-  /// The same of the flat faces alone, whatever their shading.
-  std::vector<float> level;
   /// Neighbours, weighted by distance; those of point p start at neighbour_begin[p]. Points on
   /// level faces have none on walls, so that snow at the foot of a wall stays as high as beside it.
   /// With the point's own weight, their sum is 1.

@@ -27,8 +27,6 @@ constexpr float kUpright = 0.95f;
 constexpr float kDrawn = 0.94f;
 /// Greatest offset due to a curved receiver, as a fraction of the height.
 constexpr float kMostCurvature = 0.5f;
-/// Least upward component of the normal of snow that is drawn along the vertical.
-constexpr float kLeastUp = 0.12f;
 
 std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& style,
                                const SurfaceFrame& frame, const std::vector<float>& up,
@@ -82,7 +80,7 @@ std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& styl
           heights.blanket[f]);
     }
   });
-  bury_banks(fronts.banks, heights.column, frame.open_depth, offsets);
+  bury_banks(fronts.banks, heights.thickness, heights.shown, up, frame.open_depth, offsets);
   return offsets;
 }
 
@@ -104,20 +102,10 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
     heights.blanket[f] =
         fronts.goes_on(f, snow_join(fronts.front[f], style, behind), frame.open_depth);
   });
-  if (!fronts.banks.empty()) {
-    // Faces that meet at a crease have one column, but not one thickness.
-    heights.column = heights.thickness;
-    for (size_t p = 0; p < count; ++p) heights.column[p] /= std::max(samples.level[p], kLeastUp);
-    smooth(samples, heights.column, kRoundsBefore);
-  }
   smooth(samples, heights.thickness, kRoundsBefore);
   const std::vector<float> held = heights.thickness;
   const std::vector<float> laid =
       fronts.blanket.lay(points, heights.blanket, heights.blanket_up, heights.thickness);
-  for (size_t p = 0; p < heights.column.size(); ++p) {
-    heights.column[p] =
-        glm::mix(heights.column[p], heights.thickness[p] / std::max(up[p], kLeastUp), laid[p]);
-  }
   heights.shown.resize(count);
   std::vector<float> threshold(count), sink(count);
   for_point_blocks(count, [&](size_t, size_t begin, size_t end) {
@@ -193,10 +181,6 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
       shown = glm::mix(swept_height(looks.point[p], shown), shown, laid[p]);
     }
   });
-  for (size_t p = 0; p < heights.column.size(); ++p) {
-    float& column = heights.column[p];
-    column += surface_relief(looks.point[p], style, column, frame.open_depth);
-  }
   return heights;
 }
 

@@ -86,8 +86,6 @@ struct SurfaceHeightsNow {
   /// Per front: how far the blanket has its shape, 0 to 1, and the blanket's unit normal.
   std::vector<float> blanket;
   std::vector<glm::vec3> blanket_up;
-  /// Height of the snow along the vertical; empty if there are no banks.
-  std::vector<float> column;
 };
 /// @param up upward components of the points' normals.
 SurfaceHeightsNow heights_now(const SnowSurface& surface, const shared::SnowStyle& style,

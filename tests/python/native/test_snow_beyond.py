@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from shown_snow import highest, map_of, shown_over
-from snow_meshes import grid, smooth, unfolded
+from snow_meshes import grid, unfolded
 from snow_pieces import pieces, tile_courses
 
 # Metres.
@@ -61,44 +61,6 @@ def test_a_bowl_holds_one_heap_without_a_moat():
     top, _ = shown_over(mesh, snow, DEPTH, places)
     assert np.abs(top - dome(places)).max() < 0.08
     assert np.abs(top - dome(places)).mean() < 0.03
-
-
-def urn(sides=32):
-    """A turned urn: a round bowl of 0.2 m on a foot; inside, a floor of 11 degrees and slopes of 56, 73 and 63 degrees."""
-    foot = [(0.12, 0.0), (0.05, 0.1), (0.14, 0.18), (0.22, 0.32), (0.27, 0.45), (0.27, 0.47)]
-    profile = [*foot, (0.235, 0.47), (0.21, 0.42), (0.18, 0.32), (0.1, 0.2), (0.0, 0.18)]
-    turn = 2 * np.pi * np.arange(sides + 1) / sides
-    rings = [np.stack([r * np.cos(turn), r * np.sin(turn), z + 0 * turn], axis=1) for r, z in profile]
-    faces = [
-        np.array([inner[k], inner[k + 1], outer[k + 1], outer[k]])
-        for inner, outer in zip(rings, rings[1:-1])
-        for k in range(sides)
-    ]
-    faces += [np.array([rings[-2][k], rings[-2][k + 1], rings[-1][0]]) for k in range(sides)]
-    return unfolded(faces, 0.004)
-
-
-def ring_heap(points):
-    """Top of the snow in the urn, as its map is: highest over the slopes."""
-    r = np.hypot(points[:, 0], points[:, 1])
-    return np.interp(r, [0.0, 0.1, 0.18, 0.235], [0.48, 0.5, 0.63, 0.55])
-
-
-@pytest.mark.parametrize("shading", [None, smooth])
-def test_a_round_urn_shows_the_snow_that_fills_it(shading):
-    *mesh, resolution = urn()
-
-    def height(points, up):
-        within = (np.hypot(points[:, 0], points[:, 1]) < 0.235) & (points[:, 2] > 0.15)
-        return np.where(within, np.maximum(ring_heap(points) - points[:, 2], 0.0) * np.maximum(up, 0.0), 0.0)
-
-    r, turn = np.meshgrid(np.linspace(0.01, 0.2, 20), 0.05 + np.linspace(0.0, 2 * np.pi, 24, endpoint=False))
-    places = np.stack([(r * np.cos(turn)).ravel(), (r * np.sin(turn)).ravel()], axis=1)
-    given = {"shading": shading(*mesh[:2])} if shading else {}
-    snow = map_of(mesh, resolution, height)
-    top, _ = shown_over(mesh, snow, 0.3, places, style={"relief": 0.0}, **given)
-    assert np.abs(top - ring_heap(places)).max() < 0.12
-    assert np.abs(top - ring_heap(places)).mean() < 0.04
 
 
 @pytest.mark.parametrize("below, is_covered", [(0.05, True), (0.5, False)])
