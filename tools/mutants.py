@@ -208,8 +208,8 @@ MUTANTS = (
     moving("repose/outlets", "link.rise = -way.z", "link.rise = 0.0f * -way.z", EDGES),
     moving("repose/outlets", "  link_walls(ground, limits, stand, block, blocks);\n", "", EDGES),
     moving("outlet_targets", "least = std::min(near, far)", "least = near", EDGES),
-    moving("outlet_targets", "arch + part * (joined - arch)", "arch", EDGES),
-    moving("outlet_targets", "is_at_wall = is_side && is_closed", "is_at_wall = false", EDGES),
+    moving("outlet_targets", "arch + part * (joined - arch)", "arch + 0.0f * part * joined", EDGES),
+    moving("outlet_targets", "is_at_wall = is_side && is_closed", "is_at_wall = is_side && width < 0.0", EDGES),
     moving("outlet_targets", "width == 0.0 && target.searched < widest", "false", EDGES),
     # Landing.
     moving("landing", "  clock_ = state.clock;\n", "", LANDING),
