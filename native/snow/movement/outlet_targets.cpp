@@ -156,16 +156,6 @@ void OutletTargets::raise(size_t object, Repose& repose,
     const float widest = kDepthsOfGap * highest_near(*ground.links, repose.choice(), blocks[i]);
     if (widest == 0.0f) return;
     std::map<int32_t, OutletTarget>& known = targets[static_cast<size_t>(blocks[i])];
-    // Outlets of a cell follow each other.
-    int32_t cell = -1;
-    bool is_cell_below = false;
-    const auto is_below = [&](const RimLink& rim) {
-      if (rim.cell != cell) {
-        cell = rim.cell;
-        is_cell_below = is_below_snow(ground, repose.choice().limits, map, blocks[i], rim);
-      }
-      return is_cell_below;
-    };
     for (RimLink& rim : map.rims[static_cast<size_t>(blocks[i])]) {
       // Of an earlier step, in which snow lay here.
       rim.top = rim.bare;
@@ -173,7 +163,7 @@ void OutletTargets::raise(size_t object, Repose& repose,
       auto target = known.find(rim.number);
       const bool is_new = target == known.end();
       if (is_new) {
-        if (!is_below(rim)) continue;
+        if (!is_below_snow(ground, repose.choice().limits, map, blocks[i], rim)) continue;
         target = known.emplace(rim.number, find(outlet_of(ground, rim))).first;
       }
       if (target->second.searched < widest)
@@ -181,7 +171,8 @@ void OutletTargets::raise(size_t object, Repose& repose,
       const float above = rise_of(target->second, widest, top_over(map, blocks[i], rim),
                                   repose.choice().limits.slope, heights);
       // What is known must not depend on earlier steps.
-      if (above > 0.0f && (is_new || is_below(rim))) {
+      if (above > 0.0f &&
+          (is_new || is_below_snow(ground, repose.choice().limits, map, blocks[i], rim))) {
         rim.top = rim.bare + rim.rise + above;
       }
     }
