@@ -26,6 +26,8 @@ constexpr int kBisections = 3;
 constexpr double kOverBevel = 4.0;
 /// Sides that rise higher above an outlet, in metres, are walls.
 constexpr double kHighestTop = 1.0;
+/// Tops farther below an outlet, in metres, carry no snow that reaches it.
+constexpr double kDeepestStep = 1.0;
 /// Raises an outlet above all snow.
 constexpr float kClosed = 1e6f;
 /// Rays start this fraction of the reach above the outlet, so that a surface as high as the outlet
@@ -75,16 +77,19 @@ MapPoint OutletTargets::below(const glm::dvec3& from, double over, bool& is_clos
 }
 
 /// Searches on for the far side of a gap, up to about `widest` metres: the first surface that is no
-/// farther above or below than away. The distances do not depend on where earlier searches ended.
+/// farther above or below than away, or rises as steeply from what is below the outlet: a lower
+/// stone beyond a joint. The distances do not depend on where earlier searches ended.
 void OutletTargets::find_gap(const Outlet& outlet, float widest, OutletTarget& target) const {
   const auto beyond = [&](double distance, double over, bool& is_closed) {
     return below(outlet.point + glm::dvec3(outlet.outwards * distance, 0.0), over, is_closed);
   };
+  const double bed = target.fall.object >= 0 ? target.fall.z : outlet.point.z - kDeepestStep;
   const auto is_across = [&](double distance) {
     bool is_closed = false;
     const MapPoint point = beyond(distance, distance, is_closed);
-    return is_closed ||
-           (point.object >= 0 && std::abs(point.z - static_cast<float>(outlet.point.z)) < distance);
+    if (is_closed || point.object < 0) return is_closed;
+    return std::abs(point.z - outlet.point.z) < distance ||
+           point.z > std::max(bed + distance, outlet.point.z - kDeepestStep);
   };
   double width = 0.0;
   while (width == 0.0 && target.searched < widest) {
@@ -187,7 +192,9 @@ float OutletTargets::rise_of(const OutletTarget& target, float widest, float nea
   const auto over = [&](const MapPoint& point) { return top_at(point, heights) - target.z; };
   if (target.fall.object >= 0) above = std::max(above, over(target.fall));
   if (!(target.width > 0.0f && target.width <= widest)) return above;
-  const float next = target.is_at_wall ? kClosed : target.far.object >= 0 ? over(target.far) : 0.0f;
+  // The side of a higher top is none itself.
+  const MapPoint& top = target.far.object >= 0 ? target.far : target.farther;
+  const float next = target.is_at_wall ? kClosed : top.object >= 0 ? over(top) : 0.0f;
   // Snow beside a gap is low because of the gap, so the snow a width away counts, too.
   float far = next;
   if (target.farther.object >= 0) far = std::max(far, over(target.farther));

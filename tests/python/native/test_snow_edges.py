@@ -115,12 +115,17 @@ def test_snow_falls_over_walls_in_the_chart_of_the_top(segments, texel):
     assert held(broad, "seat") < 1.1 * held(snow_on({"seat": pieces(slats([0.0]))}), "seat")
 
 
-def beside_a_joint(lift, height):
-    """Thickness on the last 3 cm of a stone, beside one whose top is higher by `lift`."""
-    middle = 0.3 + GAP / 2
+def across_a_joint(lift, height, depth=0.2, gap=GAP):
+    """Thickness on the last 3 cm of a stone, and on the first 3 cm of one whose top is higher by `lift`."""
+    middle = 0.3 + gap / 2
     boxes = [((-middle, 0.0, -0.05), (0.6, 0.6, 0.1)), ((middle, 0.0, lift - height / 2), (0.6, 0.6, height))]
     stones = pieces([(*box, 0.0) for box in boxes])
-    return top_chart(stones, 0, snow_on({"stones": stones}).height("stones"))[20:-20, -3:]
+    heights = snow_on({"stones": stones}, depth).height("stones")
+    return top_chart(stones, 0, heights)[20:-20, -3:], top_chart(stones, 1, heights)[20:-20, :3]
+
+
+def beside_a_joint(lift, height):
+    return across_a_joint(lift, height)[0]
 
 
 @pytest.mark.parametrize("lift", [0.0, 0.02, 0.03])
@@ -128,12 +133,22 @@ def test_stones_that_lie_unevenly_close_their_joints(lift):
     assert beside_a_joint(lift, 0.1).mean() > 0.9 * 0.2
 
 
+@pytest.mark.parametrize("lift", [0.07, 0.15])
+@pytest.mark.parametrize("depth", [0.2, 0.3])
+def test_a_joint_below_a_step_holds_as_much_as_none(lift, depth):
+    lower, upper = across_a_joint(lift, 0.5, depth)
+    lower_closed, upper_closed = across_a_joint(lift, 0.5, depth, gap=0.0005)
+    assert upper.mean() == pytest.approx(upper_closed.mean(), abs=GAP + 0.01)
+    assert lower.mean() == pytest.approx(lower_closed.mean(), abs=GAP + 0.01)
+
+
 def test_snow_leans_against_a_wall_beyond_a_joint():
     assert beside_a_joint(2.0, 2.1).mean() > 0.9 * 0.2
 
 
 def test_snow_beside_a_joint_is_no_higher_than_that_on_the_stone_beyond():
-    assert beside_a_joint(0.1, 0.2).mean() < 0.2
+    lower, upper = across_a_joint(0.1, 0.2)
+    assert lower.mean() < 0.1 + upper.mean()
 
 
 def test_a_bare_neighbour_holds_no_snow_up():
