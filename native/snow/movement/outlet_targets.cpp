@@ -77,36 +77,50 @@ MapPoint OutletTargets::below(const glm::dvec3& from, double over, bool& is_clos
 }
 
 /// Searches on for the far side of a gap, up to about `widest` metres: the first surface that is no
-/// farther above or below than away, or rises as steeply from what is below the outlet: a lower
-/// stone beyond a joint. The distances do not depend on where earlier searches ended.
+/// farther above or below than away. Before it there may be the top of a step: it rises as steeply
+/// from what is below the outlet. The distances do not depend on where earlier searches ended.
 void OutletTargets::find_gap(const Outlet& outlet, float widest, OutletTarget& target) const {
   const auto beyond = [&](double distance, double over, bool& is_closed) {
     return below(outlet.point + glm::dvec3(outlet.outwards * distance, 0.0), over, is_closed);
   };
-  const double bed = target.fall.object >= 0 ? target.fall.z : outlet.point.z - kDeepestStep;
   const auto is_across = [&](double distance) {
     bool is_closed = false;
     const MapPoint point = beyond(distance, distance, is_closed);
-    if (is_closed || point.object < 0) return is_closed;
-    return std::abs(point.z - outlet.point.z) < distance ||
+    return is_closed || (point.object >= 0 && std::abs(point.z - outlet.point.z) < distance);
+  };
+  const double bed = target.fall.object >= 0 ? target.fall.z : outlet.point.z - kDeepestStep;
+  const auto is_step = [&](double distance) {
+    bool is_closed = false;
+    const MapPoint point = beyond(distance, distance, is_closed);
+    return !is_closed && point.object >= 0 &&
            point.z > std::max(bed + distance, outlet.point.z - kDeepestStep);
+  };
+  // Where between two distances a condition begins to hold.
+  const auto first = [](double last, double distance, const auto& holds) {
+    for (int i = 0; i < kBisections; ++i) {
+      const double middle = 0.5 * (last + distance);
+      (holds(middle) ? distance : last) = middle;
+    }
+    return distance;
   };
   double width = 0.0;
   while (width == 0.0 && target.searched < widest) {
     const float way = std::min(kNextDistance * target.searched, kWidestGap);
     if (is_across(way)) {
       width = way;
-    } else {
-      target.searched = way < kWidestGap ? way : std::numeric_limits<float>::infinity();
+      break;
     }
+    if (!(target.step_width > 0.0f) && is_step(way)) {
+      bool is_closed = false;
+      const double step = first(target.searched, way, is_step);
+      target.step = beyond(step, step, is_closed);
+      target.step_width = static_cast<float>(step);
+    }
+    target.searched = way < kWidestGap ? way : std::numeric_limits<float>::infinity();
   }
   if (width == 0.0) return;
-  double last = target.searched;
+  width = first(target.searched, width, is_across);
   target.searched = std::numeric_limits<float>::infinity();
-  for (int i = 0; i < kBisections; ++i) {
-    const double middle = 0.5 * (last + width);
-    (is_across(middle) ? width : last) = middle;
-  }
   bool is_closed = false;
   target.far = beyond(width, width, is_closed);
   if (!is_closed && target.far.object < 0) return;
@@ -191,6 +205,7 @@ float OutletTargets::rise_of(const OutletTarget& target, float widest, float nea
   float above = target.is_closed ? kClosed : 0.0f;
   const auto over = [&](const MapPoint& point) { return top_at(point, heights) - target.z; };
   if (target.fall.object >= 0) above = std::max(above, over(target.fall));
+  if (target.step_width > 0.0f) above = std::max(above, over(target.step) - target.step_width);
   if (!(target.width > 0.0f && target.width <= widest)) return above;
   // The side of a higher top is none itself.
   const MapPoint& top = target.far.object >= 0 ? target.far : target.farther;

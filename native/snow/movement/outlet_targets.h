@@ -25,7 +25,10 @@ struct OutletTarget {
   float searched = 0.0f;
   /// The distance of the nearest such surface; 0: not found yet.
   float width = 0.0f;
-  /// Whether it belongs to a wall that ends far above.
+  /// The first top nearer than it that is a step lower, and its distance in metres; 0: none.
+  MapPoint step;
+  float step_width = 0.0f;
+  /// Whether the far side belongs to a wall that ends far above.
   bool is_at_wall = false;
   /// The surfaces that wide a way beyond the outlet, twice as far, and the same way before it.
   MapPoint far, farther, before;
