@@ -142,6 +142,17 @@ def test_a_joint_below_a_step_holds_as_much_as_none(lift, depth):
     assert lower.mean() == pytest.approx(lower_closed.mean(), abs=GAP + 0.01)
 
 
+def test_a_ledge_within_a_joint_leaves_it_closed():
+    stones = [((side * 0.33, 0.0, -0.25), (0.6, 0.6, 0.5), 0.0) for side in (-1, 1)]
+    ledge = ((0.01, 0.0, -0.35), (0.04, 0.6, 0.4), 0.0)
+    beside = {
+        name: top_chart(mesh := pieces(boxes), 0, snow_on({"s": mesh}).height("s"))[20:-20, -3:].mean()
+        for name, boxes in (("plain", stones), ("ledge", [*stones, ledge]))
+    }
+    assert beside["ledge"] == pytest.approx(beside["plain"], abs=0.01)
+    assert beside["plain"] > 0.12
+
+
 def test_snow_leans_against_a_wall_beyond_a_joint():
     assert beside_a_joint(2.0, 2.1).mean() > 0.9 * 0.2
 
