@@ -5,10 +5,10 @@
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfInputFile.h>
-#include <ImfOutputFile.h>
 #include <ImfStringAttribute.h>
 #include <ImfVersion.h>
 #include <half.h>
+#include <openexr.h>
 
 #include <algorithm>
 #include <cstring>
@@ -20,27 +20,6 @@
 
 namespace snowbough::image {
 namespace {
-
-/// Collects OpenEXR's output, so that only atomic_write writes to the disk.
-class MemoryWriter : public Imf::OStream {
- public:
-  MemoryWriter() : Imf::OStream("memory") {}
-
-  void write(const char bytes[], int count) override {
-    const size_t end = position_ + static_cast<size_t>(count);
-    if (end > bytes_.size()) bytes_.resize(end);
-    std::memcpy(bytes_.data() + position_, bytes, static_cast<size_t>(count));
-    position_ = end;
-  }
-  uint64_t tellp() override { return position_; }
-  void seekp(uint64_t position) override { position_ = position; }
-
-  std::string take() { return std::move(bytes_); }
-
- private:
-  std::string bytes_;
-  size_t position_ = 0;
-};
 
 class MemoryReader : public Imf::IStream {
  public:
@@ -75,59 +54,150 @@ void check_layout(const ExrLayout& layout) {
   }
 }
 
-Imf::Header make_header(const ExrLayout& layout) {
-  Imf::Header header(layout.width, layout.height);
-  header.compression() = Imf::RLE_COMPRESSION;
-  for (const auto& [name, text] : layout.attributes) {
-    if (name.empty() || header.find(name.c_str()) != header.end()) {
-      throw std::invalid_argument("the EXR attribute '" + name + "' is reserved by the format");
-    }
-    header.insert(name.c_str(), Imf::StringAttribute(text));
-  }
-  const Imf::PixelType type = layout.type == ExrPixelType::kHalf ? Imf::HALF : Imf::FLOAT;
-  for (const std::string& channel : layout.channels) {
-    header.channels().insert(channel.c_str(), Imf::Channel(type));
-  }
-  return header;
-}
-
 /// Channels of an interleaved array whose row 0 is the file's last scanline: the base points at the
-/// array's last row, with a negative stride.
-template <typename Scalar>
-Imf::FrameBuffer flipped_frame_buffer(const std::vector<std::string>& channels, Imf::PixelType type,
-                                      const Scalar* pixels, int32_t width, int32_t height,
-                                      int32_t min_x, int32_t min_y) {
-  const auto pixel_stride = static_cast<ptrdiff_t>(sizeof(Scalar) * channels.size());
-  const ptrdiff_t row_stride = pixel_stride * width;
+/// array's last row, with a negative stride. The file's first pixel is at min_x, min_y.
+Imf::FrameBuffer flipped_frame_buffer(const ExrLayout& layout, int32_t min_x, int32_t min_y,
+                                      float* pixels) {
+  const auto pixel_stride = static_cast<ptrdiff_t>(sizeof(float) * layout.channels.size());
+  const ptrdiff_t row_stride = pixel_stride * layout.width;
   Imf::FrameBuffer frame;
-  for (size_t c = 0; c < channels.size(); ++c) {
-    // OpenEXR never writes through an output file's frame buffer; its interface is not const.
-    char* base = reinterpret_cast<char*>(const_cast<Scalar*>(pixels + c));
-    base += row_stride * (height - 1 + min_y) - pixel_stride * min_x;
-    frame.insert(channels[c].c_str(), Imf::Slice(type, base, static_cast<size_t>(pixel_stride),
-                                                 static_cast<size_t>(-row_stride)));
+  for (size_t c = 0; c < layout.channels.size(); ++c) {
+    char* base = reinterpret_cast<char*>(pixels + c);
+    base += row_stride * (layout.height - 1 + min_y) - pixel_stride * min_x;
+    frame.insert(layout.channels[c].c_str(),
+                 Imf::Slice(Imf::FLOAT, base, static_cast<size_t>(pixel_stride),
+                            static_cast<size_t>(-row_stride)));
   }
   return frame;
 }
 
-std::string encode(const ExrLayout& layout, const float* pixels) {
-  MemoryWriter stream;
-  {
-    Imf::OutputFile file(stream, make_header(layout), 0);
-    if (layout.type == ExrPixelType::kHalf) {
-      const size_t count = static_cast<size_t>(layout.width) * static_cast<size_t>(layout.height) *
-                           layout.channels.size();
-      std::vector<half> halves(pixels, pixels + count);
-      file.setFrameBuffer(flipped_frame_buffer(layout.channels, Imf::HALF, halves.data(),
-                                               layout.width, layout.height, 0, 0));
-      file.writePixels(layout.height);
-    } else {
-      file.setFrameBuffer(flipped_frame_buffer(layout.channels, Imf::FLOAT, pixels, layout.width,
-                                               layout.height, 0, 0));
-      file.writePixels(layout.height);
+/// @throws std::runtime_error with OpenEXR's words if `result` is no success.
+void require(exr_result_t result) {
+  if (result == EXR_ERR_SUCCESS) return;
+  if (result == EXR_ERR_OUT_OF_MEMORY) throw std::bad_alloc();
+  throw std::runtime_error(std::string("cannot encode an EXR image: ") +
+                           exr_get_default_error_message(result));
+}
+
+/// An EXR file in memory, so that only atomic_write writes to the disk. OpenEXR's C interface
+/// compresses on the calling thread; that of C++ hands each line to its own threads, and within
+/// Blender takes 4 times as long.
+class MemoryFile {
+ public:
+  explicit MemoryFile(const ExrLayout& layout) {
+    exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    settings.error_handler_fn = [](exr_const_context_t, exr_result_t, const char*) {};
+    settings.user_data = &bytes_;
+    settings.write_fn = &write;
+    require(exr_start_write(&context_, "memory", EXR_WRITE_FILE_DIRECTLY, &settings));
+    try {
+      write_header(layout);
+    } catch (...) {
+      exr_finish(&context_);
+      throw;
     }
   }
-  return stream.take();
+  ~MemoryFile() {
+    exr_encoding_destroy(context_, &line_);
+    exr_finish(&context_);
+  }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+
+  /// `pixels`: channels of a pixel one after another, the file's last line first.
+  template <typename Scalar>
+  void write_lines(const ExrLayout& layout, exr_pixel_type_t type, const Scalar* pixels) {
+    const size_t channels = layout.channels.size();
+    for (int32_t y = 0; y < layout.height; ++y) {
+      exr_chunk_info_t chunk;
+      require(exr_write_scanline_chunk_info(context_, kPart, y, &chunk));
+      require(y == 0 ? exr_encoding_initialize(context_, kPart, &chunk, &line_)
+                     : exr_encoding_update(context_, kPart, &chunk, &line_));
+      const size_t row = static_cast<size_t>(layout.height - 1 - y);
+      const Scalar* const first = pixels + row * static_cast<size_t>(layout.width) * channels;
+      // OpenEXR sorts the channels by name.
+      for (int16_t c = 0; c < line_.channel_count; ++c) {
+        exr_coding_channel_info_t& channel = line_.channels[c];
+        const auto own = std::find(layout.channels.begin(), layout.channels.end(),
+                                   std::string_view(channel.channel_name));
+        channel.user_data_type = static_cast<uint16_t>(type);
+        channel.user_bytes_per_element = sizeof(Scalar);
+        channel.user_pixel_stride = static_cast<int32_t>(sizeof(Scalar) * channels);
+        channel.user_line_stride = channel.user_pixel_stride * layout.width;
+        channel.encode_from_ptr =
+            reinterpret_cast<const uint8_t*>(first + (own - layout.channels.begin()));
+      }
+      if (y == 0) require(exr_encoding_choose_default_routines(context_, kPart, &line_));
+      require(exr_encoding_run(context_, kPart, &line_));
+    }
+  }
+
+  /// The whole file, once all lines are written.
+  std::string take() {
+    exr_encoding_destroy(context_, &line_);
+    require(exr_finish(&context_));
+    return std::move(bytes_);
+  }
+
+ private:
+  static constexpr int kPart = 0;
+  static constexpr size_t kShortName = 31;
+
+  static int64_t write(exr_const_context_t, void* file, const void* from, uint64_t count,
+                       uint64_t position, exr_stream_error_func_ptr_t) {
+    std::string& bytes = *static_cast<std::string*>(file);
+    try {
+      if (position + count > bytes.size()) bytes.resize(position + count);
+    } catch (const std::bad_alloc&) {
+      return -1;
+    }
+    std::memcpy(bytes.data() + position, from, count);
+    return static_cast<int64_t>(count);
+  }
+
+  void write_header(const ExrLayout& layout) {
+    int part = kPart;
+    require(exr_add_part(context_, nullptr, EXR_STORAGE_SCANLINE, &part));
+    const auto is_long = [](const std::string& name) { return name.size() > kShortName; };
+    if (std::any_of(layout.channels.begin(), layout.channels.end(), is_long) ||
+        std::any_of(layout.attributes.begin(), layout.attributes.end(),
+                    [&](const auto& attribute) { return is_long(attribute.first); })) {
+      require(exr_set_longname_support(context_, 1));
+    }
+    require(exr_initialize_required_attr_simple(context_, part, layout.width, layout.height,
+                                                EXR_COMPRESSION_RLE));
+    for (const auto& [name, text] : layout.attributes) {
+      const exr_attribute_t* found = nullptr;
+      if (name.empty() ||
+          exr_get_attribute_by_name(context_, part, name.c_str(), &found) == EXR_ERR_SUCCESS) {
+        throw std::invalid_argument("the EXR attribute '" + name + "' is reserved by the format");
+      }
+      require(exr_attr_set_string(context_, part, name.c_str(), text.c_str()));
+    }
+    const auto type = layout.type == ExrPixelType::kHalf ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
+    for (const std::string& channel : layout.channels) {
+      require(exr_add_channel(context_, part, channel.c_str(), type, EXR_PERCEPTUALLY_LOGARITHMIC,
+                              1, 1));
+    }
+    require(exr_write_header(context_));
+  }
+
+  std::string bytes_;
+  exr_context_t context_ = nullptr;
+  exr_encode_pipeline_t line_ = EXR_ENCODE_PIPELINE_INITIALIZER;
+};
+
+std::string encode(const ExrLayout& layout, const float* pixels) {
+  MemoryFile file(layout);
+  if (layout.type == ExrPixelType::kHalf) {
+    const size_t count = static_cast<size_t>(layout.width) * static_cast<size_t>(layout.height) *
+                         layout.channels.size();
+    const std::vector<half> halves(pixels, pixels + count);
+    file.write_lines(layout, EXR_PIXEL_HALF, halves.data());
+  } else {
+    file.write_lines(layout, EXR_PIXEL_FLOAT, pixels);
+  }
+  return file.take();
 }
 
 /// Best compression ratio of all supported methods (zlib's): pixel bytes per file byte.
@@ -249,14 +319,15 @@ ExrImage decode(const std::string& path, std::string& bytes) {
   layout.type = all_half ? ExrPixelType::kHalf : ExrPixelType::kFloat;
   for (auto attribute = header.begin(); attribute != header.end(); ++attribute) {
     const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute.attribute());
-    if (text != nullptr) layout.attributes[attribute.name()] = text->value();
+    // The format's own.
+    if (text == nullptr || attribute.name() == std::string_view("type")) continue;
+    layout.attributes[attribute.name()] = text->value();
   }
 
   image.pixels.resize(static_cast<size_t>(layout.width) * static_cast<size_t>(layout.height) *
                       layout.channels.size());
-  file.setFrameBuffer(flipped_frame_buffer(layout.channels, Imf::FLOAT, image.pixels.data(),
-                                           layout.width, layout.height, window.min.x,
-                                           window.min.y));
+  file.setFrameBuffer(
+      flipped_frame_buffer(layout, window.min.x, window.min.y, image.pixels.data()));
   file.readPixels(window.min.y, window.max.y);
   return image;
 }
