@@ -1,6 +1,7 @@
 #include "snow/step/cpu/engine.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "snow/step/cpu/passes.h"
 #include "snow/step/cpu/run_visibility.h"
@@ -72,11 +73,13 @@ void CpuEngine::move_snow(const std::function<void(std::vector<MovingMap>&)>& mo
   std::vector<MovingMap> maps;
   for (Receiver& receiver : scene_.receivers) {
     MovingMap& map = maps.emplace_back(receiver.object, &receiver.height);
-    for (size_t i = 0; i < receiver.slid.size(); ++i) {
-      if (receiver.slid[i] <= 0.0f) continue;
-      map.slid_from.emplace_back(static_cast<int32_t>(receiver.places[i]), receiver.slid[i]);
+    for (const uint32_t group : receiver.slid_groups) {
+      for (size_t i = receiver.first_texel(group); i < receiver.first_texel(group + 1); ++i) {
+        const float slid = std::exchange(receiver.slid[i], 0.0f);
+        if (slid > 0.0f) map.slid_from.emplace_back(static_cast<int32_t>(receiver.places[i]), slid);
+      }
     }
-    receiver.slid.clear();
+    receiver.slid_groups.clear();
   }
   move(maps);
   for (size_t slot = 0; slot < maps.size(); ++slot) {

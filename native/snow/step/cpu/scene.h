@@ -45,8 +45,10 @@ struct Receiver {
   std::vector<uint32_t> evaluated_in;
   /// Snow thickness in metres, row by row.
   std::vector<float> height;
-  /// Per texel, the volume in m3 that stability let slide in this step; empty if not recorded.
+  /// Per texel, the volume in m3 that stability let slide in this step, 0 outside the groups of
+  /// `slid_groups`; empty if never recorded.
   std::vector<float> slid;
+  std::vector<uint32_t> slid_groups;
 
   /// Per group: whether snow lies on it; and the groups active in this step, ascending.
   std::vector<uint8_t> holds_snow;

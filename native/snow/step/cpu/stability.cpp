@@ -129,7 +129,6 @@ void cpu::apply_stability(Scene& scene, const StabilitySettings& settings, float
     stability.least_up = settings.least_up();
     stability.dt = dt;
     stability.half_life = settings.clamped_half_life();
-    receiver.slid.clear();
     if (settings.records_slid) receiver.slid.resize(receiver.places.size(), 0.0f);
     stability.slid = settings.records_slid ? receiver.slid.data() : nullptr;
     std::vector<glm::dvec4> sums(receiver.active.size(), glm::dvec4(0.0));
@@ -141,7 +140,9 @@ void cpu::apply_stability(Scene& scene, const StabilitySettings& settings, float
                                   receiver.first_texel(group + 1), holds_snow);
       receiver.holds_snow[group] = holds_snow ? 1 : 0;
     });
-    for (const glm::dvec4& sum : sums) {
+    for (size_t i = 0; i < sums.size(); ++i) {
+      const glm::dvec4& sum = sums[i];
+      if (settings.records_slid && sum.y > 0.0) receiver.slid_groups.push_back(receiver.active[i]);
       receiver.sums.deposited += sum.x;
       receiver.sums.slid += sum.y;
       receiver.sums.held += sum.z;
