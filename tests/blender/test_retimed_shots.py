@@ -121,6 +121,24 @@ def test_a_strip_of_the_sequencer_shows_the_frame_of_its_scene(tmp_path):
     assert rendered(edit, 16, tmp_path) == pytest.approx(0.75, rel=0.03)
 
 
+def test_a_picture_between_two_frames_shows_the_snow_half_way(tmp_path):
+    """Frame 6.5, and frame 6 with a shutter that is open until frame 7."""
+    cart, surface = rising(tmp_path / "cache")
+    scene = bpy.context.scene
+    cycles(scene)
+    camera_above(cart)
+    shine_by_height(surface)
+    scene.view_settings.view_transform = "Raw"
+    whole = rendered(scene, 6, tmp_path)
+    half_way = pytest.approx((whole + rendered(scene, 7, tmp_path)) / 2, rel=0.003)
+    assert half_way == whole * 6.5 / 6 and whole == pytest.approx(0.75, rel=0.03)
+    assert rendered(scene, 6, tmp_path, subframe=0.5) == half_way
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter, scene.cycles.samples = True, 1.0, 64
+    owner = scene.render if hasattr(scene.render, "motion_blur_position") else scene.cycles
+    owner.motion_blur_position = "START"
+    assert rendered(scene, 6, tmp_path) == half_way
+
+
 def linear_name(scene):
     """The linear colour space of the sequencer: its name differs between versions."""
     names = scene.sequencer_colorspace_settings.bl_rna.properties["name"].enum_items.keys()
@@ -167,11 +185,11 @@ def shine_by_height(obj):
     obj.data.materials[0] = material
 
 
-def rendered(scene, frame, folder):
+def rendered(scene, frame, folder, subframe=0.0):
     """Mean of the red pixels of a picture."""
     bpy.context.window.scene = scene  # Blender renders scene strips of the window's scene only
-    scene.frame_set(frame)
-    scene.render.filepath = str(folder / f"{scene.name}_{frame}.exr")
+    scene.frame_set(frame, subframe=subframe)
+    scene.render.filepath = str(folder / f"{scene.name}_{frame}_{len(bpy.data.images)}.exr")
     bpy.ops.render.render(write_still=True)
     return float(np.mean(bpy.data.images.load(scene.render.filepath).pixels[:][::4]))
 
