@@ -22,7 +22,9 @@ if ! dpkg-query -W "${packages[@]}" >/dev/null 2>&1; then
   sudo=()
   [ "$(id -u)" -eq 0 ] || sudo=(sudo)
   echo "fuzz: to be installed with apt-get: ${packages[*]}"
-  "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${packages[@]}" </dev/null
+  as_root_apt_get() { "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get "$@" </dev/null; }
+  install=(install -y --no-install-recommends "${packages[@]}")
+  as_root_apt_get "${install[@]}" || { as_root_apt_get update && as_root_apt_get "${install[@]}"; }
 fi
 launcher=()
 if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi

@@ -253,7 +253,7 @@ MUTANTS = (
     moving("melt/thaw", "    map.melted += volume;\n", "", THAW),
     moving("melt/thaw", "kBareMelts * run.unevenness", "0.0 * run.unevenness", THAW),
     moving("melt/thaw", "std::copysign(left, height[i])", "left", THAW),
-    moving("melt/water", "- part * depth[i];", ";", THAW),
+    moving("melt/water", "- part * depth[i];", "- 0.0f * part * depth[i];", THAW),
     moving("melt/water", "    own.depth[b] += flow / own.area[b];\n", "", THAW),
     moving("melt/water", "/ (1.0f + decay * (height[i] != 0.0f ? kUnderSnow : bare))", "", THAW),
     moving("melt/water", "static_cast<double>(melted[i]) * density);", "static_cast<double>(melted[i]));", THAW),

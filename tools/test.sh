@@ -2,10 +2,10 @@
 # Runs tools/setup.sh, then the tests.
 #
 #   ./tools/test.sh                        all layers
-#   ./tools/test.sh native|python|blender|ui [...]   only these
-#   ./tools/test.sh faults                 kills, full disks, damaged files, long bakes (about half an hour)
+#   ./tools/test.sh native|python|blender|ui|fuzz [...]   only these
+#   ./tools/test.sh faults                 kills, full disks, damaged files, long bakes (about half an hour); not among
+#                                          "all layers"
 #   ./tools/test.sh benchmarks             every benchmark of the manual in its smallest form; not among "all layers"
-#   ./tools/test.sh fuzz                   a minute of each fuzzer (tools/fuzz.sh); not among "all layers"
 #   ./tools/test.sh --blender 4.3|5.2      tests/blender in Debian trixie's or sid's Blender (made under build/)
 #   ./tools/test.sh --blender bpy[=VERSION]   tests/blender in PyPI's official bpy; with a version, on the package
 #   ./tools/test.sh --platform windows[=VERSION]   tests/python on the wheel for Windows, under wine, in Python 3.11
@@ -23,6 +23,7 @@ usage() {
   sed -n '2,16s/^# \{0,1\}//p' "$0"
 }
 
+all=(native python blender ui fuzz)
 layers=()
 blender=
 platform=
@@ -50,7 +51,7 @@ while [ $# -gt 0 ]; do
   shift
 done
 case "$blender" in
-  '') [ ${#layers[@]} -gt 0 ] || layers=(native python blender ui) ;;
+  '') [ ${#layers[@]} -gt 0 ] || layers=("${all[@]}") ;;
   4.3 | 5.2 | bpy | bpy=[0-9]*)
     if [ "${layers[*]:-blender}" != blender ]; then
       echo "test: --blender $blender runs the layer blender only" >&2
@@ -66,7 +67,7 @@ esac
 case "$platform" in
   '') ;;
   windows | windows=[0-9]*)
-    [ "${layers[*]}" != "native python blender ui" ] || layers=(python)
+    [ "${layers[*]}" != "${all[*]}" ] || layers=(python)
     if [ -n "$blender" ] || { [ "${layers[*]}" != python ] && [ "${layers[*]}" != blender ]; }; then
       echo "test: --platform windows runs the layer python or the layer blender" >&2
       exit 2
@@ -111,14 +112,13 @@ run_blender() {
   esac
 }
 
-# Not part of `all layers`: it takes long.
 run_faults() {
   PYTHONPATH=build/python /usr/bin/python3 -m pytest tests/faults -v -rfE -s \
     -o junit_family=xunit2 --junitxml="$results/faults.xml"
 }
 
 run_fuzz() {
-  SNOWBOUGH_FUZZ_REPORT="$results/fuzz.xml" tools/fuzz.sh 1
+  SNOWBOUGH_FUZZ_REPORT="$results/fuzz.xml" nice -n 10 tools/fuzz.sh 1
 }
 
 run_benchmarks() {
@@ -149,22 +149,22 @@ run_layer() {
 [ -n "$blender$platform" ] || SNOWBOUGH_TEST_ZIP="$PWD/$(tools/package.sh)" || exit 1
 export SNOWBOUGH_TEST_ZIP
 
-# The native tests use all cores. Of the other layers each uses about one, so tests/blender runs beside the other two;
-# its output comes last.
-beside=
-for layer in native blender python ui faults fuzz benchmarks; do
+# The native tests use all cores. Of the other layers each uses about one, so tests/blender runs beside the other two,
+# and the fuzzers run in what all others leave. The outputs of these two come last.
+beside=()
+for layer in fuzz native blender python ui faults benchmarks; do
   case " ${layers[*]} " in *" $layer "*) ;; *) continue ;; esac
-  if [ "$layer" = blender ] && [ ${#layers[@]} -gt 1 ]; then
-    run_layer blender >"$results/blender.log" 2>&1 &
-    beside=$!
+  if [[ ${#layers[@]} -gt 1 && $layer =~ ^(blender|fuzz)$ ]]; then
+    run_layer "$layer" >"$results/$layer.log" 2>&1 &
+    beside+=("$layer")
   else
     run_layer "$layer"
   fi
 done
-if [ -n "$beside" ]; then
-  wait "$beside"
-  cat "$results/blender.log"
-fi
+wait
+for layer in "${beside[@]}"; do
+  cat "$results/$layer.log"
+done
 
 echo
 /usr/bin/python3 tools/test_summary.py "$results" "${layers[@]}"

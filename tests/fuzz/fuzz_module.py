@@ -25,7 +25,7 @@ import snowbough_native as native
 # KeyError: a dict lacks a key. TypeError: pybind11 finds no function for the types.
 DOCUMENTED = (ValueError, RuntimeError, TypeError, KeyError, OverflowError, MemoryError)
 TREE = Path(__file__).resolve().parents[1] / "data" / "small_maple.obj"
-SECONDS_A_CHILD = 120
+SECONDS_A_CHILD = 120  # of processor time; on a busy machine the clock may go on for ten times as long
 MEMORY = 4 << 30
 
 TRIANGLES = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
@@ -211,6 +211,7 @@ def summary(value):
 
 def child(seed, calls):
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS_A_CHILD, SECONDS_A_CHILD))
     warnings.simplefilter("ignore")
     pick = random.Random(seed)
     with tempfile.TemporaryDirectory(prefix="snowbough-fuzz-") as folder:
@@ -236,7 +237,7 @@ def run_child(seed, calls):
     ]
     with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as errors:
         try:
-            status = subprocess.run(command, stdout=out, stderr=errors, timeout=SECONDS_A_CHILD).returncode
+            status = subprocess.run(command, stdout=out, stderr=errors, timeout=10 * SECONDS_A_CHILD).returncode
         except subprocess.TimeoutExpired:
             status = "timeout"
         out.seek(0)

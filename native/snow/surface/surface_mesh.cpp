@@ -7,7 +7,7 @@
 
 #include "base/group_by_key.h"
 #include "base/parallel_for.h"
-#include "snow/movement/repose/welded.h"
+#include "snow/texels/welded.h"
 #include "snow/surface/vectors.h"
 
 namespace snowbough::snow {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/group_by_key.h"
-#include "snow/movement/repose/welded.h"
+#include "snow/texels/welded.h"
 #include "snow/texels/charts.h"
 
 namespace snowbough::snow {

@@ -1,4 +1,4 @@
-#include "snow/movement/repose/welded.h"
+#include "snow/texels/welded.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
