@@ -237,7 +237,9 @@ def run_child(seed, calls):
     ]
     with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as errors:
         try:
-            status = subprocess.run(command, stdout=out, stderr=errors, timeout=10 * SECONDS_A_CHILD).returncode
+            status = subprocess.run(
+                command, stdout=out, stderr=errors, timeout=10 * SECONDS_A_CHILD
+            ).returncode
         except subprocess.TimeoutExpired:
             status = "timeout"
         out.seek(0)
