@@ -151,7 +151,7 @@ MUTANTS = (
     cache("folder", "if half or (match", "if (match", REPAIRS),
     cache("folder", ".json\").is_file()]", ".json\")]"),
     cache("folder", '"files": listed, "complete": False', '"files": listed, "complete": True', REPAIRS),
-    cache("folder", "lines.ends[-1] != end or", "", REPAIRS),
+    cache("folder", "lines.ends[-1] != end or", ""),
     cache("folder", "for frame in reversed(checkpoints(folder)):", "for frame in checkpoints(folder)[:1]:", REPAIRS),
     # Versions and owners.
     cache("versions", 'if name in keys and manifest["complete"]:', "if False:"),
@@ -171,7 +171,7 @@ MUTANTS = (
     cache("journal", 'hashlib.blake2b(before + body', 'hashlib.blake2b(body'),
     cache("journal", 'if not is_header and entry["frame"] != lines.next_frame:', "if False:"),
     cache("journal", "            self._cut(descriptor)\n            os.fsync", "            os.fsync", REPAIRS),
-    cache("manifest", "not lines.rest and ", "", REPAIRS),
+    cache("manifest", "not lines.rest and ", ""),
     cache("integrity", "if not is_same", "if False"),
     cache("integrity", "return lost, FRAMES", "return None", REPAIRS),
     # Resuming.
@@ -197,10 +197,10 @@ MUTANTS = (
     state("  if (check) check(outline);\n", ""),
     state("return std::bit_cast<uint32_t>(height) == 0;", "return height == 0.0f;"),
     # Lines that are cut, and the balance.
-    cache("journal", "self._cut(descriptor)  # what a failed attempt left", "pass", REPAIRS),
+    cache("journal", "self._cut(descriptor)  # what a failed attempt left", "pass"),
     cache("journal", "until is None or end < until.bytes", "True", REPAIRS),
-    cache("journal", "lines.rest = size - end", "lines.rest = 0", REPAIRS),
-    cache("journal", "or found.st_size < self.end.bytes", "or False", CACHE),
+    cache("journal", "lines.rest = size - end", "lines.rest = 0"),
+    cache("journal", "or found.st_size < self.end.bytes", "or False"),
     cache("ledger", "entry.get(name, 0.0)", "0.0", LEDGER),
     cache("ledger", "if last[name] >= LEAST * last", "if last[name] > 0.0 * last", LEDGER),
     cache("ledger", 'math.fsum(entry["slid"] for entry in entries)', "0.0", LEDGER),

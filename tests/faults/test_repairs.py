@@ -123,6 +123,15 @@ def test_a_damaged_manifest_is_restored_from_a_checkpoint(request, cache, whole)
     assert shot.files_of(cache) == whole
 
 
+@pytest.mark.parametrize("frame", [3, 5])
+def test_a_damaged_manifest_is_restored_from_any_checkpoint(stopped, whole, frame):
+    flip(found(stopped, "Cart-*/object.json"))
+    flip(found(stopped, f"Cart-*/state_{frame:04d}.json"))
+    assert folder.restore_manifest(found(stopped, "Cart-*/object.json").parent)
+    description = manifest.read_head(found(stopped, "Cart-*/object.json").parent)
+    assert description["label"] == "Cart" and not description["complete"]
+
+
 def test_a_restored_manifest_knows_the_frames_of_the_newest_checkpoint(stopped, whole):
     flip(found(stopped, "Cart-*/object.json"))
     flip(found(stopped, "Cart-*/height_0005.exr"))

@@ -94,6 +94,40 @@ def test_frames_follow_one_another(tmp_path):
     assert [entry["frame"] for entry in journal.read_lines(tmp_path).entries] == [1, 2]
 
 
+def test_bytes_behind_the_last_line_are_damage(tmp_path):
+    write_bake(tmp_path, written(frames=(1, 1)), FRAMES)
+    with open(tmp_path / files.FRAMES, "ab") as stream:
+        stream.write(b"x")
+    assert journal.read_lines(tmp_path).rest == 1
+    with pytest.raises(errors.CacheError, match="frames.tsv is missing or damaged from frame 2 on"):
+        manifest.read_manifest(tmp_path)
+
+
+def test_a_line_takes_the_place_of_what_a_failed_attempt_left(tmp_path):
+    write_bake(tmp_path, written(), FRAMES)
+    own = journal.Journal(tmp_path, journal.read_lines(tmp_path).ends[-1])
+    with open(tmp_path / files.FRAMES, "ab") as stream:
+        stream.write(b"half a line")
+    second = {**FRAMES[0], "frame": 2}
+    own.append(second, b"[]")
+    lines = journal.read_lines(tmp_path)
+    assert (lines.entries, lines.rest) == ([*FRAMES, second], 0)
+    os.truncate(tmp_path / files.FRAMES, own.end.bytes - 1)
+    with pytest.raises(errors.CacheError, match="it was replaced or cut during this bake"):
+        own.append({**FRAMES[0], "frame": 3}, b"[]")
+
+
+def test_a_checkpoint_counts_only_behind_the_lines_of_its_bake(tmp_path):
+    write_bake(tmp_path, written(), FRAMES)
+    end = journal.read_lines(tmp_path).ends[-1].as_dict()
+    assert folder.lines_until(tmp_path, 1, {**SIDECAR, "end": end}).entries == FRAMES
+    other = {**end, "checksum": "0123456789abcdef" * 2}
+    with pytest.raises(
+        errors.CacheError, match="frames.tsv is missing or damaged before the checkpoint of frame 1"
+    ):
+        folder.lines_until(tmp_path, 1, {**SIDECAR, "end": other})
+
+
 def test_a_path_below_a_file_has_no_owner_and_no_damage(tmp_path):
     (tmp_path / "file").write_text("")
     assert owner.is_owner(tmp_path / "file" / "Scene", tmp_path / "shot.blend")
