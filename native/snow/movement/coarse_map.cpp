@@ -1,8 +1,10 @@
 #include "snow/movement/coarse_map.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -175,11 +177,67 @@ void CoarseMap::update_areas() {
   });
 }
 
-MovingMap CoarseMap::begin(const MovingMap& map) {
+void CoarseMap::block(const std::vector<int32_t>& texels) {
+  if (texels.empty() && blocked_.empty()) return;
+  const ReposeLinks& links = *repose_.ground().links;
+  std::vector<int32_t> places;
+  for (const int32_t texel : texels) {
+    const auto square = static_cast<size_t>(texels_.parent[static_cast<size_t>(texel)]);
+    places.push_back(repose_.table().texel[square]);
+  }
+  std::sort(places.begin(), places.end());
+  places.erase(std::unique(places.begin(), places.end()), places.end());
+  stand_.resize(height_.size(), 0.0f);
+  std::vector<int32_t> changed;
+  std::set_symmetric_difference(blocked_.begin(), blocked_.end(), places.begin(), places.end(),
+                                std::back_inserter(changed));
+  for (const int32_t place : blocked_) stand_[static_cast<size_t>(place)] = 0.0f;
+  for (const int32_t place : places) stand_[static_cast<size_t>(place)] = Repose::kBarrier;
+  std::vector<uint8_t> changes(links.block_count(), 0);
+  for (const int32_t place : changed) changes[static_cast<size_t>(links.block_of(place))] = 1;
+  blocked_ = std::move(places);
+  repose_.set_stand(blocked_.empty() ? nullptr : &stand_, changes);
+}
+
+std::vector<int32_t> CoarseMap::blocks_of_own() const {
+  const auto blocks_a_side = [](int32_t resolution) {
+    return (resolution + kReposeBlock - 1) / kReposeBlock;
+  };
+  const int32_t own = blocks_a_side(object_->table->resolution);
+  const int32_t coarse = blocks_a_side(repose_.table().resolution);
+  const int32_t side = object_->table->resolution / repose_.table().resolution;
+  std::vector<int32_t> blocks;
+  for (int32_t b = 0; b < own * own; ++b) {
+    blocks.push_back(b / own / side * coarse + b % own / side);
+  }
+  return blocks;
+}
+
+/// Calls visit(first, last) for the squares where snow may move, in runs, on all cores.
+template <typename Visit>
+void CoarseMap::for_squares(const Visit& visit) const {
+  const std::vector<int32_t>& squares = repose_.table().texel;
+  if (blocks_) {
+    base::for_each_item(blocks_->size(), 1, [&](size_t i) {
+      repose_.links().for_runs((*blocks_)[i], squares, [&](int32_t first, int32_t count, size_t) {
+        visit(static_cast<size_t>(first), static_cast<size_t>(first + count));
+      });
+    });
+    return;
+  }
+  base::for_each_item((squares.size() + kRun - 1) / kRun, 1, [&](size_t run) {
+    visit(run * kRun, std::min(squares.size(), (run + 1) * kRun));
+  });
+}
+
+MovingMap CoarseMap::begin(const MovingMap& map, const std::vector<int32_t>* blocks) {
   update_areas();
+  blocks_.reset();
+  if (blocks != nullptr) blocks_ = *blocks;
   const std::vector<int32_t>& places = object_->table->texel;
   const std::vector<int32_t>& squares = repose_.table().texel;
-  base::for_each_item(squares.size(), kRun, [&](size_t i) {
+  before_.resize(height_.size());
+  const auto join_square = [&](size_t i) {
     double volume = 0.0;
     double on_front = 0.0;
     for (int32_t t = texels_.begin[i]; t < texels_.begin[i + 1]; ++t) {
@@ -190,10 +248,13 @@ MovingMap CoarseMap::begin(const MovingMap& map) {
       on_front += held;
     }
     const float mean = volume > 0.0 ? static_cast<float>(volume / square_area_[i]) : 0.0f;
+    const auto at = static_cast<size_t>(squares[i]);
     // Snow on both sides of a sheet lies on the side of most.
-    height_[static_cast<size_t>(squares[i])] = on_front < 0.0 ? -mean : mean;
+    before_[at] = height_[at] = on_front < 0.0 ? -mean : mean;
+  };
+  for_squares([&](size_t first, size_t last) {
+    for (size_t i = first; i < last; ++i) join_square(i);
   });
-  before_ = height_;
   MovingMap moved;
   moved.object = map.object;
   moved.height = &height_;
@@ -340,16 +401,14 @@ double CoarseMap::level_of(const std::vector<Part>& parts, double volume) {
 void CoarseMap::end(const MovingMap& moved, MovingMap& map) {
   map.slid += moved.slid;
   if (!moved.has_changed) return;
-  const size_t squares = texels_.middle.size();
-  std::vector<uint8_t> changes((squares + kRun - 1) / kRun, 0);
-  base::for_each_item(changes.size(), 1, [&](size_t run) {
-    std::vector<Part> parts;
-    for (size_t i = run * kRun; i < std::min(squares, (run + 1) * kRun); ++i) {
-      if (spread(i, *map.height, parts)) changes[run] = 1;
+  std::atomic<bool> has_changed{false};
+  for_squares([&](size_t first, size_t last) {
+    thread_local std::vector<Part> parts;
+    for (size_t i = first; i < last; ++i) {
+      if (spread(i, *map.height, parts)) has_changed.store(true, std::memory_order_relaxed);
     }
   });
-  map.has_changed = map.has_changed || std::any_of(changes.begin(), changes.end(),
-                                                   [](uint8_t changed) { return changed != 0; });
+  map.has_changed = map.has_changed || has_changed;
 }
 
 void CoarseMaps::lay_out(const std::vector<const SceneObject*>& objects, const SceneRays& rays) {
@@ -357,6 +416,7 @@ void CoarseMaps::lay_out(const std::vector<const SceneObject*>& objects, const S
   rays_ = &rays;
   levels_.clear();
   levels_.resize(objects.size());
+  begin_step();
 }
 
 void CoarseMaps::forget_pose(size_t object) {
@@ -367,12 +427,13 @@ void CoarseMaps::forget_rooms(size_t object) {
   if (levels_[object].map != nullptr) levels_[object].map->repose().forget_rooms();
 }
 
-CoarseMap* CoarseMaps::choose(const MovingMap& map, bool keeps_own, bool of_grains,
-                              ReposeLinkTables& tables, Repose& own) {
+CoarseMap* CoarseMaps::choose(const MovingMap& map, bool of_grains, ReposeLinkTables& tables,
+                              Repose& own) {
   const SceneObject& object = *objects_[map.object];
   Level& level = levels_[map.object];
+  if (std::exchange(is_chosen_[map.object], uint8_t{1}) != 0) return level.map.get();
   const double depth =
-      keeps_own || object.mask != nullptr ? 0.0 : thickest(*map.height, object.table->resolution);
+      object.mask != nullptr ? 0.0 : thickest(*map.height, object.table->resolution);
   if (level.texel_size == 0.0 && depth > 0.0) level.texel_size = texel_size_of(object);
   const double wanted = std::max(kFinest, depth / (of_grains ? kTexelsAHeap : kTexelsADepth));
   int32_t side = 1;

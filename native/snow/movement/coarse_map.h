@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "snow/movement/moving_map.h"
@@ -25,8 +26,14 @@ class CoarseMap {
   Repose& repose() { return repose_; }
   void forget_pose();
 
-  /// The map of the squares' mean heights, until `end` is called.
-  MovingMap begin(const MovingMap& map);
+  /// Lets no snow pass the squares of these texels, until the next call.
+  void block(const std::vector<int32_t>& texels);
+  /// By block of the receiver's map: the squares' block in which it lies.
+  std::vector<int32_t> blocks_of_own() const;
+
+  /// The map of the squares' mean heights, until `end` is called. `blocks`: ascending, where and
+  /// beside where snow moves; null: all.
+  MovingMap begin(const MovingMap& map, const std::vector<int32_t>* blocks = nullptr);
   /// Takes back what `moved` has become.
   void end(const MovingMap& moved, MovingMap& map);
 
@@ -34,6 +41,8 @@ class CoarseMap {
   CoarseMap(const SceneObject& object, CoarseTexels texels, std::unique_ptr<const TexelTable> table,
             ReposeLinkTables& tables, const SceneRays& rays);
   void update_areas();
+  template <typename Visit>
+  void for_squares(const Visit& visit) const;
   /// A square's slope to the right and upwards, in metres of thickness per square.
   glm::vec2 slope_at(int32_t place) const;
   struct Part;
@@ -53,8 +62,13 @@ class CoarseMap {
   std::vector<float> square_up_;
   /// By place on the coarse map: metres, and before the step's movement.
   std::vector<float> height_, before_;
+  /// What `begin` has been given.
+  std::optional<std::vector<int32_t>> blocks_;
   /// By coarse texel: a place on the receiver's map.
   std::vector<int32_t> places_;
+  /// By place on the coarse map: the height to which snow stands; and the places of those over 0.
+  std::vector<float> stand_;
+  std::vector<int32_t> blocked_;
 };
 
 /// The coarser maps of a scene's receivers. The surface of snow has no detail that is much smaller
@@ -64,7 +78,7 @@ class CoarseMap {
 /// snow differs by 0.13 mm on average, and by less than 2 mm on 99 % of it.
 ///
 /// The choice depends on the pose at rest and on the heights alone, so that a resumed bake makes it
-/// too. Masks and pressed snow keep the receiver's own map.
+/// too. Masks keep the receiver's own map, and so does the snow near packed snow.
 class CoarseMaps {
  public:
   /// `objects` and `rays` must live until the next call.
@@ -72,10 +86,10 @@ class CoarseMaps {
   void forget_pose(size_t object);
   void forget_rooms(size_t object);
   /// The coarser map on which a receiver's snow moves now, or null: its own, `own`. Replaces it if
-  /// its texels have another size now. `keeps_own`: its snow needs the receiver's own texels.
-  /// `of_grains`: see ReposeSettings::is_granular.
-  CoarseMap* choose(const MovingMap& map, bool keeps_own, bool of_grains, ReposeLinkTables& tables,
-                    Repose& own);
+  /// its texels have another size now. `of_grains`: see ReposeSettings::is_granular.
+  /// Until `begin_step` the choice stays.
+  CoarseMap* choose(const MovingMap& map, bool of_grains, ReposeLinkTables& tables, Repose& own);
+  void begin_step() { is_chosen_.assign(objects_.size(), 0); }
 
  private:
   struct Level {
@@ -88,6 +102,7 @@ class CoarseMaps {
   std::vector<const SceneObject*> objects_;
   const SceneRays* rays_ = nullptr;
   std::vector<Level> levels_;
+  std::vector<uint8_t> is_chosen_;
 };
 
 }  // namespace snowbough::snow

@@ -51,7 +51,6 @@ void Movement::lay_out(const std::vector<const SceneObject*>& objects) {
   pressing_.lay_out(objects);
   landing_.lay_out(targets_.rays());
   coarse_.lay_out(objects, targets_.rays());
-  sides_.assign(objects.size(), 0);
   thaw_.lay_out(objects);
   drift_.lay_out(objects);
   water_.lay_out(targets_.rays());
@@ -116,6 +115,7 @@ void Movement::after(const MovementSettings& settings, uint32_t step_number, dou
                      std::vector<MovingMap>& maps) {
   const std::vector<MovingMap*> moving = shown(maps);
   rounds_ = 0.0;
+  coarse_.begin_step();
   for (MovingMap* map : moving) {
     masks_.refuse(*map, *receivers_[map->object]);
     shedding_.shed(step_number, dt, *map, *receivers_[map->object]);
@@ -150,36 +150,88 @@ void Movement::rest(const MovementSettings& settings, double dt, bool of_blades,
                     const std::vector<MovingMap*>& shown) {
   if (!settings.repose.is_on()) return;
   std::vector<MovingMap*> maps;
+  std::vector<Resting> first;
+  std::vector<Resting> then;
   for (MovingMap* map : shown) {
     const bool moves = dt > 0.0 || (of_blades && pressing_.is_pressed(*map));
-    if (moves || !map->slid_from.empty() || !map->shed_from.empty()) maps.push_back(map);
+    if (!moves && map->slid_from.empty() && map->shed_from.empty()) continue;
+    maps.push_back(map);
+    choose_maps(settings, *map, of_blades, first, then);
   }
+  rest_on(settings, dt, of_blades, maps, first);
+  if (!then.empty()) rest_on(settings, dt, of_blades, maps, then);
+}
+
+/// Chooses the map on which a receiver's snow comes to rest. Near packed snow, whose walls stand,
+/// it is the receiver's own, `then`, after the rest of a coarser one.
+void Movement::choose_maps(const MovementSettings& settings, MovingMap& map, bool of_blades,
+                           std::vector<Resting>& first, std::vector<Resting>& then) {
+  Repose& own = *receivers_[map.object];
+  CoarseMap* const coarse = coarse_.choose(map, settings.repose.is_granular, *link_tables_, own);
+  const std::vector<int32_t> blades = pressing_.ploughed_blocks(map);
+  if (coarse == nullptr) {
+    pressing_.set_stand(map, own);
+    first.push_back({&map, &own, nullptr, blades});
+    return;
+  }
+  Resting on_squares{&map, &coarse->repose(), coarse};
+  Resting near_packed{&map, &own, nullptr};
+  if (const std::vector<uint8_t> stands = pressing_.standing_blocks(map, own); !stands.empty()) {
+    const std::vector<int32_t> blocks = coarse->blocks_of_own();
+    std::vector<int32_t> packed;
+    for (size_t b = 0; b < stands.size(); ++b) {
+      if (stands[b] != 0) packed.push_back(blocks[b]);
+    }
+    const ReposeLinks& links = *coarse->repose().ground().links;
+    on_squares.within.assign(links.block_count(), 1);
+    for (const int32_t block : near_blocks(links, packed)) {
+      on_squares.within[static_cast<size_t>(block)] = 0;
+    }
+    for (const int32_t block : blocks) {
+      near_packed.within.push_back(on_squares.within[static_cast<size_t>(block)] == 0 ? 1 : 0);
+    }
+  }
+  if (!blades.empty()) {
+    const std::vector<int32_t> blocks = coarse->blocks_of_own();
+    for (const int32_t block : blades) {
+      const bool is_near =
+          !near_packed.within.empty() && near_packed.within[static_cast<size_t>(block)] != 0;
+      if (is_near)
+        near_packed.blades.push_back(block);
+      else
+        on_squares.blades.push_back(blocks[static_cast<size_t>(block)]);
+    }
+    std::sort(on_squares.blades.begin(), on_squares.blades.end());
+    on_squares.blades.erase(std::unique(on_squares.blades.begin(), on_squares.blades.end()),
+                            on_squares.blades.end());
+  }
+  if (!near_packed.within.empty() && (!of_blades || !near_packed.blades.empty())) {
+    pressing_.set_stand(map, own);
+    then.push_back(std::move(near_packed));
+  }
+  coarse->block(pressing_.under(map));
+  std::vector<int32_t> needed;
+  if (of_blades) {
+    const ReposeLinks& links = *coarse->repose().ground().links;
+    needed = near_blocks(links, on_squares.blades);
+  }
+  on_squares.coarser = coarse->begin(map, of_blades ? &needed : nullptr);
+  first.push_back(std::move(on_squares));
+}
+
+/// `all`: the receivers' maps that come to rest now, on these and on others.
+void Movement::rest_on(const MovementSettings& settings, double dt, bool of_blades,
+                       const std::vector<MovingMap*>& all, std::vector<Resting>& maps) {
   std::vector<double> slid;
-  std::vector<MovingMap> coarser;
-  std::vector<Resting> resting;
-  coarser.reserve(maps.size());
-  for (MovingMap* map : maps) {
-    slid.push_back(std::exchange(map->slid, 0.0));
-    Repose& own = *receivers_[map->object];
-    const bool keeps_own = pressing_.is_pressed(*map);
-    CoarseMap* const coarse =
-        coarse_.choose(*map, keeps_own, settings.repose.is_granular, *link_tables_, own);
-    const int32_t side = (coarse == nullptr ? own : coarse->repose()).table().resolution;
-    if (std::exchange(sides_[map->object], side) != side) targets_.forget(map->object);
-    if (coarse != nullptr) coarser.push_back(coarse->begin(*map));
-    resting.push_back(coarse == nullptr ? Resting{map, &own, nullptr}
-                                        : Resting{&coarser.back(), &coarse->repose(), coarse});
-  }
-  if (dt > 0.0 || of_blades) {
-    run_repose(settings, static_cast<float>(dt), of_blades, resting, maps);
-  }
+  for (Resting& one : maps) slid.push_back(std::exchange(one.own->slid, 0.0));
+  if (dt > 0.0 || of_blades) run_repose(settings, static_cast<float>(dt), of_blades, all, maps);
   for (size_t i = 0; i < maps.size(); ++i) {
-    const Resting& own = resting[i];
-    if (settings.landing.is_on) landing_.release(settings.landing, *own.map, *own.repose);
-    if (own.coarse != nullptr) own.coarse->end(*own.map, *maps[i]);
-    maps[i]->slid += slid[i];
-    maps[i]->slid_from.clear();
-    maps[i]->shed_from.clear();
+    Resting& one = maps[i];
+    if (settings.landing.is_on) landing_.release(settings.landing, one.map(), *one.repose);
+    if (one.coarse != nullptr) one.coarse->end(one.coarser, *one.own);
+    one.own->slid += slid[i];
+    one.own->slid_from.clear();
+    one.own->shed_from.clear();
   }
 }
 
@@ -214,23 +266,21 @@ void Movement::load(size_t object, const ObjectState& state) {
 }
 
 void Movement::run_repose(const MovementSettings& settings, float dt, bool of_blades,
-                          const std::vector<Resting>& maps, const std::vector<MovingMap*>& own) {
+                          const std::vector<MovingMap*>& all, std::vector<Resting>& maps) {
   const ReposeLimits limits{.slope = static_cast<float>(std::tan(settings.repose.angle)),
                             .cohesion = static_cast<float>(settings.repose.cohesion),
                             .is_granular = settings.repose.is_granular};
   std::vector<size_t> blocks(maps.size(), 0);
   base::for_each_item(maps.size(), 1, [&](size_t i) {
-    const Resting& map = maps[i];
-    blocks[i] = map.repose->choose_blocks(
-        *map.map->height, limits,
-        map.coarse == nullptr ? pressing_.ploughed_blocks(*map.map) : std::vector<int32_t>(),
-        of_blades);
+    Resting& one = maps[i];
+    blocks[i] =
+        one.repose->choose_blocks(*one.map().height, limits, one.blades, of_blades, one.within);
   });
   // Large maps one by one, each on all cores; small ones, and those that are a small part of all,
   // side by side.
-  const size_t all = std::accumulate(blocks.begin(), blocks.end(), size_t{0});
+  const size_t sum = std::accumulate(blocks.begin(), blocks.end(), size_t{0});
   const size_t many =
-      std::max(kManyBlocks, all / (2 * static_cast<size_t>(base::default_threads())));
+      std::max(kManyBlocks, sum / (2 * static_cast<size_t>(base::default_threads())));
   const auto for_maps = [&](const auto& work) {
     std::vector<size_t> small;
     for (size_t i = 0; i < maps.size(); ++i) {
@@ -239,28 +289,28 @@ void Movement::run_repose(const MovementSettings& settings, float dt, bool of_bl
     }
     base::for_each_item(small.size(), 1, [&](size_t i) { work(maps[small[i]], false); });
   };
-  for_maps([&](const Resting& map, bool on_all_cores) {
-    if (map.coarse == nullptr) pressing_.set_stand(*map.map, *map.repose);
-    map.repose->set_up(*map.map->height, on_all_cores);
+  for_maps([&](Resting& one, bool on_all_cores) {
+    one.repose->set_up(*one.map().height, on_all_cores);
   });
   // Without landing a receiver's snow must not depend on that of others, so that machines can share
   // a shot. No map changes before all are raised.
   std::vector<const std::vector<float>*> heights(receivers_.size(), nullptr);
-  for (const MovingMap* map : own) {
+  for (const MovingMap* map : all) {
     if (settings.landing.is_on) heights[map->object] = map->height;
   }
-  for (size_t i = 0; i < maps.size(); ++i) {
-    const size_t object = own[i]->object;
+  for (const Resting& one : maps) {
+    const size_t object = one.own->object;
     const std::vector<float>* const others = heights[object];
-    heights[object] = own[i]->height;
-    targets_.raise(object, *maps[i].repose, heights);
+    heights[object] = one.own->height;
+    targets_.raise(object, *one.repose, heights);
     heights[object] = others;
   }
-  for_maps([&](const Resting& map, bool) {
-    map.map->slid = map.repose->run(*map.map->height, dt, settings.landing.is_on);
-    map.map->has_changed = map.map->has_changed || map.repose->has_changed();
+  for_maps([&](Resting& one, bool) {
+    MovingMap& map = one.map();
+    map.slid = one.repose->run(*map.height, dt, settings.landing.is_on);
+    map.has_changed = map.has_changed || one.repose->has_changed();
   });
-  for (const Resting& map : maps) rounds_ += map.repose->rounds();
+  for (const Resting& one : maps) rounds_ += one.repose->rounds();
 }
 
 }  // namespace snowbough::snow

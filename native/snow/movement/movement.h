@@ -86,21 +86,31 @@ class Movement {
   std::vector<MovingMap*> shown(std::vector<MovingMap>& maps) const;
   /// A map on which snow comes to rest: the receiver's own or a coarser one.
   struct Resting {
-    MovingMap* map = nullptr;
+    /// The receiver's.
+    MovingMap* own = nullptr;
     Repose* repose = nullptr;
     /// Null: the map is the receiver's own.
     CoarseMap* coarse = nullptr;
+    /// As for Repose::choose_blocks.
+    std::vector<int32_t> blades = {};
+    std::vector<uint8_t> within = {};
+    /// What CoarseMap::begin has made.
+    MovingMap coarser = {};
+
+    MovingMap& map() { return coarse == nullptr ? *own : coarser; }
   };
   void rest(const MovementSettings& settings, double dt, bool of_blades,
             const std::vector<MovingMap*>& maps);
+  void choose_maps(const MovementSettings& settings, MovingMap& map, bool of_blades,
+                   std::vector<Resting>& first, std::vector<Resting>& then);
+  void rest_on(const MovementSettings& settings, double dt, bool of_blades,
+               const std::vector<MovingMap*>& all, std::vector<Resting>& maps);
   void run_repose(const MovementSettings& settings, float dt, bool of_blades,
-                  const std::vector<Resting>& maps, const std::vector<MovingMap*>& own);
+                  const std::vector<MovingMap*>& all, std::vector<Resting>& maps);
 
   std::unique_ptr<ReposeLinkTables> link_tables_;
   OutletTargets targets_;
   CoarseMaps coarse_;
-  /// By object: the resolution of the map on which its snow last came to rest.
-  std::vector<int32_t> sides_;
   double rounds_ = 0.0;
   std::vector<FlyingSnow> flying_;
   Masks masks_;

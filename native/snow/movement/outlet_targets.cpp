@@ -166,7 +166,8 @@ bool OutletTargets::is_anything_across(const Outlet& outlet) const {
 void OutletTargets::raise(size_t object, Repose& repose,
                           const std::vector<const std::vector<float>*>& heights) {
   if (repose.choice().chosen.empty()) return;
-  std::vector<std::map<int32_t, OutletTarget>>& targets = targets_[object];
+  std::vector<std::map<int32_t, OutletTarget>>& targets =
+      targets_[object][repose.table().resolution];
   targets.resize(repose.blocks().tiles.size());
   const std::vector<int32_t>& blocks = repose.choice().chosen;
   const ReposeGround& ground = repose.ground();

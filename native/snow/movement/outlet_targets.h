@@ -55,9 +55,6 @@ class OutletTargets {
     }
   }
 
-  /// Call it when an object's outlets are others than before.
-  void forget(size_t object) { targets_[object].clear(); }
-
   /// Raises the chosen outlets of a receiver to the top of the snow beyond. `heights`: by object,
   /// before any map of the step changes; null: its snow does not count.
   void raise(size_t object, Repose& repose, const std::vector<const std::vector<float>*>& heights);
@@ -76,8 +73,8 @@ class OutletTargets {
   SceneRays rays_;
   /// By object: its bounds when its targets were last forgotten.
   std::vector<Bounds> bounds_;
-  /// By object and block, of outlets by RimLink::number.
-  std::vector<std::vector<std::map<int32_t, OutletTarget>>> targets_;
+  /// By object, resolution of its map, and block, of outlets by RimLink::number.
+  std::vector<std::map<int32_t, std::vector<std::map<int32_t, OutletTarget>>>> targets_;
 };
 
 }  // namespace snowbough::snow

@@ -38,16 +38,16 @@ constexpr double kRoom = 0.1;
 constexpr float kLeastPacked = 0.005f;
 /// By how much less walls stand per metre of loose snow on packed snow.
 constexpr float kRefill = 4.0f;
-/// Nothing slides through an object.
-constexpr float kBarrier = 1000.0f;
-/// Parts of a step: way of an object per part, the largest of these: in texels; for those that
-/// press as a fraction of their size; for others in metres. And the most parts.
+/// Parts of a step: way of an object per part, the larger of these: in texels; and as a fraction of
+/// the object's size. That of objects that do not press is less than their thickness, by this
+/// factor, but at least so many metres. And the most parts.
 constexpr double kTexelsAPart = 2.0;
-constexpr double kSizeAPart = 0.05;
+constexpr double kSizeAPart = 0.0625;
+constexpr double kThicknessAPart = 0.75;
 constexpr double kLeastPart = 0.01;
 constexpr int kMostParts = 64;
 /// Parts after which snow that a blade has pushed moves on.
-constexpr int kPartsARest = 2;
+constexpr int kPartsARest = 1;
 
 bool overlap(const Bounds& a, const Bounds& b, double margin) {
   for (int axis = 0; axis < 3; ++axis) {
@@ -130,13 +130,17 @@ int Pressing::begin(const std::vector<MovingMap*>& maps) {
       is_near_[i] = 1;
       any_blade_ = any_blade_ || object.press.kind == PressSettings::Kind::kPlough;
       find_points(map->object);
-      // Between two parts a thin blade must not leave anything.
-      const double most = presses ? kSizeAPart * size_of(object.bounds) : kLeastPart;
-      const double part = std::max(kTexelsAPart * own.texel_size, most);
       // What moves over the snow counts: the top of a wheel is twice as fast as the wheel.
       Bounds snow = receiver.bounds;
       snow.low -= own.deepest + kUnder;
       snow.high += own.deepest + kUnder;
+      double most = kSizeAPart * size_of(object.bounds);
+      // Between two parts a thin blade must not leave anything.
+      if (!presses) {
+        most = std::clamp(kThicknessAPart * presser.thinnest(snow), kLeastPart,
+                          std::max(most, kLeastPart));
+      }
+      const double part = std::max(kTexelsAPart * own.texel_size, most);
       const double parts = std::ceil(presser.travel(snow) / part);
       parts_ = std::max(parts_, static_cast<int>(std::min(parts, double{kMostParts})));
     }
@@ -193,19 +197,10 @@ void Pressing::find_points(size_t object) {
   }
 }
 
-/// Finds the texels that snow up to `reach` thick would let an object touch in this step.
+/// Finds the runs of texels that snow up to `reach` thick would let an object touch in this step.
 void Pressing::find_columns(size_t presser, const PressedMap& map) {
   Pressed& own = pressed_[map.number];
   const Bounds& box = pressers_[presser]->swept();
-  const double margin = own.reach + kUnder;
-  const auto may_touch = [&](size_t i) {
-    const auto up = std::min(static_cast<double>(std::abs(map.bare->up[i])), 1.0);
-    const double aside = own.reach * std::sqrt(1.0 - up * up) + kUnder;
-    const glm::dvec3 most(aside, aside, margin);
-    const glm::dvec3 point(own.points[i]);
-    return overlap({point - most, point + most}, box, 0.0);
-  };
-  std::vector<Columns>& all = own.columns[presser];
   if (own.least_up.empty()) {
     for (size_t begin = 0; begin < own.points.size(); begin += kRun) {
       const auto first = map.bare->up.begin() + static_cast<ptrdiff_t>(begin);
@@ -214,36 +209,39 @@ void Pressing::find_columns(size_t presser, const PressedMap& map) {
       own.least_up.push_back(std::abs(*std::min_element(first, first + count, is_steeper)));
     }
   }
-  const auto run_may_touch = [&](size_t run) {
-    const double up = std::min(static_cast<double>(own.least_up[run]), 1.0);
-    const double aside = own.reach * std::sqrt(1.0 - up * up) + kUnder;
-    const glm::dvec3 most(aside, aside, margin);
-    return overlap({own.runs[run].low - most, own.runs[run].high + most}, box, 0.0);
-  };
   for (size_t run = 0; run < own.runs.size(); ++run) {
-    if (run % kLongRun == 0 && !overlap(own.long_runs[run / kLongRun], box, margin)) {
+    if (run % kLongRun == 0 && !overlap(own.long_runs[run / kLongRun], box, own.reach + kUnder)) {
       run += kLongRun - 1;
       continue;
     }
-    if (!run_may_touch(run)) continue;
-    Columns columns;
-    const size_t end = std::min((run + 1) * kRun, own.points.size());
-    for (size_t i = run * kRun; i < end; ++i) {
-      const auto texel = static_cast<int32_t>(i);
-      if (may_touch(i) && map.is_ground(texel)) columns.columns.push_back({texel});
-    }
-    if (!columns.columns.empty()) all.push_back(std::move(columns));
+    const glm::dvec3 most = own.most_around(own.least_up[run]);
+    const Bounds around{own.runs[run].low - most, own.runs[run].high + most};
+    if (overlap(around, box, 0.0)) own.columns[presser].push_back({run, around});
   }
-  base::for_each_item(all.size(), 8, [&](size_t i) {
-    for (Column& column : all[i].columns) {
-      const glm::dvec3 normal = texel_now(*map.object, *map.object->table, column.texel).normal;
-      const double length = glm::length(normal);
-      if (length > 0.0) column.normal = normal / length;
-      const glm::dvec3 point = map.point(column.texel);
-      all[i].box.include(point - column.normal * margin);
-      all[i].box.include(point + column.normal * margin);
-    }
-  });
+}
+
+/// Half the size of a box around a texel with snow up to `reach` thick. `up`: of its normal.
+glm::dvec3 Pressing::Pressed::most_around(float up) const {
+  const auto rise = std::min(static_cast<double>(std::abs(up)), 1.0);
+  const double aside = reach * std::sqrt(1.0 - rise * rise) + kUnder;
+  return {aside, aside, reach + kUnder};
+}
+
+/// Finds a run's texels; callable from several threads.
+void Pressing::fill_columns(size_t presser, const PressedMap& map, Columns& columns) const {
+  const Pressed& own = pressed_[map.number];
+  columns.is_found = true;
+  const size_t end = std::min((columns.run + 1) * kRun, own.points.size());
+  for (size_t i = columns.run * kRun; i < end; ++i) {
+    const auto texel = static_cast<int32_t>(i);
+    const glm::dvec3 most = own.most_around(map.bare->up[i]);
+    const glm::dvec3 point(own.points[i]);
+    if (!overlap({point - most, point + most}, pressers_[presser]->swept(), 0.0)) continue;
+    if (!map.is_ground(texel)) continue;
+    const glm::dvec3 normal = texel_now(*map.object, *map.object->table, texel).normal;
+    const double length = glm::length(normal);
+    columns.columns.push_back({texel, length > 0.0 ? normal / length : glm::dvec3(0.0)});
+  }
 }
 
 /// The texels whose snow an object touches, or nearly, ascending.
@@ -256,13 +254,14 @@ std::vector<Pressing::Touched> Pressing::touched_by(size_t presser, const Presse
     own.columns.assign(objects_.size(), {});
   }
   if (own.columns[presser].empty()) find_columns(presser, map);
-  const std::vector<Columns>& all = own.columns[presser];
+  std::vector<Columns>& all = own.columns[presser];
   // What lies just under a broom is of no interest before the snow comes to rest.
   const bool needs_covered =
       objects_[presser]->press.kind != PressSettings::Kind::kClear || part_ == parts_ || any_blade_;
   std::vector<std::vector<Touched>> found(all.size());
   base::for_each_item(found.size(), 8, [&](size_t i) {
     if (!tool.may_reach(all[i].box)) return;
+    if (!all[i].is_found) fill_columns(presser, map, all[i]);
     for (const auto& [texel, up] : all[i].columns) {
       const auto thickness = static_cast<double>(std::abs(map.height_at(texel)));
       const double most = needs_covered ? thickness + kUnder : thickness - kTouch;
@@ -422,11 +421,40 @@ std::vector<int32_t> Pressing::ploughed_blocks(const MovingMap& map) const {
   return blocks;
 }
 
+/// The height to which packed snow stands under a thickness.
+float Pressing::Pressed::stand_at(int32_t texel, float height) const {
+  const auto i = static_cast<size_t>(texel);
+  if (packed.empty() || packed[i] < kLeastPacked) return 0.0f;
+  const float loose = std::max(std::abs(height) - pressed_to[i], 0.0f);
+  return std::max(stands[i] - kRefill * loose, 0.0f);
+}
+
+std::vector<uint8_t> Pressing::standing_blocks(const MovingMap& map, Repose& repose) {
+  Pressed& own = pressed_[map.object];
+  if (own.packed.empty()) return {};
+  const SceneObject& object = *objects_[map.object];
+  const std::vector<int32_t>& places = object.table->texel;
+  const ReposeLinks& links = *repose.ground().links;
+  find_packed(own, object, links);
+  std::vector<uint8_t> stands = own.has_packed;
+  base::for_each_item(stands.size(), 8, [&](size_t block) {
+    if (stands[block] == 0) return;
+    stands[block] = 0;
+    links.for_texels(static_cast<int32_t>(block), places, [&](int32_t texel, size_t) {
+      const auto place = static_cast<size_t>(places[static_cast<size_t>(texel)]);
+      if (own.stand_at(texel, (*map.height)[place]) > 0.0f) stands[block] = 1;
+    });
+  });
+  const bool any =
+      std::any_of(stands.begin(), stands.end(), [](uint8_t stand) { return stand != 0; });
+  return any ? stands : std::vector<uint8_t>();
+}
+
 void Pressing::set_stand(const MovingMap& map, Repose& repose) {
   Pressed& own = pressed_[map.object];
   if (own.packed.empty() && own.under.empty() && own.stand.empty()) return;
   const std::vector<int32_t>& places = objects_[map.object]->table->texel;
-  const ReposeLinks& links = repose.links();
+  const ReposeLinks& links = *repose.ground().links;
   const auto place_of = [&](int32_t texel) {
     return static_cast<size_t>(places[static_cast<size_t>(texel)]);
   };
@@ -449,14 +477,9 @@ void Pressing::set_stand(const MovingMap& map, Repose& repose) {
     if (looks[block] == 0) return;
     own.stands_in[block] = 0;
     links.for_texels(static_cast<int32_t>(block), places, [&](int32_t texel, size_t) {
-      const auto i = static_cast<size_t>(texel);
       const size_t place = place_of(texel);
-      float now = 0.0f;
-      if (!own.packed.empty() && own.packed[i] >= kLeastPacked) {
-        const float loose = std::max(std::abs((*map.height)[place]) - own.pressed_to[i], 0.0f);
-        now = std::max(own.stands[i] - kRefill * loose, 0.0f);
-      }
-      if (own.is_under[place] != 0) now = kBarrier;
+      const float now =
+          own.is_under[place] != 0 ? Repose::kBarrier : own.stand_at(texel, (*map.height)[place]);
       if (now != own.stand[place]) changes[block] = 1;
       if (now != 0.0f) own.stands_in[block] = 1;
       own.stand[place] = now;

@@ -48,6 +48,12 @@ class Pressing {
   const std::vector<float>& packed(const MovingMap& map) const {
     return pressed_[map.object].pressed_to;
   }
+  /// The texels of a map under an object, ascending.
+  const std::vector<int32_t>& under(const MovingMap& map) const {
+    return pressed_[map.object].under;
+  }
+  /// By block of the map: whether packed snow stands there; empty: nowhere.
+  std::vector<uint8_t> standing_blocks(const MovingMap& map, Repose& repose);
   /// Sets the height to which snow stands at each place of the map: packed snow, and snow under an
   /// object.
   void set_stand(const MovingMap& map, Repose& repose);
@@ -65,10 +71,12 @@ class Pressing {
     int32_t texel = 0;
     glm::dvec3 normal{0.0};
   };
-  /// Neighbouring ones, and a box around them up to the thickest snow.
+  /// Neighbouring ones, found when needed, and a box around them up to the thickest snow.
   struct Columns {
-    std::vector<Column> columns;
+    size_t run = 0;
     Bounds box;
+    std::vector<Column> columns = {};
+    bool is_found = false;
   };
   /// What a receiver keeps.
   struct Pressed {
@@ -96,11 +104,15 @@ class Pressing {
     std::vector<uint8_t> is_under, stands_in;
     /// The thickest snow, in metres.
     double deepest = 0.0;
+
+    float stand_at(int32_t texel, float height) const;
+    glm::dvec3 most_around(float up) const;
   };
   struct Touched;
   void find_points(size_t object);
   static void find_packed(Pressed& own, const SceneObject& object, const ReposeLinks& links);
   void find_columns(size_t presser, const PressedMap& map);
+  void fill_columns(size_t presser, const PressedMap& map, Columns& columns) const;
   std::vector<Touched> touched_by(size_t presser, const PressedMap& map);
   void press_with(size_t presser, MovingMap& map, PressedMap& pressed, double slope);
   void throw_up(size_t presser, const PressedMap& map, const std::vector<PushedSnow>& pushed);

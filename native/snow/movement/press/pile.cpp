@@ -16,6 +16,9 @@ namespace {
 constexpr int32_t kAround = 6;
 /// Half the widest strip, in texels.
 constexpr int32_t kWidest = 8;
+/// Texels a side of the squares that a strip is made of, and strips of fewer texels have single
+/// ones.
+constexpr int32_t kSquare = 2;
 /// A strip is this much longer than its heap, and longer again if it proves too short.
 constexpr double kLonger = 1.25;
 constexpr int kMostTries = 6;
@@ -30,9 +33,10 @@ struct Pile {
   glm::dvec3 way{0.0};
 };
 
-/// A texel of a strip.
+/// A square of texels of a strip.
 struct PileCell {
-  int32_t texel = 0;
+  /// Of its first texel.
+  glm::ivec2 at{0};
   /// Height of the snow over the falling plane through the strip's beginning, in metres; and the
   /// volume in m3 that raises it by a metre.
   double level = 0.0;
@@ -109,10 +113,23 @@ std::vector<Pile> collect_piles(const PressedMap& map, const std::vector<PushedS
   return piles;
 }
 
-/// The free texels of a strip.
+/// Calls visit(texel) for the free texels of a square.
+template <typename Visit>
+void for_texels_of(const PressedMap& map, const CoveredTexels& covered, const glm::ivec2& at,
+                   int32_t square, const Visit& visit) {
+  for (int32_t y = 0; y < square; ++y) {
+    for (int32_t x = 0; x < square; ++x) {
+      const int32_t texel = texel_on(map, at + glm::ivec2(x, y));
+      if (texel >= 0 && !covered.has(texel) && map.area(texel) > 0.0) visit(texel);
+    }
+  }
+}
+
+/// The free texels of a strip, in squares of `square` texels a side, whose first ones stand for
+/// all.
 std::vector<PileCell> find_strip(const PressedMap& map, const CoveredTexels& covered, int32_t texel,
-                                 const glm::dvec2& front, double width, double length,
-                                 double slope) {
+                                 const glm::dvec2& front, double width, double length, double slope,
+                                 int32_t square) {
   const glm::dvec2 x = next_on_map(map, texel, {1, 0});
   const glm::dvec2 y = next_on_map(map, texel, {0, 1});
   const double area = x.x * y.y - x.y * y.x;
@@ -132,7 +149,8 @@ std::vector<PileCell> find_strip(const PressedMap& map, const CoveredTexels& cov
   const glm::dvec3 from = map.point(texel);
   const double half_texel = 0.5 * std::sqrt(map.area(texel));
   std::vector<PileCell> cells;
-  for (int32_t row = begin; row <= end; ++row) {
+  const auto next_square = [&](int32_t at) { return (at + square - 1) / square * square; };
+  for (int32_t row = next_square(begin); row <= end; row += square) {
     // On an even map a row of the strip has these columns.
     double low = -1e9;
     double high = 1e9;
@@ -153,7 +171,8 @@ std::vector<PileCell> find_strip(const PressedMap& map, const CoveredTexels& cov
       return static_cast<int32_t>(std::lround(column));
     };
     const int32_t right = column_of(high + kUneven);
-    for (int32_t column = column_of(low - kUneven); column <= right; ++column) {
+    for (int32_t column = next_square(column_of(low - kUneven)); column <= right;
+         column += square) {
       const auto place = static_cast<size_t>(row * map.links->resolution + column);
       const int32_t own = map.bare->texel_of[place];
       if (own < 0) continue;
@@ -170,7 +189,9 @@ std::vector<PileCell> find_strip(const PressedMap& map, const CoveredTexels& cov
       if (covered.has(own) || !(area > 0.0) || shared::is_wall(up)) continue;
       const auto rise = static_cast<double>(shared::column_height(up));
       const double top = way.z + rise * static_cast<double>(std::abs(height));
-      cells.push_back({own, top + slope * away, area / rise});
+      int32_t count = 0;
+      for_texels_of(map, covered, {column, row}, square, [&](int32_t) { ++count; });
+      cells.push_back({{column, row}, top + slope * away, area / rise * count});
     }
   }
   return cells;
@@ -197,7 +218,7 @@ double filled_level(const std::vector<PileCell>& cells, double volume) {
 }
 
 void add_pile(const PressedMap& map, const CoveredTexels& covered, const Pile& pile, double width,
-              double slope, std::vector<int32_t>& gains) {
+              double slope, int32_t square, std::vector<int32_t>& gains) {
   const double volume = static_cast<double>(pile.units) * kPushUnit;
   const glm::dvec2 front = front_of(map, covered, pile.texel, glm::normalize(glm::dvec2(pile.way)));
   double length = kLonger * static_cast<double>(std::abs(map.height_at(pile.texel))) / slope;
@@ -205,7 +226,7 @@ void add_pile(const PressedMap& map, const CoveredTexels& covered, const Pile& p
   std::vector<PileCell> cells;
   double level = 0.0;
   for (int i = 0; i < kMostTries; ++i, length *= kLonger) {
-    cells = find_strip(map, covered, pile.texel, front, width, length, slope);
+    cells = find_strip(map, covered, pile.texel, front, width, length, slope, square);
     if (cells.empty()) break;
     level = filled_level(cells, volume);
     // At its end the strip reaches over the snow that lay there.
@@ -214,11 +235,17 @@ void add_pile(const PressedMap& map, const CoveredTexels& covered, const Pile& p
   int64_t rest = pile.units;
   for (const PileCell& cell : cells) {
     const double own = std::max(level - cell.level, 0.0) * cell.capacity;
-    const int64_t given = std::min<int64_t>(std::llround(own / kPushUnit), rest);
-    if (given <= 0) continue;
-    rest -= given;
-    map.add(cell.texel, given);
-    gains.push_back(cell.texel);
+    if (!(own > 0.0)) continue;
+    int32_t count = 0;
+    for_texels_of(map, covered, cell.at, square, [&](int32_t) { ++count; });
+    const int64_t part = std::llround(own / (count * kPushUnit));
+    for_texels_of(map, covered, cell.at, square, [&](int32_t texel) {
+      const int64_t given = std::min(part, rest);
+      if (given <= 0) return;
+      rest -= given;
+      map.add(texel, given);
+      gains.push_back(texel);
+    });
   }
   if (rest == 0) return;
   map.add(pile.texel, rest);
@@ -239,9 +266,10 @@ void pile_ahead(const PressedMap& map, const CoveredTexels& covered,
   const double size = std::sqrt(std::max(map.area(pushed.front().texel), 1e-12));
   const auto texels =
       static_cast<int32_t>(std::clamp(std::round(width / size), 1.0, double{kWidest}));
+  const int32_t square = texels < 2 * kSquare ? 1 : kSquare;
   for (const Pile& pile : collect_piles(map, pushed, texels)) {
     if (glm::length(glm::dvec2(pile.way)) > 0.0) {
-      add_pile(map, covered, pile, texels * size, slope, gains);
+      add_pile(map, covered, pile, texels * size, slope, square, gains);
     } else {
       map.add(pile.texel, pile.units);
       gains.push_back(pile.texel);

@@ -1,5 +1,6 @@
 #include "snow/movement/press/presser.h"
 
+#include <algorithm>
 #include <glm/geometric.hpp>
 #include <glm/vector_relational.hpp>
 #include <limits>
@@ -11,6 +12,15 @@ namespace {
 
 /// Rays begin this far below a texel, in metres, so that they meet an object that stands on it.
 constexpr double kBelow = 1e-4;
+
+/// Of `thinnest`: the most faces, and the least cosine between their normals and their motion.
+constexpr size_t kMostFaces = 1024;
+constexpr double kAheadLeast = 0.5;
+
+bool meet(const Bounds& a, const Bounds& b) {
+  return glm::all(glm::greaterThanEqual(a.high, b.low)) &&
+         glm::all(glm::lessThanEqual(a.low, b.high));
+}
 
 Bounds bounds_of(const std::vector<glm::vec3>& points) {
   Bounds bounds;
@@ -51,28 +61,55 @@ double Presser::travel(const Bounds& box) const {
     const glm::dvec3 to(now[i]);
     Bounds way;
     for (const glm::dvec3& point : {from, glm::dvec3(half_way[i]), to}) way.include(point);
-    const bool is_in = glm::all(glm::greaterThanEqual(way.high, box.low)) &&
-                       glm::all(glm::lessThanEqual(way.low, box.high));
-    if (is_in) longest = std::max(longest, glm::length(to - from));
+    if (meet(way, box)) longest = std::max(longest, glm::length(to - from));
   }
   return longest;
 }
 
-void Presser::move_to(int number, int count) {
+double Presser::thinnest(const Bounds& box) {
+  update_tree();
+  const auto last = [&](int32_t vertex) { return glm::dvec3(pose_[static_cast<size_t>(vertex)]); };
+  const size_t step = triangles_.size() / kMostFaces + 1;
+  double thinnest = std::numeric_limits<double>::infinity();
+  for (size_t t = 0; t < triangles_.size(); t += step) {
+    const auto [a, b, c] = triangles_[t];
+    Bounds face;
+    glm::dvec3 way(0.0);
+    for (const int32_t vertex : {a, b, c}) {
+      face.include(last(vertex));
+      way += glm::dvec3(object_->positions[static_cast<size_t>(vertex)]) - last(vertex);
+    }
+    if (!meet(face, box)) continue;
+    const glm::dvec3 normal = glm::cross(last(b) - last(a), last(c) - last(a));
+    if (!(glm::dot(normal, way) > kAheadLeast * glm::length(normal) * glm::length(way))) continue;
+    if (is_open_[t] != 0) return 0.0;
+    way = glm::normalize(way);
+    const glm::dvec3 middle = (last(a) + last(b) + last(c)) / 3.0;
+    thinnest = std::min(thinnest,
+                        tree_->first_along(0, middle - kBelow * way, -way, 0.0, thinnest).distance);
+  }
+  return thinnest;
+}
+
+void Presser::update_tree() {
   if (is_open_.size() != triangles_.size()) {
     const std::vector<glm::vec3>& rest = object_->description.rest;
     is_open_ = find_open_sheets(object_->description.topology.triangles,
                                 rest.empty() ? object_->positions : rest);
   }
-  before_ = pose_;
-  motion_->pose(static_cast<double>(number) / count, pose_);
-  bounds_ = bounds_of(pose_);
   if (tree_ == nullptr) {
     tree_ = std::make_unique<base::TriangleTree>(
         pose_, triangles_, std::vector<int32_t>{0, static_cast<int32_t>(triangles_.size())});
   } else {
     tree_->refit(pose_, triangles_);
   }
+}
+
+void Presser::move_to(int number, int count) {
+  before_ = pose_;
+  motion_->pose(static_cast<double>(number) / count, pose_);
+  bounds_ = bounds_of(pose_);
+  update_tree();
   outline_.set(pose_, triangles_, bounds_);
 }
 

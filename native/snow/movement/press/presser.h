@@ -32,6 +32,9 @@ class Presser {
   void begin(const std::vector<glm::vec3>& last);
   /// The longest straight way in metres of a vertex that may pass a box on it.
   double travel(const Bounds& box) const;
+  /// How thick the object is along its motion, where it moves ahead in a box: at the thinnest of
+  /// some of its faces, in metres; 0 where a sheet has no inside, infinite if there are none.
+  double thinnest(const Bounds& box);
   /// A box around the object in the whole step, and at the last call of `move_to`.
   const Bounds& swept() const { return swept_; }
   const Bounds& bounds() const { return bounds_; }
@@ -46,6 +49,8 @@ class Presser {
   Clearance clearance(const glm::dvec3& from, const glm::dvec3& direction, double most) const;
 
  private:
+  void update_tree();
+
   const SceneObject* object_;
   std::vector<std::array<int32_t, 3>> triangles_;
   /// Per triangle: whether it belongs to a surface without an inside.

@@ -108,6 +108,8 @@ class NearestFree {
   }
   /// A way from a covered texel over a neighbour from which the goal costs `cost`.
   void offer(size_t from, int32_t over, double cost, int32_t goal) {
+    // No way is shorter than 0.
+    if (!(cost < cost_[from])) return;
     const glm::dvec3 step = map_.point(over) - map_.point(covered_[from]);
     const double whole = cost + glm::length(step) - kAhead * glm::dot(step, way_[from]);
     if (!(whole < cost_[from])) return;

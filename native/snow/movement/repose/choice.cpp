@@ -82,7 +82,8 @@ void choose_blocks(const ReposeGround& ground, const std::vector<float>& height,
   for (const int32_t block : blades) choice.blades[static_cast<size_t>(block)] = 1;
   if (choice.is_partial) {
     choice.chosen = near_blocks(*ground.links, blades);
-    for (const int32_t block : near_blocks(*ground.links, choice.chosen)) {
+    std::fill(choice.highest.begin(), choice.highest.end(), 0.0f);
+    for (const int32_t block : choice.chosen) {
       choice.highest[static_cast<size_t>(block)] = highest_in(*ground.links, block, height);
     }
     return;
@@ -92,7 +93,8 @@ void choose_blocks(const ReposeGround& ground, const std::vector<float>& height,
   });
   std::vector<uint8_t> are_doubtful(ground.links->block_count(), 0);
   base::for_each_item(ground.links->block_count(), 16, [&](size_t b) {
-    are_doubtful[b] = rests(ground, static_cast<int32_t>(b), height, choice) ? 0 : 1;
+    const auto block = static_cast<int32_t>(b);
+    are_doubtful[b] = !choice.may_run(block) || rests(ground, block, height, choice) ? 0 : 1;
   });
   std::vector<int32_t> doubtful;
   for (size_t b = 0; b < ground.links->block_count(); ++b) {

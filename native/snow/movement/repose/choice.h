@@ -24,6 +24,12 @@ struct ReposeChoice {
   /// By block: whether a blade has pushed snow there; empty: nowhere. And whether only those run.
   std::vector<uint8_t> blades;
   bool is_partial = false;
+  /// By block: whether snow may move from it; empty: from all.
+  std::vector<uint8_t> within;
+
+  bool may_run(int32_t block) const {
+    return within.empty() || within[static_cast<size_t>(block)] != 0;
+  }
 };
 
 /// A block's texels on the map: the first place, and the numbers of columns and rows.
@@ -39,8 +45,8 @@ std::vector<int32_t> near_blocks(const ReposeLinks& links, const std::vector<int
 /// The highest snow in a block and its neighbours at the start of the step.
 float highest_near(const ReposeLinks& links, const ReposeChoice& choice, int32_t block);
 
-/// Chooses by `height`, signed metres by place. `blades`, `only_there`: as in
-/// Repose::choose_blocks.
+/// Chooses by `height`, signed metres by place, among `choice.within`. `blades`, `only_there`: as
+/// in Repose::choose_blocks.
 void choose_blocks(const ReposeGround& ground, const std::vector<float>& height,
                    const std::vector<int32_t>& blades, bool only_there, ReposeChoice& choice);
 

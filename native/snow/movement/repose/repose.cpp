@@ -131,7 +131,8 @@ void Repose::empty_over_outlets() {
   }
   Marks cuts(choice_.chosen.size(), 0);
   for_each(choice_.chosen.size(), [&](size_t i) {
-    cuts[i] = blocks_.tiles[static_cast<size_t>(choice_.chosen[i])]->cut() ? 1 : 0;
+    const int32_t block = choice_.chosen[i];
+    cuts[i] = choice_.may_run(block) && blocks_.tiles[static_cast<size_t>(block)]->cut() ? 1 : 0;
   });
   has_changed_ =
       has_changed_ || std::any_of(cuts.begin(), cuts.end(), [](uint8_t c) { return c != 0; });
@@ -159,6 +160,7 @@ double Repose::run_colour(const Blocks& blocks, int first_round, int rounds_at_o
 
 /// Ahead of a blade snow need not rest before the blade does.
 bool Repose::runs(int32_t block, int round) const {
+  if (!choice_.may_run(block)) return false;
   const bool is_ahead = !choice_.blades.empty() && choice_.blades[static_cast<size_t>(block)] != 0;
   return is_ahead ? round < kBladeRounds : !choice_.is_partial;
 }

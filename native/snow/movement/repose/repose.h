@@ -67,10 +67,14 @@ class Repose {
 
   /// Selects the blocks in which snow may move, by their heights; returns their number. `blades`:
   /// blocks, ascending, in which objects have just pushed snow ahead; it moves there for a few
-  /// rounds. `only_there`: it moves nowhere else, and none is cut above outlets.
+  /// rounds. `only_there`: it moves nowhere else, and none is cut above outlets. `within`: by
+  /// block, whether snow may move from it; empty: from all.
   size_t choose_blocks(const std::vector<float>& height, const ReposeLimits& limits,
-                       const std::vector<int32_t>& blades = {}, bool only_there = false);
+                       const std::vector<int32_t>& blades = {}, bool only_there = false,
+                       const std::vector<uint8_t>& within = {});
 
+  /// Of `stand`: nothing passes.
+  static constexpr float kBarrier = 1000.0f;
   /// Sets the height in metres to which snow stands at each place whatever its slope, until the
   /// next call; null: nowhere. `changed`: by block, whether any place has another height than in
   /// the last call; empty: none has.

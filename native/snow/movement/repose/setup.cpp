@@ -63,8 +63,10 @@ bool Repose::begin_choice(const std::vector<float>& height, const ReposeLimits& 
 }
 
 size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimits& limits,
-                             const std::vector<int32_t>& blades, bool only_there) {
+                             const std::vector<int32_t>& blades, bool only_there,
+                             const std::vector<uint8_t>& within) {
   const bool has_snow = begin_choice(height, limits);
+  choice_.within = within;
   if (!has_snow || (only_there && blades.empty())) return 0;
   snow::choose_blocks(ground_, height, blades, only_there, choice_);
   if (choice_.chosen.empty()) forget_tiles();
