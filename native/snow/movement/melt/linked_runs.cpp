@@ -1,7 +1,6 @@
 #include "snow/movement/melt/linked_runs.h"
 
 #include <algorithm>
-#include <array>
 
 #include "base/parallel_for.h"
 #include "base/simd.h"
@@ -18,95 +17,49 @@ bool is_zero(const float* values, size_t count) {
   return std::all_of(values, values + count, [](float value) { return value == 0.0f; });
 }
 
-/// Where the square around a place of a run begins and ends.
-struct Reach {
-  size_t begin, end;
-
-  Reach(size_t i, size_t count, size_t radius)
-      : begin(i - std::min(i, radius)), end(std::min(i + radius + 1, count)) {}
-};
-
-/// Calls visit(first, last) for the places of a run in parts with squares of one size.
-template <typename Visit>
-inline void for_sizes(size_t count, size_t radius, const Visit& visit) {
+/// Divides the values at the places of `side` runs side by side by the sizes of the squares around.
+inline void divide_by_sizes(float* __restrict values, size_t count, size_t side, size_t radius) {
+  const auto divide = [&](size_t first, size_t last) {
+    const size_t size = std::min(first + radius + 1, count) - (first - std::min(first, radius));
+    const float part = 1.0f / static_cast<float>(size);
+    for (size_t k = first * side; k < last * side; ++k) values[k] *= part;
+  };
   const size_t inner = count > 2 * radius ? radius : count;
-  for (size_t i = 0; i < inner; ++i) visit(i, i + 1);
+  for (size_t i = 0; i < inner; ++i) divide(i, i + 1);
   if (inner == count) return;
-  visit(inner, count - radius);
-  for (size_t i = count - radius; i < count; ++i) visit(i, i + 1);
+  divide(inner, count - radius);
+  for (size_t i = count - radius; i < count; ++i) divide(i, i + 1);
 }
 
-/// Replaces the values of `kSide` runs side by side by moving averages. `sums`: kSide * (count +
-/// 1).
-template <size_t kSide>
-inline void average_runs(float* __restrict values, size_t count, size_t radius,
-                         double* __restrict sums) {
-  for (size_t k = 0; k < kSide; ++k) sums[k] = 0.0;
-  for (size_t i = 0; i < count * kSide; ++i) {
-    sums[i + kSide] = sums[i] + static_cast<double>(values[i]);
-  }
-  for_sizes(count, radius, [&](size_t first, size_t last) {
-    const Reach reach(first, count, radius);
-    const auto size = static_cast<double>(reach.end - reach.begin);
-    const double* const high = sums + reach.end * kSide;
-    const double* const low = sums + reach.begin * kSide;
-    float* const own = values + first * kSide;
-    for (size_t i = 0; i < (last - first) * kSide; ++i) {
-      own[i] = static_cast<float>((high[i] - low[i]) / size);
-    }
-  });
-}
-
-/// Distributes each value of `kSide` runs side by side over its neighbours. `parts`: as above.
-template <size_t kSide>
-inline void spread_runs(float* __restrict values, size_t count, size_t radius,
-                        double* __restrict parts) {
-  for_sizes(count, radius, [&](size_t first, size_t last) {
-    const Reach reach(first, count, radius);
-    const auto size = static_cast<double>(reach.end - reach.begin);
-    for (size_t i = first * kSide; i < last * kSide; ++i) {
-      parts[i] = static_cast<double>(values[i]) / size;
-    }
-  });
-  std::array<double, kSide> sum{};
-  for (size_t i = 0; i < std::min(radius, count); ++i) {
-    for (size_t k = 0; k < kSide; ++k) sum[k] += parts[i * kSide + k];
-  }
-  for (size_t i = 0; i < count; ++i) {
-    const bool begins = i + radius < count;
-    const bool ends = i > radius;
-    const double* const come = parts + (begins ? i + radius : 0) * kSide;
-    const double* const gone = parts + (ends ? i - radius - 1 : 0) * kSide;
-    if (begins && ends) {
-      for (size_t k = 0; k < kSide; ++k) sum[k] += come[k] - gone[k];
-    } else if (begins) {
-      for (size_t k = 0; k < kSide; ++k) sum[k] += come[k];
-    } else if (ends) {
-      for (size_t k = 0; k < kSide; ++k) sum[k] -= gone[k];
-    }
-    for (size_t k = 0; k < kSide; ++k) {
-      values[i * kSide + k] = static_cast<float>(std::max(sum[k], 0.0));
-    }
+/// Sums over 2 * radius + 1 places, from sums over 1, 2, 4, ... places. `values`: with `radius`
+/// zeros before and after; overwritten.
+inline void sum_around(float* values, size_t count, size_t side, size_t radius,
+                       float* __restrict sums) {
+  const size_t width = 2 * radius + 1;
+  std::copy_n(values, count * side, sums);
+  size_t done = 1;
+  for (size_t size = 2; size <= width; size *= 2) {
+    const float* const next = values + size / 2 * side;
+    const size_t last = (count + width - size) * side;
+#pragma GCC ivdep
+    for (size_t i = 0; i < last; ++i) values[i] += next[i];
+    if ((width & size) == 0) continue;
+    const float* const from = values + done * side;
+    for (size_t i = 0; i < count * side; ++i) sums[i] += from[i];
+    done += size;
   }
 }
 
-struct Average {
-  SNOWBOUGH_WIDE_FLAT static void one(float* values, size_t count, size_t radius, double* sums) {
-    average_runs<1>(values, count, radius, sums);
-  }
-  SNOWBOUGH_WIDE_FLAT static void group(float* values, size_t count, size_t radius, double* sums) {
-    average_runs<kSideBySide>(values, count, radius, sums);
-  }
-};
-
-struct Spread {
-  SNOWBOUGH_WIDE_FLAT static void one(float* values, size_t count, size_t radius, double* sums) {
-    spread_runs<1>(values, count, radius, sums);
-  }
-  SNOWBOUGH_WIDE_FLAT static void group(float* values, size_t count, size_t radius, double* sums) {
-    spread_runs<kSideBySide>(values, count, radius, sums);
-  }
-};
+/// `values`: as above; `sums`: the result.
+SNOWBOUGH_WIDE_FLAT void filter_runs(bool spreads, size_t count, size_t side, size_t radius,
+                                     float* values, float* __restrict sums) {
+  float* const own = values + radius * side;
+  std::fill(values, own, 0.0f);
+  std::fill_n(own + count * side, radius * side, 0.0f);
+  if (spreads) divide_by_sizes(own, count, side, radius);
+  sum_around(values, count, side, radius, sums);
+  if (!spreads) divide_by_sizes(sums, count, side, radius);
+}
 
 }  // namespace
 
@@ -162,43 +115,45 @@ void LinkedRuns::find_groups() {
   groups_.push_back(static_cast<int32_t>(runs));
 }
 
-template <typename Filter>
-void LinkedRuns::filter(int32_t radius, std::vector<float>& values) const {
+void LinkedRuns::filter(bool spreads, int32_t radius, std::vector<float>& values) const {
   const auto reach = static_cast<size_t>(radius);
+  // `copy` visits the values of runs side by side, row by row.
+  const auto filter_side = [&](size_t count, size_t side, const auto& copy) {
+    thread_local std::vector<float> memory;
+    memory.resize(std::max(memory.size(), 2 * (count + reach) * side));
+    float* const own = memory.data() + reach * side;
+    float* const sums = own + (count + reach) * side;
+    copy([&](size_t i, float* of_texels) { std::copy_n(of_texels, side, own + i * side); });
+    if (is_zero(own, count * side)) return;
+    filter_runs(spreads, count, side, reach, memory.data(), sums);
+    copy([&](size_t i, float* of_texels) { std::copy_n(sums + i * side, side, of_texels); });
+  };
   base::for_each_item(row_begin_.size() - 1, kRuns, [&](size_t run) {
-    thread_local std::vector<double> sums;
     const auto begin = static_cast<size_t>(row_begin_[run]);
     const size_t count = static_cast<size_t>(row_begin_[run + 1]) - begin;
+    thread_local std::vector<float> memory;
     if (is_zero(&values[begin], count)) return;
-    sums.resize(std::max(sums.size(), count + 1));
-    Filter::one(&values[begin], count, reach, sums.data());
+    memory.resize(std::max(memory.size(), count + 2 * reach));
+    std::copy_n(&values[begin], count, memory.data() + reach);
+    filter_runs(spreads, count, 1, reach, memory.data(), &values[begin]);
   });
   base::for_each_item(groups_.size() - 1, kGroups, [&](size_t group) {
-    thread_local std::vector<double> sums;
-    thread_local std::vector<float> runs;
     const auto first = static_cast<size_t>(groups_[group]);
     const size_t side = static_cast<size_t>(groups_[group + 1]) - first;
     const int32_t* const texel = &by_column_[static_cast<size_t>(column_begin_[first])];
     const auto count = static_cast<size_t>(column_begin_[first + 1] - column_begin_[first]);
-    runs.resize(count * side);
-    for (size_t i = 0; i < count; ++i) {
-      std::copy_n(&values[static_cast<size_t>(texel[i])], side, &runs[i * side]);
-    }
-    if (is_zero(runs.data(), runs.size())) return;
-    sums.resize(std::max(sums.size(), (count + 1) * side));
-    (side == 1 ? Filter::one : Filter::group)(runs.data(), count, reach, sums.data());
-    for (size_t i = 0; i < count; ++i) {
-      std::copy_n(&runs[i * side], side, &values[static_cast<size_t>(texel[i])]);
-    }
+    filter_side(count, side, [&](const auto& visit) {
+      for (size_t i = 0; i < count; ++i) visit(i, &values[static_cast<size_t>(texel[i])]);
+    });
   });
 }
 
 void LinkedRuns::average(int32_t radius, std::vector<float>& values) const {
-  filter<Average>(radius, values);
+  filter(false, radius, values);
 }
 
 void LinkedRuns::spread(int32_t radius, std::vector<float>& values) const {
-  filter<Spread>(radius, values);
+  filter(true, radius, values);
 }
 
 }  // namespace snowbough::snow

@@ -20,8 +20,7 @@ class LinkedRuns {
   void spread(int32_t radius, std::vector<float>& values) const;
 
  private:
-  template <typename Filter>
-  void filter(int32_t radius, std::vector<float>& values) const;
+  void filter(bool spreads, int32_t radius, std::vector<float>& values) const;
   void find_groups();
 
   /// The texels column by column; and where runs of linked texels begin, of all texels in their

@@ -7,6 +7,7 @@
 #include <glm/ext/vector_int3_sized.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <numeric>
 
 #include "base/parallel_for.h"
 #include "base/simd.h"
@@ -79,21 +80,40 @@ class Noise {
   std::array<float, 8> corners_{};
 };
 
-/// Marks thin snow as bare, with 1; and counts texels with snow, and bare ones.
+/// Counts texels with snow, and with so little that they count as bare.
 struct Cover {
   uint32_t covered = 0, bare = 0;
 };
-SNOWBOUGH_WIDE Cover find_cover(const float* __restrict height, size_t count,
-                                float* __restrict bareness) {
+SNOWBOUGH_WIDE Cover find_cover(const float* height, size_t count) {
   Cover cover;
   for (size_t i = 0; i < count; ++i) {
     const float own = std::abs(height[i]);
-    const bool is_bare = own < kBareDepth;
-    bareness[i] = is_bare ? 1.0f : 0.0f;
     cover.covered += own > 0.0f ? 1u : 0u;
-    cover.bare += is_bare ? 1u : 0u;
+    cover.bare += own < kBareDepth ? 1u : 0u;
   }
   return cover;
+}
+
+/// Marks bare texels with 1.
+SNOWBOUGH_WIDE void mark_bare(const float* __restrict height, size_t count,
+                              float* __restrict bareness) {
+  for (size_t i = 0; i < count; ++i) bareness[i] = std::abs(height[i]) < kBareDepth ? 1.0f : 0.0f;
+}
+
+/// The volume of a run of texels.
+SNOWBOUGH_WIDE double volume_of(const float* thickness, const float* area, size_t count) {
+  constexpr size_t kLanes = 8;
+  std::array<double, kLanes> sums{};
+  const size_t whole = count / kLanes * kLanes;
+  for (size_t i = 0; i < whole; i += kLanes) {
+    for (size_t k = 0; k < kLanes; ++k) {
+      sums[k] += static_cast<double>(thickness[i + k]) * static_cast<double>(area[i + k]);
+    }
+  }
+  for (size_t i = whole; i < count; ++i) {
+    sums[0] += static_cast<double>(thickness[i]) * static_cast<double>(area[i]);
+  }
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
 /// How a run of texels melts: see Thaw. Planes by texel, and of the map; null: of no effect.
@@ -105,7 +125,7 @@ struct MeltRun {
 };
 
 /// Melts snow; `melted`: by how much each texel becomes thinner, in metres.
-template <bool kSun, bool kUneven>
+template <bool kSun, bool kUneven, bool kBare>
 inline void melt_texels(const MeltRun& run, size_t count, float* __restrict height,
                         float* __restrict melted) {
   const float* __restrict const light = run.light;
@@ -117,7 +137,7 @@ inline void melt_texels(const MeltRun& run, size_t count, float* __restrict heig
     if (kUneven) {
       loss *= std::max(1.0 + run.unevenness * static_cast<double>(noise[i]),
                        static_cast<double>(kLeastFactor));
-      loss *= 1.0 + kBareMelts * run.unevenness * static_cast<double>(bareness[i]);
+      if (kBare) loss *= 1.0 + kBareMelts * run.unevenness * static_cast<double>(bareness[i]);
     }
     const float before = std::abs(height[i]);
     const auto wanted = static_cast<float>(std::max(static_cast<double>(before) - loss, 0.0));
@@ -128,14 +148,16 @@ inline void melt_texels(const MeltRun& run, size_t count, float* __restrict heig
   }
 }
 
+template <bool kSun>
+inline void melt_lit(const MeltRun& run, size_t count, float* height, float* melted) {
+  if (run.noise == nullptr) return melt_texels<kSun, false, false>(run, count, height, melted);
+  run.bareness == nullptr ? melt_texels<kSun, true, false>(run, count, height, melted)
+                          : melt_texels<kSun, true, true>(run, count, height, melted);
+}
+
 SNOWBOUGH_WIDE_FLAT void melt_run(const MeltRun& run, size_t count, float* height, float* melted) {
-  if (run.noise != nullptr) {
-    run.light != nullptr ? melt_texels<true, true>(run, count, height, melted)
-                         : melt_texels<false, true>(run, count, height, melted);
-  } else {
-    run.light != nullptr ? melt_texels<true, false>(run, count, height, melted)
-                         : melt_texels<false, false>(run, count, height, melted);
-  }
+  run.light != nullptr ? melt_lit<true>(run, count, height, melted)
+                       : melt_lit<false>(run, count, height, melted);
 }
 
 }  // namespace
@@ -192,10 +214,9 @@ const std::vector<float>& Thaw::melt(const MeltSettings& settings, const std::ve
   const BareTexels& bare = repose.bare();
   std::vector<float>& heights = *map.height;
   const size_t count = places.size();
-  bareness_.resize(count);
   std::vector<Cover> covers((count + kTexelRun - 1) / kTexelRun);
   for_texel_runs(places, [&](size_t texel, size_t place, size_t texels) {
-    const Cover own = find_cover(&heights[place], texels, &bareness_[texel]);
+    const Cover own = find_cover(&heights[place], texels);
     covers[texel / kTexelRun].covered += own.covered;
     covers[texel / kTexelRun].bare += own.bare;
   });
@@ -205,24 +226,29 @@ const std::vector<float>& Thaw::melt(const MeltSettings& settings, const std::ve
   };
   if (!any(&Cover::covered)) return melted_;
   const std::vector<float>* noise = nullptr;
-  if (settings.unevenness > 0.0) {
+  const bool is_near_bare = settings.unevenness > 0.0 && any(&Cover::bare);
+  if (settings.unevenness > 0.0) noise = &noise_of(map.object);
+  if (is_near_bare) {
     const double texel = std::sqrt(bare.whole_area / static_cast<double>(count));
     const auto radius = static_cast<int32_t>(
         std::clamp(std::round(kNearBare / texel), 1.0, static_cast<double>(kMostRadius)));
-    if (any(&Cover::bare)) runs_of(map.object, repose).average(radius, bareness_);
-    noise = &noise_of(map.object);
+    bareness_.resize(count);
+    for_texel_runs(places, [&](size_t texel_begin, size_t place, size_t texels) {
+      mark_bare(&heights[place], texels, &bareness_[texel_begin]);
+    });
+    runs_of(map.object, repose).average(radius, bareness_);
   }
-  melted_.resize(count);
+  if (settings.is_wet) melted_.resize(count);
   std::vector<double> volumes(covers.size(), 0.0);
   for_texel_runs(places, [&](size_t texel, size_t place, size_t texels) {
-    melt_run({settings.depth, settings.sun_share, settings.unevenness,
-              light != nullptr ? &(*light)[place] : nullptr,
-              noise != nullptr ? &(*noise)[texel] : nullptr, &bareness_[texel]},
-             texels, &heights[place], &melted_[texel]);
-    for (size_t i = texel; i < texel + texels; ++i) {
-      volumes[texel / kTexelRun] +=
-          static_cast<double>(melted_[i]) * static_cast<double>(bare.area[i]);
-    }
+    std::array<float, kTexelRun> only_here;
+    float* const melted = settings.is_wet ? &melted_[texel] : only_here.data();
+    melt_run(
+        {settings.depth, settings.sun_share, settings.unevenness,
+         light != nullptr ? &(*light)[place] : nullptr,
+         noise != nullptr ? &(*noise)[texel] : nullptr, is_near_bare ? &bareness_[texel] : nullptr},
+        texels, &heights[place], melted);
+    volumes[texel / kTexelRun] += volume_of(melted, &bare.area[texel], texels);
   });
   for (const double volume : volumes) {
     map.melted += volume;

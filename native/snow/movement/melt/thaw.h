@@ -45,7 +45,8 @@ class Thaw {
   void lay_out(const std::vector<const SceneObject*>& objects);
 
   /// Melts a map's snow. `light`: by place on the map, as above; null: no sun shines. Returns by
-  /// texel the thickness in metres that has melted, until the next call; empty if none has.
+  /// texel the thickness in metres that has melted, until the next call; empty if none has, or if
+  /// the settings are not wet.
   const std::vector<float>& melt(const MeltSettings& settings, const std::vector<float>* light,
                                  MovingMap& map, Repose& repose);
   /// A receiver's texels side by side.
