@@ -115,3 +115,50 @@ def test_dust_stays_on_walls(addon, tmp_path):
         height = np.abs(s.height(addon("base.native").load(), tmp_path, name, 2))
         middle = height[height.shape[0] // 2, height.shape[1] // 2]
         assert least < middle / 0.001 < most, name
+
+
+@pytest.fixture
+def previewed(addon):
+    """A function that plays the scene's shot in the live preview and returns {name: heights} of its last frame."""
+    live, scene = addon("preview.live"), bpy.context.scene
+
+    def play():
+        scene.frame_set(scene.frame_start)
+        live.start(scene, bpy.context.evaluated_depsgraph_get(), draws=False)
+        for frame in range(scene.frame_start + 1, scene.frame_end + 1):
+            scene.frame_set(frame)
+        preview = addon("base.session").preview
+        return {key.split("/")[-1]: np.abs(preview.heights(key)) for key in preview.simulated.maps}
+
+    yield play
+    live.stop()
+
+
+def test_the_live_preview_shows_sand_as_the_bake(previewed, addon, tmp_path):
+    """A heap that is level in the middle and no steeper than Repose at the border of its board."""
+    s.receive(s.square("Board"), resolution=128)
+    s.settings(tmp_path, (1, 2), start_depth=0.2, end_depth=0.21)
+    bpy.ops.snowbough.set_kind(kind="SAND")
+    (sand,) = previewed().values()
+    assert sand[64, 64] == pytest.approx(0.21, abs=2e-3)
+    steep = np.degrees(np.arctan(np.hypot(*np.gradient(sand, 2.0 / 128))))
+    assert 30.0 < np.median(steep[4:18, 40:88]) < 34.0
+    s.bake()
+    assert np.abs(sand - s.height(addon("base.native").load(), tmp_path, "Board", 2)).max() < 2e-3
+
+
+def test_the_live_preview_shows_dust_as_the_bake(previewed, addon, tmp_path):
+    """An upright sheet takes it from both sides; fresh snow leaves it bare. The preview has one direction a frame:
+    32 come within 12 % of the whole sky."""
+    wall = s.square("Wall")
+    wall.rotation_euler = (math.pi / 2, 0.0, 0.0)
+    s.receive(wall)
+    s.settings(tmp_path, (1, 33), end_depth=0.001)
+    bpy.ops.snowbough.set_kind(kind="DUST")
+    (dust,) = previewed().values()
+    s.bake()
+    baked = np.abs(s.height(addon("base.native").load(), tmp_path, "Wall", 33))
+    assert np.abs(dust - baked).max() < 0.12 * baked.max()
+    bpy.ops.snowbough.set_kind(kind="FRESH")
+    (snow,) = previewed().values()
+    assert snow.max() < 0.1 * dust.min()

@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 import pytest
 import snow_scene as s
+from surface_scene import points_at
 
 CUBE = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
 FACES = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
@@ -109,3 +110,26 @@ def test_the_preview_shows_prints(addon):
         assert middle() == pytest.approx(0.1, abs=1e-3)
     finally:
         live.stop()
+
+
+@pytest.mark.parametrize("frames", ["KEYS", "CACHE"])
+def test_apply_snow_of_a_shot_keeps_its_prints(tmp_path, frames):
+    """Plain geometry goes down below a sole when the surface does, also once the bake is gone."""
+    ground = shot(tmp_path / "cache")
+    tool = block()
+    s.key(tool, "location", (1, (0.0, 0.0, 0.4)), (8, (0.0, 0.0, 0.26)))
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    s.bake()
+    surface = bpy.data.objects[f"{ground.name} Snow"]
+    wanted = {frame: points_at(surface, frame) for frame in (1, 6, 8)}
+
+    def depth(points):
+        return float(points[(np.abs(points[:, :2]) < 0.15).all(axis=1), 2].mean())
+
+    assert depth(wanted[1]) == pytest.approx(0.1, abs=0.01)
+    assert depth(wanted[8]) == pytest.approx(0.06, abs=0.01)
+    bpy.ops.snowbough.apply_snow(frames=frames, directory=str(tmp_path / "applied"))
+    bpy.ops.snowbough.free_bake()
+    plain = bpy.data.objects[f"{ground.name} Snow Applied"]
+    for frame, points in wanted.items():
+        assert np.abs(points_at(plain, frame) - points).max() < 1e-5

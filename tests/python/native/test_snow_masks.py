@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import snowbough_native as native
 from checkpoints import restore, save
+from child import in_child
 from snow_meshes import STAYS, grid, turned_over
 
 FRAME = 1.0 / 24.0
@@ -192,3 +193,22 @@ def test_masks_that_do_not_fit_are_refused_with_a_reason():
         sim.set_mask("ground", np.ones((4, 4), np.float32))
     with pytest.raises(ValueError, match="other"):
         sim.set_mask("other", corners(mesh, 1.0))
+
+
+def test_the_number_of_threads_changes_no_byte():
+    program = """
+import hashlib, os
+if {single}:
+    os.sched_setaffinity(0, {{min(os.sched_getaffinity(0))}})
+import numpy as np
+import test_snow_masks as t
+mesh = t.sheet(cells=8)
+sim = t.simulation(mesh, resolution=256, repose=1.0)
+weights = np.random.default_rng(5).random((len(mesh[1]), 3)).astype(np.float32)
+for part in (1.0, 0.7):
+    sim.set_mask("ground", part * weights)
+    t.fall(sim, mesh)
+assert sim.statistics()["total"]["masked_volume"] > 0.0
+print(hashlib.sha256(sim.height("ground").tobytes()).hexdigest(), sim.statistics())
+"""
+    assert in_child(program.format(single=True)) == in_child(program.format(single=False))
