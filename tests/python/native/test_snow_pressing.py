@@ -436,6 +436,60 @@ def test_wrong_settings_are_refused_with_a_reason():
         world.sim.set_presser("other")
 
 
+def fine_world(kind="PRESS", mesh=None, **settings):
+    """A map on which snow comes to rest on squares of texels."""
+    world = World(2.4, 1024, repose=math.radians(65.0), **settings)
+    world.add("tool", mesh or wheel(around=48), kind)
+    return world
+
+
+def test_far_from_prints_snow_rests_as_without_them():
+    pressed, plain = fine_world(), fine_world()
+    mesh = wheel(around=48)
+    for i in range(5):
+        for world, above in ((pressed, 0.0), (plain, 1.0)):
+            pose = rolled(mesh, -0.2 + 0.1 * i) + np.float32([0.0, 0.0, above])
+            world.step({"tool": pose}, DEPTH if i == 0 else 0.004)
+    pressed.balance()
+    assert plain.at(0.0, 0.0) - pressed.at(0.0, 0.0) > 0.05
+    # 7.5 cm of each border lie on slopes.
+    for part in (slice(0, 128), slice(-128, None)):
+        assert pressed.height()[part].tobytes() == plain.height()[part].tobytes()
+        assert pressed.height()[:, part].tobytes() == plain.height()[:, part].tobytes()
+
+
+def test_prints_on_a_fine_map_keep_walls_that_slump_elsewhere():
+    """Of 8 cm within 1.5 cm, below a square sole."""
+    world = fine_world(mesh=block(0.2, 0.3))
+    sole = block(0.2, 0.3)
+    world.press(sinking(sole, 0.05))
+    world.balance()
+    for x, y in ((0.1, 0.0), (-0.1, 0.0), (0.0, 0.1), (0.0, -0.1)):
+        inside, outside = (world.at(k * x, k * y) for k in (0.92, 1.08))
+        assert outside - inside > 0.08
+
+
+@pytest.mark.parametrize("tool", ["PRESS", "PLOUGH", "CLEAR"])
+def test_a_fine_map_resumes_byte_for_byte(tmp_path, tool):
+    """A wheel rolls or, held, is pushed over the border of the ground, and then through its own way."""
+    mesh = wheel(around=48)
+    poses = [rolled(mesh, x) for x in (-1.4, -1.3, -1.2, -1.1, -1.0, -1.1, -1.2, -1.3)]
+
+    def run(world, begin, end):
+        for i in range(begin, end):
+            world.step({"tool": poses[i]}, DEPTH if i == 0 else 0.004)
+
+    whole, first, second = (fine_world(tool) for _ in range(3))
+    run(whole, 0, 8)
+    run(first, 0, 4)
+    save(first.sim, tmp_path / "state")
+    restore(second.sim, tmp_path / "state")
+    run(second, 4, 8)
+    assert second.height().tobytes() == whole.height().tobytes()
+    assert second.sim.statistics() == whole.sim.statistics()
+    whole.balance()
+
+
 def test_the_number_of_threads_changes_no_byte():
     program = """
 import hashlib, os
@@ -447,6 +501,8 @@ world.add("tool", mesh)
 world.press([t.rolled(mesh, -0.3 + 0.1 * i) for i in range(5)])
 blade = t.plough(1.6, 128)
 t.ploughed(blade, 10)
-print(hashlib.sha256(world.height().tobytes() + blade.height().tobytes()).hexdigest())
+fine = t.fine_world()
+fine.press([t.rolled(mesh, -1.3 + 0.1 * i) for i in range(5)])
+print(hashlib.sha256(world.height().tobytes() + blade.height().tobytes() + fine.height().tobytes()).hexdigest())
 """
     assert in_child(program.format(single=True)) == in_child(program.format(single=False))
