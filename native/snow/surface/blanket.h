@@ -40,6 +40,7 @@ class Blanket {
   Blanket(const SurfacePoints& points, const std::vector<int32_t>& lying,
           const std::vector<float>& area, std::vector<Member> members, float depth);
 
+  bool empty() const { return members_.empty(); }
   /// Turns the normals of points at feet upright that lean away from the ground around them, as on
   /// bevels and at the ends of pieces that lie below others: a blanket would be drawn beside them.
   /// @param upper  normals of the most level faces at the points.

@@ -16,6 +16,9 @@ namespace {
 /// Reach of the smoothing of heights over the surface, and of normals, as fractions of the depth.
 constexpr float kSmoothing = 0.12f;
 constexpr float kCrease = 0.3f;
+/// Cells within which the drawn snow has the volume of the map, and within which blankets have.
+constexpr float kKept = 1.0f;
+constexpr float kKeptWide = 3.0f;
 /// Two neighbours with dents that differ by more than this fraction of the depth lie at a print's
 /// wall.
 constexpr float kWall = 0.1f;
@@ -182,11 +185,15 @@ SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& 
   std::vector<RimZones::Zone> zone;
   zones.find(points.mesh, zone);
   surface.samples = samples_of(points.mesh, source, smoothing, dented, depth);
+  surface.volume = KeptVolume(points.mesh.position, kKept * depth);
   find_normals(points, surface.samples, kCrease * depth);
   surface.fronts = find_fronts(points, surface.samples.area, zone, rims, receiver, tree,
                                Beyond(neighbours), plan.wind, shift, depth);
   // Cushions join the snow of needles.
   if (needles) surface.fronts.blanket = {};
+  if (!surface.fronts.blanket.empty()) {
+    surface.wide_volume = KeptVolume(points.mesh.position, kKeptWide * depth);
+  }
   surface.looks = point_looks(points, surface.samples, zone, tree, shift, depth);
 
   const SurfaceFrame frame = frame_of(last, depth);

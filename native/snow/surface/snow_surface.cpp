@@ -18,9 +18,6 @@ using namespace shared;  // NOLINT(google-build-using-namespace): the shared rul
 /// Rounds of smoothing of the heights, before and after thin snow is removed.
 constexpr int kRoundsBefore = 5;
 constexpr int kRoundsAfter = 2;
-/// Bounds of the factor that makes the volume of the shown snow equal to that of the map.
-constexpr float kLeastFactor = 0.85f;
-constexpr float kMostFactor = 1.25f;
 /// Volume of a front, as a fraction of the height behind it times the width of its zone.
 constexpr float kUpright = 0.95f;
 /// Height of a front, as a fraction of the height behind it.
@@ -68,8 +65,10 @@ std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& styl
       const float presence = fronts.presence(f, behind, join);
       if (presence <= 0.0f) continue;
       const float part = glm::mix(kDrawn, 1.0f, join.joined);
+      // The volume is kept here, not where the height comes from.
+      const float kept = part * heights.factor[p] / fronts.inland[f].of(heights.factor);
       const glm::vec3 drawn = front_offset(
-          front, style, {behind.inland * part, behind.across * part, behind.beyond * part}, join,
+          front, style, {behind.inland * kept, behind.across * kept, behind.beyond * part}, join,
           points.normal[p], heights.shown[p], looks.point[p].bumps,
           std::min(kSink, looks.point[p].deepest));
       const glm::vec3 off_rims = offsets[p];
@@ -139,45 +138,41 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
   const auto counted_area = [&](size_t p) {
     return fronts.counted.empty() ? samples.area[p] : samples.area[p] * fronts.counted[p];
   };
-  const size_t blocks = (count + kPointBlock - 1) / kPointBlock;
-  std::vector<glm::dvec2> volumes(blocks, glm::dvec2(0.0));
-  for_point_blocks(count, [&](size_t block, size_t begin, size_t end) {
+  std::vector<glm::vec2> volumes(count), laid_volumes(count);
+  for_point_blocks(count, [&](size_t, size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
       if (heights.shown[p] > 0.0f) {
         heights.shown[p] +=
             surface_relief(looks.point[p], style, heights.shown[p], frame.open_depth);
       }
-      volumes[block] +=
-          glm::dvec2(samples.area[p] * held[p], counted_area(p) * std::max(heights.shown[p], 0.0f));
+      const float in_map = samples.area[p] * held[p];
+      const float now = glm::mix(in_map, counted_area(p) * heights.thickness[p], laid[p]);
+      volumes[p] = {now, counted_area(p) * std::max(heights.shown[p], 0.0f)};
+      laid_volumes[p] = {in_map, now};
     }
   });
-  glm::dvec2 volume(0.0);
-  for (const glm::dvec2& one : volumes) volume += one;
   // Fronts add volume at the points near rims, because they are upright.
-  std::vector<double> added((fronts.count() + kPointBlock - 1) / kPointBlock, 0.0);
-  for_point_blocks(fronts.count(), [&](size_t block, size_t begin, size_t end) {
-    for (size_t f = begin; f < end; ++f) {
-      const SnowFront& front = fronts.front[f];
-      if (front.distance < 0.0f) continue;
-      const auto p = static_cast<size_t>(fronts.point[f]);
-      const SnowBehind behind = fronts.behind(f, heights.shown, frame.open_depth);
-      const SnowJoin join = snow_join(front, style, behind);
-      // Snow that goes on beyond the rim holds what the map holds.
-      const float height = behind.inland * glm::mix(kUpright, front.full, join.joined);
-      const float more = height - std::max(heights.shown[p], 0.0f);
-      added[block] += static_cast<double>(counted_area(p) * fronts.presence(f, behind, join) *
-                                          more * (1.0f - heights.blanket[f]));
-    }
+  base::for_each_item(fronts.count(), 1024, [&](size_t f) {
+    const SnowFront& front = fronts.front[f];
+    if (front.distance < 0.0f) return;
+    const auto p = static_cast<size_t>(fronts.point[f]);
+    const SnowBehind behind = fronts.behind(f, heights.shown, frame.open_depth);
+    const SnowJoin join = snow_join(front, style, behind);
+    // Snow that goes on beyond the rim holds what the map holds.
+    const float height = behind.inland * glm::mix(kUpright, front.full, join.joined);
+    const float more = height - std::max(heights.shown[p], 0.0f);
+    volumes[p].y +=
+        counted_area(p) * fronts.presence(f, behind, join) * more * (1.0f - heights.blanket[f]);
   });
-  for (const double one : added) volume.y += one;
-  const float factor = volume.y > 0.0 ? std::clamp(static_cast<float>(volume.x / volume.y),
-                                                   kLeastFactor, kMostFactor)
-                                      : 1.0f;
+  heights.factor = surface.volume.factors(volumes);
+  // What a blanket fills comes from farther away: from beside, it would leave a furrow there.
+  const std::vector<float> wide = surface.wide_volume.factors(laid_volumes);
+  for (size_t p = 0; p < wide.size(); ++p) heights.factor[p] *= wide[p];
   for_point_blocks(count, [&](size_t, size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
       float& shown = heights.shown[p];
       if (shown <= 0.0f) continue;
-      shown *= factor;
+      shown *= heights.factor[p];
       shown = glm::mix(swept_height(looks.point[p], shown), shown, laid[p]);
     }
   });

@@ -10,6 +10,7 @@
 #include "snow/surface/cushions.h"
 #include "snow/surface/fronts.h"
 #include "snow/surface/height_samples.h"
+#include "snow/surface/kept_volume.h"
 #include "snow/surface/point_looks.h"
 #include "snow/surface/refine.h"
 #include "snow/surface/surface_faces.h"
@@ -54,6 +55,8 @@ struct SurfaceFrame {
 struct SnowSurface {
   SurfacePoints points;
   HeightSamples samples;
+  /// Places within which the drawn snow has the volume of the map, and what blankets fill.
+  KeptVolume volume, wide_volume;
   PointLooks looks;
   Fronts fronts;
   Cushions cushions;
@@ -83,6 +86,8 @@ struct SurfaceHeightsNow {
   std::vector<float> thickness;
   /// Height of the shown snow; not over 0 at bare points.
   std::vector<float> shown;
+  /// Factor in it that keeps the volume.
+  std::vector<float> factor;
   /// Per front: how far the blanket has its shape, 0 to 1, and the blanket's unit normal.
   std::vector<float> blanket;
   std::vector<glm::vec3> blanket_up;

@@ -25,17 +25,23 @@ def highest(triangles, points):
     return -10.0 - first_hits(below, triangles, (0.0, 0.0, -1.0))
 
 
+def faces_of(surface):
+    """Triangles of a surface's faces, indices of its points (T, 3)."""
+    begin, corners, _ = surface.faces()
+    return np.array(
+        [
+            (corners[b], corners[k], corners[k + 1])
+            for b, e in zip(begin, begin[1:])
+            for k in range(b + 1, e - 1)
+        ]
+    )
+
+
 def shown_over(mesh, snow, depth, points, style=None, **settings):
     """Height of the shown snow or the receiver, whichever is higher, at each of `points` (N, 2); and the surface.
     style: sliders by name."""
     positions, triangles, uv = mesh
     surface = native.SnowSurface(triangles, uv, positions, snow, snow, depth, **settings)
     surface.set_style(**(style or {}))
-    begin, corners, _ = surface.faces()
-    fans = [
-        (corners[b], corners[k], corners[k + 1])
-        for b, e in zip(begin, begin[1:])
-        for k in range(b + 1, e - 1)
-    ]
-    drawn = np.concatenate([positions[triangles], surface.points(snow, depth)[np.array(fans)]])
+    drawn = np.concatenate([positions[triangles], surface.points(snow, depth)[faces_of(surface)]])
     return highest(drawn, points), surface

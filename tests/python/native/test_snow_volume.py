@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The volume of the drawn snow: as the map's, and made up for near the rims alone."""
+
+import numpy as np
+import pytest
+from shown_snow import faces_of, highest, map_of, shown_over
+from snow_pieces import pieces
+
+# Metres.
+DEPTH, HALF, STEP = 0.2, 0.7, 0.02
+
+
+def plate(pitch):
+    """A plate of 1.4 m and its map, lower towards the rims, as repose leaves it."""
+    *mesh, resolution = pieces([((0.0, 0.0, -0.02), (2 * HALF, 2 * HALF, 0.04), pitch)])
+    along = np.cos(np.radians(pitch))
+
+    def height(points, up):
+        inside = HALF - np.maximum(abs(points[:, 0]), abs(points[:, 1]) / along)
+        return np.where(up > 0.3, np.minimum(DEPTH, 0.03 + 2.0 * np.maximum(inside, 0.0)) * up, 0.0)
+
+    return mesh, map_of(mesh, resolution, height)
+
+
+def places(half, pitch=0.0):
+    along = np.arange(-half, half, STEP) + 0.5 * STEP
+    x, y = np.meshgrid(along, along)
+    return np.stack([x.ravel(), np.cos(np.radians(pitch)) * y.ravel()], axis=1)
+
+
+@pytest.mark.parametrize("pitch", [0.0, 35.0])
+def test_far_from_rims_snow_is_drawn_as_high_as_its_map_says(pitch):
+    mesh, snow = plate(pitch)
+    middle = places(HALF - 2.0 * DEPTH, pitch)
+    top, _ = shown_over(mesh, snow, DEPTH, middle, style={"relief": 0.0})
+    thickness = top - highest(mesh[0][mesh[1]], middle)
+    assert thickness.mean() == pytest.approx(DEPTH, rel=0.01)
+    assert np.abs(thickness - DEPTH).max() < 0.02 * DEPTH
+
+
+@pytest.mark.parametrize("pitch, close", [(0.0, 0.02), (35.0, 0.035)])
+def test_what_fronts_add_is_taken_from_the_snow_behind_them(pitch, close):
+    mesh, snow = plate(pitch)
+    over = places(HALF + DEPTH, pitch)
+    top, surface = shown_over(mesh, snow, DEPTH, over, style={"relief": 0.0})
+    bottom = highest(mesh[0][mesh[1]], over)
+    # Beside the plate snow hangs over.
+    downwards = surface.points(snow, DEPTH)[faces_of(surface)] * np.float32([1.0, 1.0, -1.0])
+    hanging = np.isfinite(top) & ~np.isfinite(bottom)
+    bottom[hanging] = -highest(downwards[:, ::-1], over[hanging])
+    drawn = (top - bottom)[np.isfinite(top)].sum() * STEP**2 * np.cos(np.radians(pitch))
+    table = np.linspace(-HALF, HALF, 1401)
+    inside = HALF - np.maximum(*np.abs(np.meshgrid(table, table)))
+    held = np.minimum(DEPTH, 0.03 + 2.0 * inside).mean() * (2 * HALF) ** 2 * np.cos(np.radians(pitch))
+    assert drawn == pytest.approx(held, rel=close)
