@@ -6,10 +6,8 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
-#include "base/group_by_key.h"
 #include "base/parallel_for.h"
 #include "shaders/lib/snow_surface.h"
-#include "snow/surface/cell_grid.h"
 #include "snow/surface/vectors.h"
 
 namespace snowbough::snow {
@@ -74,12 +72,10 @@ float falling(float distance, float over) {
 
 }  // namespace
 
-Blanket::Blanket(const SurfacePoints& points, const std::vector<int32_t>& lying,
-                 const std::vector<float>& area, std::vector<Member> members, float depth)
-    : members_(std::move(members)) {
-  if (members_.empty()) return;
+void Blanket::find_nodes(const SurfacePoints& points, const std::vector<int32_t>& lying,
+                         const std::vector<float>& area, float depth) {
   const std::vector<glm::vec3>& position = points.mesh.position;
-  // Nodes: the points of a cell, in the order of the cells.
+  // The points of a cell, in the order of the cells.
   struct Placed {
     glm::ivec3 cell;
     int32_t point;
@@ -109,46 +105,54 @@ Blanket::Blanket(const SurfacePoints& points, const std::vector<int32_t>& lying,
     share_begin_.push_back(static_cast<int32_t>(shares_.size()));
     nodes_.push_back(node);
   }
-  std::vector<CellGrid::Box> boxes;
-  for (const Node& node : nodes_) boxes.push_back({node.centre, node.centre});
-  const CellGrid grid(boxes, kPlaneReach * depth);
+}
 
-  // Planes through the receiver, and from them the planes through the tops of the snow.
-  const auto around = [&](const glm::vec3& place, float reach, const auto& visit) {
-    grid.visit(place - reach, place + reach, [&](int32_t n) {
-      const float distance = glm::distance(nodes_[n].centre, place);
-      if (distance < reach) visit(n, distance);
-    });
-  };
-  const float reach = kPlaneReach * depth, over = kPlane * depth;
+template <typename Visit>
+void Blanket::visit_nodes(const CellGrid& grid, const glm::vec3& place, float reach,
+                          const Visit& visit) const {
+  grid.visit(place - reach, place + reach, [&](int32_t n) {
+    const float distance = glm::distance(nodes_[n].centre, place);
+    if (distance < reach) visit(n, nodes_[n], place - nodes_[n].centre, distance);
+  });
+}
+
+float Blanket::on_ground_of(const Node& node, const glm::vec3& from_centre, float depth) {
+  const float off =
+      std::abs(from_centre.z - node.ground.x * from_centre.x - node.ground.y * from_centre.y);
+  return eased(off, kOtherGround * depth, kOneGround * depth);
+}
+
+void Blanket::fit_ground(const CellGrid& grid, float depth) {
+  const float reach = kPlaneReach * depth;
   base::for_each_item(nodes_.size(), 16, [&](size_t n) {
-    const glm::vec3 centre = nodes_[n].centre;
     Fit fit;
     glm::vec3 sum(0.0f);
-    around(centre, reach, [&](int32_t m, float distance) {
-      const glm::vec3 to = nodes_[m].centre - centre;
-      const glm::vec3 row(to.x, to.y, 1.0f);
-      const float weight = nodes_[m].area * falling(distance, over);
-      fit.add(row, weight);
-      sum += row * (weight * to.z);
-    });
+    visit_nodes(grid, nodes_[n].centre, reach,
+                [&](int32_t, const Node& node, const glm::vec3& from_centre, float distance) {
+                  const glm::vec3 row(-from_centre.x, -from_centre.y, 1.0f);
+                  const float weight = node.area * falling(distance, kPlane * depth);
+                  fit.add(row, weight);
+                  sum += row * (weight * -from_centre.z);
+                });
     nodes_[n].ground = fit.inverse(reach) * sum;
   });
+}
+
+void Blanket::find_plane_parts(const CellGrid& grid, float depth) {
+  const float reach = kPlaneReach * depth;
   std::vector<std::vector<PlanePart>> parts(nodes_.size());
   base::for_each_item(nodes_.size(), 16, [&](size_t n) {
-    const Node& node = nodes_[n];
     Fit fit;
     std::vector<PlanePart>& own = parts[n];
-    around(node.centre, reach, [&](int32_t m, float distance) {
-      const glm::vec3 to = nodes_[m].centre - node.centre;
-      const float off = std::abs(to.z - node.ground.x * to.x - node.ground.y * to.y);
-      const float weight = nodes_[m].area * falling(distance, over) *
-                           eased(off, kOtherGround * depth, kOneGround * depth);
-      if (weight <= 0.0f) return;
-      const glm::vec3 row(to.x, to.y, 1.0f);
-      fit.add(row, weight);
-      own.push_back({m, row * weight});
-    });
+    visit_nodes(grid, nodes_[n].centre, reach,
+                [&](int32_t m, const Node& node, const glm::vec3& from_centre, float distance) {
+                  const float weight = node.area * falling(distance, kPlane * depth) *
+                                       on_ground_of(nodes_[n], -from_centre, depth);
+                  if (weight <= 0.0f) return;
+                  const glm::vec3 row(-from_centre.x, -from_centre.y, 1.0f);
+                  fit.add(row, weight);
+                  own.push_back({m, row * weight});
+                });
     const glm::mat3 inverse = fit.inverse(reach);
     for (PlanePart& one : own) one.part = inverse * one.part;
   });
@@ -157,34 +161,48 @@ Blanket::Blanket(const SurfacePoints& points, const std::vector<int32_t>& lying,
     parts_.insert(parts_.end(), own.begin(), own.end());
     part_begin_.push_back(static_cast<int32_t>(parts_.size()));
   }
+}
 
+Blanket::Near Blanket::nodes_near(const glm::vec3& place, const CellGrid& grid, float depth) const {
+  const float reach = kNearReach * depth;
+  Near near;
+  visit_nodes(grid, place, reach,
+              [&](int32_t n, const Node& node, const glm::vec3& from_centre, float distance) {
+                const float weight = node.area * falling(distance, kNear * depth) *
+                                     eased(distance, reach, 0.6f * reach) *
+                                     on_ground_of(node, from_centre, depth);
+                const auto least = std::min_element(near.weight.begin(), near.weight.end());
+                if (weight <= *least) return;
+                *least = weight;
+                near.node[static_cast<size_t>(least - near.weight.begin())] = n;
+              });
+  float sum = 0.0f;
+  for (const float weight : near.weight) sum += weight;
+  for (int k = 0; k < kNodes; ++k) {
+    if (sum > 0.0f) near.weight[k] /= sum;
+    const Node& node = nodes_[near.node[k]];
+    const glm::vec3 to = place - node.centre;
+    near.ground += near.weight[k] *
+                   (node.centre.z + node.ground.z + node.ground.x * to.x + node.ground.y * to.y);
+    near.up -= near.weight[k] * glm::vec3(node.ground.x, node.ground.y, 0.0f);
+  }
+  near.up = unit(near.up);
+  return near;
+}
+
+Blanket::Blanket(const SurfacePoints& points, const std::vector<int32_t>& lying,
+                 const std::vector<float>& area, std::vector<Member> members, float depth)
+    : members_(std::move(members)) {
+  if (members_.empty()) return;
+  find_nodes(points, lying, area, depth);
+  std::vector<CellGrid::Box> boxes;
+  for (const Node& node : nodes_) boxes.push_back({node.centre, node.centre});
+  const CellGrid grid(boxes, kPlaneReach * depth);
+  fit_ground(grid, depth);
+  find_plane_parts(grid, depth);
   near_.resize(members_.size());
-  base::for_each_item(members_.size(), 64, [&](size_t i) {
-    const glm::vec3& at = position[members_[i].point];
-    Near& near = near_[i];
-    around(at, kNearReach * depth, [&](int32_t n, float distance) {
-      const Node& node = nodes_[n];
-      const glm::vec3 to = at - node.centre;
-      const float off = std::abs(to.z - node.ground.x * to.x - node.ground.y * to.y);
-      const float weight = node.area * falling(distance, kNear * depth) *
-                           eased(distance, kNearReach * depth, 0.6f * kNearReach * depth) *
-                           eased(off, kOtherGround * depth, kOneGround * depth);
-      const auto least = std::min_element(near.weight.begin(), near.weight.end());
-      if (weight <= *least) return;
-      *least = weight;
-      near.node[static_cast<size_t>(least - near.weight.begin())] = n;
-    });
-    float sum = 0.0f;
-    for (const float weight : near.weight) sum += weight;
-    for (int k = 0; k < kNodes; ++k) {
-      if (sum > 0.0f) near.weight[k] /= sum;
-      const Node& node = nodes_[near.node[k]];
-      const glm::vec3 to = at - node.centre;
-      near.ground += near.weight[k] *
-                     (node.centre.z + node.ground.z + node.ground.x * to.x + node.ground.y * to.y);
-      near.up -= near.weight[k] * glm::vec3(node.ground.x, node.ground.y, 0.0f);
-    }
-    near.up = unit(near.up);
+  base::for_each_item(near_.size(), 64, [&](size_t i) {
+    near_[i] = nodes_near(points.mesh.position[members_[i].point], grid, depth);
   });
 }
 

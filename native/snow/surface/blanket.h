@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "snow/surface/cell_grid.h"
 #include "snow/surface/nearest_points.h"
 #include "snow/surface/rims.h"
 #include "snow/surface/surface_points.h"
@@ -79,6 +80,22 @@ class Blanket {
     /// Parts of a node's height in the value and in both slopes of the plane.
     glm::vec3 part{0.0f};
   };
+
+  /// Makes the nodes, and the shares of the points in them.
+  void find_nodes(const SurfacePoints& points, const std::vector<int32_t>& lying,
+                  const std::vector<float>& area, float depth);
+  /// Calls visit(index, node, from the node's centre to the place, its length) for the nodes less
+  /// than `reach` from a place.
+  template <typename Visit>
+  void visit_nodes(const CellGrid& grid, const glm::vec3& place, float reach,
+                   const Visit& visit) const;
+  /// 1 for a place near a node's plane through the receiver, 0 far from it.
+  static float on_ground_of(const Node& node, const glm::vec3& from_centre, float depth);
+  /// Fits planes through the receiver, and finds from them what the tops of the snow around a node
+  /// add to the plane through them.
+  void fit_ground(const CellGrid& grid, float depth);
+  void find_plane_parts(const CellGrid& grid, float depth);
+  Near nodes_near(const glm::vec3& place, const CellGrid& grid, float depth) const;
 
   std::vector<Member> members_;
   std::vector<Node> nodes_;
