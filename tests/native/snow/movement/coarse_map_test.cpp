@@ -169,7 +169,7 @@ TEST(CoarseMap, IsNoneWhereTexelsAreCoarse) {
   MovingMap map;
   map.height = &height;
   Repose own(object, tables);
-  EXPECT_EQ(maps.choose(map, false, false, tables, own), nullptr);
+  EXPECT_EQ(maps.choose(map, false, tables, own), nullptr);
 }
 
 }  // namespace
