@@ -178,14 +178,13 @@ void Movement::choose_maps(const MovementSettings& settings, MovingMap& map, boo
   Resting near_packed{&map, &own, nullptr};
   if (const std::vector<uint8_t> stands = pressing_.standing_blocks(map, own); !stands.empty()) {
     const std::vector<int32_t> blocks = coarse->blocks_of_own();
-    std::vector<int32_t> packed;
+    std::vector<int32_t> standing;
     for (size_t b = 0; b < stands.size(); ++b) {
-      if (stands[b] != 0) packed.push_back(blocks[b]);
+      if (stands[b] != 0) standing.push_back(static_cast<int32_t>(b));
     }
-    const ReposeLinks& links = *coarse->repose().ground().links;
-    on_squares.within.assign(links.block_count(), 1);
-    for (const int32_t block : near_blocks(links, packed)) {
-      on_squares.within[static_cast<size_t>(block)] = 0;
+    on_squares.within.assign(coarse->repose().ground().links->block_count(), 1);
+    for (const int32_t block : near_blocks(*own.ground().links, standing)) {
+      on_squares.within[static_cast<size_t>(blocks[static_cast<size_t>(block)])] = 0;
     }
     for (const int32_t block : blocks) {
       near_packed.within.push_back(on_squares.within[static_cast<size_t>(block)] == 0 ? 1 : 0);

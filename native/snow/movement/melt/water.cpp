@@ -119,15 +119,25 @@ void Water::find_ways(size_t object, Repose& repose) {
   });
 }
 
-/// Spreads water to all sides, in a step as far as diffusion would.
-void Water::soak_sideways(const MeltSettings& settings, double dt, const LinkedRuns& runs,
-                          const std::vector<int32_t>& places, const ReposeLinks& links, double area,
-                          Surface& own) {
-  if (!(area > 0.0)) return;
+/// Spreads water to all sides, in a step as far as diffusion would: a part of it, which is
+/// returned, to `spread_` as volumes.
+float Water::soak_sideways(const MeltSettings& settings, double dt, const LinkedRuns& runs,
+                           const std::vector<int32_t>& places, const ReposeLinks& links,
+                           double area, Surface& own) {
+  if (!(area > 0.0)) return 0.0f;
   // Mean square of the way along an axis in texels, and that of the spread over a square.
   const double wanted =
       settings.wet_spread * settings.wet_spread * dt * static_cast<double>(own.area.size()) / area;
-  if (!(wanted > 0.0)) return;
+  if (!(wanted > 0.0)) return 0.0f;
+  for (const ReposeLinks::Across& across : links.across) {
+    const auto a = static_cast<size_t>(across.a), b = static_cast<size_t>(across.b);
+    const float smaller = std::min(own.area[a], own.area[b]);
+    if (!(smaller > 0.0f)) continue;
+    const auto exchange = static_cast<float>(std::min(0.5 * wanted, kExchange));
+    const float flow = exchange * (own.depth[a] - own.depth[b]) * smaller;
+    own.depth[a] -= flow / own.area[a];
+    own.depth[b] += flow / own.area[b];
+  }
   const double wide = std::ceil(0.5 * (std::sqrt(12.0 * wanted + 1.0) - 1.0));
   const auto radius = static_cast<int32_t>(std::min(wide, kWidest));
   const double side = 2.0 * radius + 1.0;
@@ -138,18 +148,7 @@ void Water::soak_sideways(const MeltSettings& settings, double dt, const LinkedR
     take_part(&own.depth[begin], &own.area[begin], part, count, &spread[begin]);
   });
   runs.spread(radius, spread);
-  for_texel_runs(places, [&](size_t begin, size_t, size_t count) {
-    give_back(&spread[begin], &own.area[begin], part, count, &own.depth[begin]);
-  });
-  for (const ReposeLinks::Across& across : links.across) {
-    const auto a = static_cast<size_t>(across.a), b = static_cast<size_t>(across.b);
-    const float smaller = std::min(own.area[a], own.area[b]);
-    if (!(smaller > 0.0f)) continue;
-    const auto exchange = static_cast<float>(std::min(0.5 * wanted, kExchange));
-    const float flow = exchange * (own.depth[a] - own.depth[b]) * smaller;
-    own.depth[a] -= flow / own.area[a];
-    own.depth[b] += flow / own.area[b];
-  }
+  return part;
 }
 
 /// Where water that leaves over an outlet, or drips from a texel (-1 - texel), lands.
@@ -207,9 +206,13 @@ void Water::flow(const MeltSettings& settings, double dt, const std::vector<floa
               rains ? &(*rain)[place] : nullptr, settings.rain, count, &own.depth[texel]);
   });
   run_down(settings, map.object, repose);
-  soak_sideways(settings, dt, runs, places, repose.links(), repose.bare().whole_area, own);
+  const float part =
+      soak_sideways(settings, dt, runs, places, repose.links(), repose.bare().whole_area, own);
   const auto decay = static_cast<float>(std::numbers::ln2 * dt / settings.drying);
   for_texel_runs(places, [&](size_t texel, size_t place, size_t count) {
+    if (part > 0.0f) {
+      give_back(&spread_[texel], &own.area[texel], part, count, &own.depth[texel]);
+    }
     dry_run(&(*map.height)[place], sun != nullptr ? &(*sun)[place] : nullptr, decay, count,
             &own.depth[texel]);
   });

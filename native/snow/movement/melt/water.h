@@ -53,9 +53,9 @@ class Water {
     double volume = 0.0;
   };
   void find_ways(size_t object, Repose& repose);
-  void soak_sideways(const MeltSettings& settings, double dt, const LinkedRuns& runs,
-                     const std::vector<int32_t>& places, const ReposeLinks& links, double area,
-                     Surface& own);
+  float soak_sideways(const MeltSettings& settings, double dt, const LinkedRuns& runs,
+                      const std::vector<int32_t>& places, const ReposeLinks& links, double area,
+                      Surface& own);
   void run_down(const MeltSettings& settings, size_t object, Repose& repose);
   MapPoint below(size_t object, int32_t from, int32_t texel, Repose& repose) const;
 

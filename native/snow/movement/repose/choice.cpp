@@ -88,8 +88,19 @@ void choose_blocks(const ReposeGround& ground, const std::vector<float>& height,
     }
     return;
   }
-  base::for_each_item(ground.links->block_count(), 64, [&](size_t b) {
-    choice.highest[b] = highest_in(*ground.links, static_cast<int32_t>(b), height);
+  const bool everywhere = choice.within.empty();
+  std::vector<int32_t> within;
+  if (!everywhere) {
+    for (size_t b = 0; b < choice.within.size(); ++b) {
+      if (choice.within[b] != 0) within.push_back(static_cast<int32_t>(b));
+    }
+    // As far as the neighbours of chosen blocks.
+    within = near_blocks(*ground.links, near_blocks(*ground.links, within));
+    std::fill(choice.highest.begin(), choice.highest.end(), 0.0f);
+  }
+  base::for_each_item(everywhere ? ground.links->block_count() : within.size(), 64, [&](size_t i) {
+    const int32_t block = everywhere ? static_cast<int32_t>(i) : within[i];
+    choice.highest[static_cast<size_t>(block)] = highest_in(*ground.links, block, height);
   });
   std::vector<uint8_t> are_doubtful(ground.links->block_count(), 0);
   base::for_each_item(ground.links->block_count(), 16, [&](size_t b) {
