@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <limits>
+#include <map>
 #include <queue>
 #include <utility>
 
@@ -20,6 +21,8 @@ namespace {
 constexpr double kAhead = 0.9;
 /// A horizontal part of the motion over this is that of a blade, which spreads snow ahead only.
 constexpr double kBlade = 0.7;
+/// Heaps within squares of this part of the radius spread as one.
+constexpr double kSquareOfHeaps = 0.125;
 /// Largest radius of the spread, in texels.
 constexpr int32_t kMostSpread = 24;
 
@@ -143,6 +146,33 @@ std::vector<PushedSnow> summed(std::vector<PushedSnow> heaps) {
   }
   for (PushedSnow& sum : sums) sum.way /= static_cast<double>(std::max<int64_t>(sum.units, 1));
   return sums;
+}
+
+/// Joins heaps in squares of the map that are small against the radius of their spread, at the
+/// first of them.
+std::vector<PushedSnow> joined(const PressedMap& map, const std::vector<PushedSnow>& heaps,
+                               double radius) {
+  if (heaps.empty()) return heaps;
+  const double size = std::sqrt(std::max(map.area(heaps.front().texel), 1e-12));
+  const auto side = static_cast<int32_t>(std::clamp(kSquareOfHeaps * radius / size, 1.0, 64.0));
+  const int32_t resolution = map.links->resolution;
+  std::map<int32_t, size_t> known;
+  std::vector<PushedSnow> squares;
+  for (const PushedSnow& heap : heaps) {
+    const int32_t place = map.place(heap.texel);
+    const int32_t square = place / resolution / side * resolution + place % resolution / side;
+    const auto [at, is_new] = known.try_emplace(square, squares.size());
+    if (is_new) {
+      squares.push_back(heap);
+      continue;
+    }
+    PushedSnow& sum = squares[at->second];
+    const auto own = static_cast<double>(heap.units);
+    const auto before = static_cast<double>(sum.units);
+    sum.way = (before * sum.way + own * heap.way) / std::max(before + own, 1.0);
+    sum.units += heap.units;
+  }
+  return squares;
 }
 
 /// The part of a map on which heaps spread.
@@ -280,6 +310,7 @@ std::vector<int32_t> spread_pushed(const PressedMap& map, const std::vector<int3
     }
     return gains;
   }
+  heaps = joined(map, heaps, radius);
   Window window(map, covered, heaps, radius);
   std::vector<int64_t> units(window.cells(), 0);
   for (const PushedSnow& heap : heaps) window.spread(heap, radius, fastest > kBlade, units);
