@@ -46,9 +46,6 @@ constexpr double kSizeAPart = 0.0625;
 constexpr double kThicknessAPart = 0.75;
 constexpr double kLeastPart = 0.01;
 constexpr int kMostParts = 64;
-/// Parts after which snow that a blade has pushed moves on.
-constexpr int kPartsARest = 1;
-
 bool overlap(const Bounds& a, const Bounds& b, double margin) {
   for (int axis = 0; axis < 3; ++axis) {
     if (a.low[axis] - margin > b.high[axis] || b.low[axis] - margin > a.high[axis]) return false;
@@ -409,7 +406,7 @@ void Pressing::sink(const PressSettings& settings, const std::vector<Touched>& t
 }
 
 bool Pressing::rests() const {
-  return part_ == parts_ || (has_ploughed_ && part_ % kPartsARest == 0);
+  return part_ == parts_ || has_ploughed_;
 }
 
 std::vector<int32_t> Pressing::ploughed_blocks(const MovingMap& map) const {
