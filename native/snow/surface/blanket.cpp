@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <tuple>
 
 #include "base/parallel_for.h"
 #include "shaders/lib/snow_surface.h"
@@ -77,15 +78,15 @@ void Blanket::find_nodes(const SurfacePoints& points, const std::vector<int32_t>
   const std::vector<glm::vec3>& position = points.mesh.position;
   // The points of a cell, in the order of the cells.
   struct Placed {
-    glm::ivec3 cell;
+    glm::vec3 cell;  // whole numbers, however far from the origin
     int32_t point;
   };
   std::vector<Placed> placed;
   for (const int32_t p : lying) {
-    placed.push_back({glm::ivec3(glm::floor(position[p] / (kCell * depth))), p});
+    placed.push_back({glm::floor(position[p] / (kCell * depth)), p});
   }
   const auto key = [](const Placed& one) {
-    return std::array{one.cell.x, one.cell.y, one.cell.z, one.point};
+    return std::tuple(one.cell.x, one.cell.y, one.cell.z, one.point);
   };
   std::sort(placed.begin(), placed.end(),
             [&](const Placed& a, const Placed& b) { return key(a) < key(b); });
