@@ -194,6 +194,7 @@ Blanket::Near Blanket::nodes_near(const glm::vec3& place, const CellGrid& grid, 
 Blanket::Blanket(const SurfacePoints& points, const std::vector<int32_t>& lying,
                  const std::vector<float>& area, std::vector<Member> members, float depth)
     : members_(std::move(members)) {
+  if (lying.empty()) members_.clear();  // there is no snow that could go on over them
   if (members_.empty()) return;
   find_nodes(points, lying, area, depth);
   std::vector<CellGrid::Box> boxes;
