@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 #include <iterator>
 #include <limits>
@@ -74,14 +75,14 @@ double thickest(const std::vector<float>& height, int32_t side) {
   return all.squares > 0.0 ? all.cubes / all.squares : 0.0;
 }
 
-/// The longer side of a texel in the pose at rest: the mean of its fourth power over the surface,
-/// which long texels decide.
-double texel_size_of(const SceneObject& object) {
+/// The longer and the shorter side of a texel in the pose at rest: the means of their fourth powers
+/// over the surface, which long texels decide.
+glm::dvec2 texel_size_of(const SceneObject& object) {
   const MapTopology& topology = object.description.topology;
   const std::vector<glm::vec3>& rest =
       object.description.rest.empty() ? object.positions : object.description.rest;
   double area = 0.0;
-  double powers = 0.0;
+  glm::dvec2 powers(0.0);
   for (size_t t = 0; t + 2 < topology.triangles.size(); t += 3) {
     const auto corner = [&](size_t k) {
       return glm::dvec3(rest[static_cast<size_t>(topology.triangles[t + k])]);
@@ -95,15 +96,15 @@ double texel_size_of(const SceneObject& object) {
     const glm::dvec3 along_u = (a * v.y - b * u.y) / cross;
     const glm::dvec3 along_v = (b * u.x - a * v.x) / cross;
     const double half = 0.5 * (glm::dot(along_u, along_u) + glm::dot(along_v, along_v));
-    const double longest =
-        half + std::sqrt(std::max(0.0, half * half - glm::dot(glm::cross(along_u, along_v),
-                                                              glm::cross(along_u, along_v))));
+    const double apart = std::sqrt(std::max(
+        0.0, half * half - glm::dot(glm::cross(along_u, along_v), glm::cross(along_u, along_v))));
+    const glm::dvec2 squares(half + apart, half - apart);
     const double own = 0.5 * glm::length(glm::cross(a, b));
     area += own;
-    powers += own * longest * longest;
+    powers += own * squares * squares;
   }
   const double size = 1.0 / topology.resolution;
-  return area > 0.0 ? size * std::sqrt(std::sqrt(powers / area)) : 0.0;
+  return area > 0.0 ? size * glm::sqrt(glm::sqrt(powers / area)) : glm::dvec2(0.0);
 }
 
 /// The slope between two that follow each other: their mean, but not beyond what either allows
@@ -434,11 +435,14 @@ CoarseMap* CoarseMaps::choose(const MovingMap& map, bool of_grains, ReposeLinkTa
   if (std::exchange(is_chosen_[map.object], uint8_t{1}) != 0) return level.map.get();
   const double depth =
       object.mask != nullptr ? 0.0 : thickest(*map.height, object.table->resolution);
-  if (level.texel_size == 0.0 && depth > 0.0) level.texel_size = texel_size_of(object);
+  if (level.texel_size.x == 0.0 && depth > 0.0) level.texel_size = texel_size_of(object);
+  const auto [longer, shorter] = std::pair(level.texel_size.x, level.texel_size.y);
+  // Across too many short texels heaps come to rest less round, too.
+  const double size = of_grains ? std::max(shorter, 0.5 * longer) : longer;
   const double wanted = std::max(kFinest, depth / (of_grains ? kTexelsAHeap : kTexelsADepth));
   int32_t side = 1;
-  while (level.texel_size > 0.0 && depth > 0.0 && side < kMostSide &&
-         std::numbers::sqrt2 * side * level.texel_size < wanted) {
+  while (size > 0.0 && depth > 0.0 && side < kMostSide &&
+         std::numbers::sqrt2 * side * size < wanted) {
     side *= 2;
   }
   if (side == level.wanted) return level.map.get();

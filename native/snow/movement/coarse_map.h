@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -93,8 +94,8 @@ class CoarseMaps {
 
  private:
   struct Level {
-    /// Longer side of a texel in metres, on average; 0: not known yet.
-    double texel_size = 0.0;
+    /// Longer and shorter side of a texel in metres, on average; 0: not known yet.
+    glm::dvec2 texel_size{0.0};
     /// Texels a side of its squares, if they can be joined.
     int32_t wanted = 1;
     std::unique_ptr<CoarseMap> map;

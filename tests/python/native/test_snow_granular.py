@@ -91,7 +91,7 @@ def cone(sim, layout, resolution=RESOLUTION):
 
 
 CASES = [(layout, RESOLUTION) for layout in (straight, turned, stretched, four_charts)]
-CASES += [(layout, 512) for layout in (straight, turned, four_charts)]
+CASES += [(layout, 512) for layout in (straight, turned, four_charts)] + [(stretched, 768)]
 
 
 @pytest.mark.parametrize("layout, resolution", CASES)
