@@ -271,7 +271,7 @@ MUTANTS = (
     moving("rays/scene_rays", "hit.triangle >= 0 && i < object", "false", RAYS),
     moving("rays/scene_rays", "!may_meet(boxes_[node], from, direction, hit.distance)", "false", RAYS),
     # Coarser maps.
-    moving("coarse_map", "std::numbers::sqrt2 * side * level.texel_size < wanted", "wanted < 0.0", COARSE),
+    moving("coarse_map", "std::numbers::sqrt2 * side * size < wanted", "side * size < 0.0 * wanted", COARSE),
     # Fronts of snow, and the parts and points among which they are found.
     surface("fronts", "front.bridged = opposite.nearness;", "front.bridged = 0.0f;", SURFACE),
     surface("fronts", "if (!std::isfinite(drop) && may_bridge && distance > kBeyond[0]) break;",
