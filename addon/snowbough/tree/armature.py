@@ -2,7 +2,7 @@
 """The armature of a tree, from arrays of its bones, and the weights of the meshes that it deforms."""
 
 from dataclasses import dataclass
-from itertools import islice
+from itertools import compress
 
 import bmesh
 import bpy
@@ -108,19 +108,17 @@ def write_weights(mesh, indices, weights):
     uses a BMesh: VertexGroup.add searches the list of groups for every vertex, which takes several times longer with a
     thousand bones. Edges and faces are added later, so that the BMesh stays small.
     """
-    weights = np.asarray(weights)
-    used = weights > 0
-    vertices, columns = np.nonzero(used)
-    entries = zip(np.asarray(indices)[vertices, columns].tolist(), weights[vertices, columns].tolist())
-    counts = np.count_nonzero(used, axis=1).tolist()
+    indices, weights = np.asarray(indices), np.asarray(weights)
     work = bmesh.new()
     try:
         work.from_mesh(mesh)
         layer = work.verts.layers.deform.verify()
-        for vertex, count in zip(work.verts, counts):
-            groups = vertex[layer]
-            for bone, weight in islice(entries, count):
-                groups[bone] = weight
+        # Column by column: an inner loop over each vertex' own entries takes longer.
+        for bones, shares in zip(indices.T, weights.T):
+            used = shares > 0
+            vertices = compress(work.verts, used.tolist())
+            for vertex, bone, share in zip(vertices, bones[used].tolist(), shares[used].tolist()):
+                vertex[layer][bone] = share
         work.to_mesh(mesh)
     finally:
         work.free()

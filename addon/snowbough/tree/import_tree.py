@@ -38,7 +38,7 @@ def _used(sources, chosen, make):
 
     chosen: arrays of indices into sources; make(source or None) -> material.
     """
-    used = set(np.unique(np.concatenate([np.asarray(c).reshape(-1) for c in chosen])).tolist())
+    used = {int(index) - 1 for c in chosen for index in objects.used_indices(np.asarray(c) + 1)}
     made = [make(source) if index in used else None for index, source in enumerate(sources)]
     return [*made, make(None) if -1 in used else None]
 
@@ -50,10 +50,13 @@ def _create_bark(name, tree, options, bone_names, check, own):
     """
     meshes = tree.meshes
     uv_map = ORIGINAL_UV if meshes[0].original_uv is not None else BARK_UV
+    barks_made = {}
     slots = _used(
         check.readable(tree.skeleton.wood_materials),
         [made.face_material for made in meshes],
-        lambda source: own.copy(source, uv_map) or materials.bark_material(f"{name}_bark", source, uv_map),
+        lambda source: (
+            own.copy(source, uv_map) or materials.bark_material(f"{name}_bark", source, uv_map, barks_made)
+        ),
     )
     barks = []
     for level, made in enumerate(reversed(meshes)):
@@ -79,10 +82,13 @@ def _create_kept(name, tree, options, bone_names, check, own):
     """The bark object of a tree that keeps its surface."""
     surface, branches = tree.skeleton.kept, tree.skeleton.branches
     uv_map = ORIGINAL_UV if surface.textured else BARK_UV
+    barks_made = {}
     slots = _used(
         check.readable(surface.materials),
         [surface.face_material],
-        lambda source: own.copy(source, uv_map) or materials.bark_material(f"{name}_bark", source, uv_map),
+        lambda source: (
+            own.copy(source, uv_map) or materials.bark_material(f"{name}_bark", source, uv_map, barks_made)
+        ),
     )
     levels = [branch.level for branch in branches]
     bark = objects.create_kept(f"{name}_bark", surface, levels, tree.kept, bone_names, slots)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
+from .objects import used_indices
 from .skeleton_text import packed, unpacked
 
 FORMAT = b"bark 1\n"
@@ -27,7 +28,7 @@ def keep(armature, base, finest):
         return
     count = 1 + max(int(made.face_material.max(initial=-1)) for made in (base, finest))
     # As in objects.create_bark: slots for the used materials in order, faces without a material last.
-    used = np.unique(finest.face_material % (count + 1))
+    used = used_indices(finest.face_material % (count + 1))
     slots = np.searchsorted(used, base.face_material % (count + 1)).clip(max=len(used) - 1)
     data = slots.astype("<i4").tobytes() + np.ascontiguousarray(base.original_uv, "<f4").tobytes()
     armature.snowbough_bark = packed(FORMAT + data)

@@ -91,15 +91,23 @@ def point_levels(quads, face_level, vertex_count):
     return levels
 
 
+def used_indices(chosen):
+    """The different values of small indices >= 0, in order: np.unique would sort all."""
+    return np.flatnonzero(np.bincount(chosen))
+
+
 def _fill_slots(mesh, materials, chosen):
     """Gives the mesh the materials that its faces use, in order, and each face its slot.
 
     chosen int (F,): index into materials.
     """
-    used, slots = np.unique(np.asarray(chosen, dtype=np.int32), return_inverse=True)
+    used = used_indices(chosen)
+    slots = np.zeros(len(materials), dtype=np.int32)
+    slots[used] = np.arange(len(used))
     for index in used.tolist():
         mesh.materials.append(materials[index])
-    mesh.polygons.foreach_set("material_index", slots.astype(np.int32).reshape(-1))
+    if len(used) > 1:
+        mesh.polygons.foreach_set("material_index", slots[chosen])
 
 
 def create_bark(name, tree, bone_names, materials, face_material=None, original_uv=None):

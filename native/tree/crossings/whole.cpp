@@ -1,6 +1,8 @@
 #include "tree/crossings/whole.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vector_relational.hpp>
@@ -17,11 +19,14 @@ constexpr size_t kFew = 40;
 constexpr int kMostHalvings = 20;
 /// A part is not halved if both halves together would have more than this many times its faces.
 constexpr double kWorthwhile = 1.15;
+/// Number of faces whose median is the middle of a part.
+constexpr size_t kSample = 63;
 
 /// Parts and faces per thread at a time.
 constexpr size_t kParts = 64;
 constexpr size_t kFaces = 4096;
 
+using base::Float4;
 using Pairs = std::vector<std::pair<int32_t, int32_t>>;
 
 /// Calls work(begin, end) for all blocks; directly if there is only one.
@@ -38,6 +43,27 @@ int longest_axis(const glm::vec3& size) {
   return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
 }
 
+/// A face's bounding box.
+struct Box {
+  glm::vec3 low;
+  /// Index into the faces.
+  int32_t face;
+  glm::vec3 high;
+  int32_t is_changed;
+};
+
+/// The same in registers; the last lane is the same in all boxes.
+struct WideBox {
+  Float4 low, high;
+
+  explicit WideBox(const Box& box)
+      : low{box.low.x, box.low.y, box.low.z, 0.0f},
+        high{box.high.x, box.high.y, box.high.z, 0.0f} {}
+  bool overlaps(const WideBox& other) const {
+    return base::bits((low <= other.high) & (other.low <= high)) == 15;
+  }
+};
+
 /// Finds pairs by halving space: a pair belongs to the part that contains the lowest corner of its
 /// boxes' intersection, so that none is found twice.
 class PairFinder {
@@ -46,8 +72,13 @@ class PairFinder {
       : faces_(std::move(faces)), changed_(changed) {}
 
   Pairs find(int threads) {
-    std::vector<int32_t> all(faces_.size());
-    for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int32_t>(i);
+    std::vector<Box> all;
+    all.reserve(faces_.size());
+    for (size_t i = 0; i < faces_.size(); ++i) {
+      const CrossingFace& face = faces_[i];
+      const bool is_changed = changed_.empty() || changed_[face.number] != 0;
+      all.push_back({face.low, static_cast<int32_t>(i), face.high, is_changed});
+    }
     halve(std::move(all), glm::vec3(-1e30f), glm::vec3(1e30f), 0);
     std::vector<Pairs> found((parts_.size() + kParts - 1) / kParts);
     in_blocks(parts_.size(), kParts, threads, [&](size_t begin, size_t end) {
@@ -62,31 +93,34 @@ class PairFinder {
  private:
   /// Faces to compare pairwise, for pairs between `above` and `up_to`.
   struct Part {
-    std::vector<int32_t> faces;
+    std::vector<Box> boxes;
     glm::vec3 above, up_to;
   };
 
-  bool is_changed(int32_t i) const { return changed_.empty() || changed_[faces_[i].number] != 0; }
-
   /// @param above, up_to  the part of space to halve, without its lower sides.
-  void halve(std::vector<int32_t> part, const glm::vec3& above, const glm::vec3& up_to, int depth) {
-    if (std::none_of(part.begin(), part.end(), [&](int32_t i) { return is_changed(i); })) return;
+  void halve(std::vector<Box> part, const glm::vec3& above, const glm::vec3& up_to, int depth) {
+    if (std::none_of(part.begin(), part.end(),
+                     [](const Box& box) { return box.is_changed != 0; })) {
+      return;
+    }
     glm::vec3 size = extent(part);
     // Along the longest axis, or along another if faces are too long for it.
     for (int turn = 0; turn < 3 && part.size() > kFew && depth < kMostHalvings; ++turn) {
       const int axis = longest_axis(size);
       const float cut = middle(part, axis);
-      std::vector<int32_t> under, over;
-      for (const int32_t i : part) {
-        if (faces_[i].low[axis] <= cut) under.push_back(i);
-        if (faces_[i].high[axis] > cut) over.push_back(i);
+      std::vector<Box> under, over;
+      under.reserve(part.size());
+      over.reserve(part.size());
+      for (const Box& box : part) {
+        if (box.low[axis] <= cut) under.push_back(box);
+        if (box.high[axis] > cut) over.push_back(box);
       }
       if (static_cast<double>(under.size() + over.size()) >
           kWorthwhile * static_cast<double>(part.size())) {
         size[axis] = -1.0f;
         continue;
       }
-      std::vector<int32_t>().swap(part);
+      std::vector<Box>().swap(part);
       glm::vec3 under_to(up_to), over_above(above);
       under_to[axis] = std::min(cut, up_to[axis]);
       over_above[axis] = std::max(cut, above[axis]);
@@ -97,48 +131,46 @@ class PairFinder {
     parts_.push_back({std::move(part), above, up_to});
   }
 
-  /// Extent of the faces' beginnings.
-  glm::vec3 extent(const std::vector<int32_t>& part) const {
+  /// Extent of the boxes' beginnings.
+  static glm::vec3 extent(const std::vector<Box>& part) {
     glm::vec3 low(1e30f), high(-1e30f);
-    for (const int32_t i : part) {
-      low = glm::min(low, faces_[i].low);
-      high = glm::max(high, faces_[i].low);
+    for (const Box& box : part) {
+      low = glm::min(low, box.low);
+      high = glm::max(high, box.low);
     }
     return high - low;
   }
 
-  /// Median of the faces' beginnings along an axis.
-  float middle(const std::vector<int32_t>& part, int axis) const {
-    std::vector<float> lows;
-    lows.reserve(part.size());
-    for (const int32_t i : part) lows.push_back(faces_[i].low[axis]);
-    const auto half = lows.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
-    std::nth_element(lows.begin(), half, lows.end());
+  /// Median of the boxes' beginnings along an axis, among evenly spaced ones.
+  static float middle(const std::vector<Box>& part, int axis) {
+    std::array<float, kSample> lows;
+    const size_t count = std::min(kSample, part.size());
+    for (size_t i = 0; i < count; ++i) lows[i] = part[i * part.size() / count].low[axis];
+    const auto half = lows.begin() + static_cast<std::ptrdiff_t>(count / 2);
+    std::nth_element(lows.begin(), half, lows.begin() + static_cast<std::ptrdiff_t>(count));
     return *half;
   }
 
   /// Sweeps along the axis with the largest extent.
   void compare(Part& part, Pairs& found) const {
-    const int axis = longest_axis(extent(part.faces));
-    std::sort(part.faces.begin(), part.faces.end(), [&](int32_t a, int32_t b) {
-      const float of_a = faces_[a].low[axis], of_b = faces_[b].low[axis];
-      return of_a != of_b ? of_a < of_b : a < b;
+    const int axis = longest_axis(extent(part.boxes));
+    std::sort(part.boxes.begin(), part.boxes.end(), [axis](const Box& a, const Box& b) {
+      return a.low[axis] != b.low[axis] ? a.low[axis] < b.low[axis] : a.face < b.face;
     });
-    for (size_t i = 0; i < part.faces.size(); ++i) {
-      const CrossingFace& f = faces_[part.faces[i]];
-      for (size_t j = i + 1;
-           j < part.faces.size() && faces_[part.faces[j]].low[axis] <= f.high[axis]; ++j) {
-        const CrossingFace& g = faces_[part.faces[j]];
-        if (!glm::all(glm::lessThanEqual(f.low, g.high)) ||
-            !glm::all(glm::lessThanEqual(g.low, f.high)) ||
-            !(is_changed(part.faces[i]) || is_changed(part.faces[j]))) {
+    const size_t count = part.boxes.size();
+    for (size_t i = 0; i < count; ++i) {
+      const Box& one = part.boxes[i];
+      const WideBox wide(one);
+      for (size_t j = i + 1; j < count && part.boxes[j].low[axis] <= one.high[axis]; ++j) {
+        const Box& other = part.boxes[j];
+        if ((one.is_changed | other.is_changed) == 0 || !wide.overlaps(WideBox(other))) continue;
+        const glm::vec3 lowest = glm::max(one.low, other.low);
+        if (!glm::all(glm::greaterThan(lowest, part.above)) ||
+            !glm::all(glm::lessThanEqual(lowest, part.up_to))) {
           continue;
         }
-        const glm::vec3 lowest = glm::max(f.low, g.low);
-        if (glm::all(glm::greaterThan(lowest, part.above)) &&
-            glm::all(glm::lessThanEqual(lowest, part.up_to)) && faces_cross(f, g)) {
-          found.emplace_back(std::minmax(f.number, g.number));
-        }
+        const CrossingFace &f = faces_[one.face], &g = faces_[other.face];
+        if (faces_cross(f, g)) found.emplace_back(std::minmax(f.number, g.number));
       }
     }
   }
@@ -164,7 +196,10 @@ class ChangedCells {
       low_ = glm::min(low_, from);
       high = glm::max(high, to);
     }
-    size_ = glm::max((high - low_) / static_cast<double>(kCells), glm::dvec3(1e-30));
+    // Cells about half as long as there are faces along an axis.
+    cells_a_side_ = std::clamp(static_cast<int>(2.0 * std::cbrt(own.size())), 8, kMostCells);
+    cells_.assign(static_cast<size_t>(cells_a_side_) * cells_a_side_ * cells_a_side_, 0);
+    size_ = glm::max((high - low_) / static_cast<double>(cells_a_side_), glm::dvec3(1e-30));
     const auto mark = [](uint8_t& cell) { return (cell = 1) == 0; };
     const auto is_marked = [](const uint8_t& cell) { return cell != 0; };
     for (const int32_t f : own) any_cell(f, mark);
@@ -174,7 +209,7 @@ class ChangedCells {
   }
 
  private:
-  static constexpr int kCells = 64;
+  static constexpr int kMostCells = 64;
 
   std::pair<glm::dvec3, glm::dvec3> box(int32_t face) const {
     glm::dvec3 low(1e300), high(-1e300);
@@ -191,18 +226,18 @@ class ChangedCells {
   template <typename Test>
   bool any_cell(int32_t face, const Test& test) {
     const auto [low, high] = box(face);
-    const glm::dvec3 last(kCells - 1);
+    const glm::dvec3 last(cells_a_side_ - 1);
     const glm::dvec3 first = (low - low_) / size_, end = (high - low_) / size_;
     // Not for coordinates that are no numbers either.
     if (!glm::all(glm::greaterThanEqual(end, glm::dvec3(0.0))) ||
-        !glm::all(glm::lessThanEqual(first, glm::dvec3(kCells)))) {
+        !glm::all(glm::lessThanEqual(first, glm::dvec3(cells_a_side_)))) {
       return false;
     }
     const glm::ivec3 a(glm::clamp(first, glm::dvec3(0.0), last)), b(glm::min(end, last));
     for (int x = a.x; x <= b.x; ++x) {
       for (int y = a.y; y <= b.y; ++y) {
         for (int z = a.z; z <= b.z; ++z) {
-          if (test(cells_[(x * kCells + y) * kCells + z])) return true;
+          if (test(cells_[(x * cells_a_side_ + y) * cells_a_side_ + z])) return true;
         }
       }
     }
@@ -212,7 +247,8 @@ class ChangedCells {
   std::span<const glm::dvec3> vertices_;
   std::span<const Quad> quads_;
   glm::dvec3 low_{1e300}, size_{1.0};
-  std::vector<uint8_t> cells_ = std::vector<uint8_t>(kCells * kCells * kCells, 0);
+  int cells_a_side_ = 0;
+  std::vector<uint8_t> cells_;
 };
 
 }  // namespace

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <span>
 
 #include "base/group_by_key.h"
@@ -15,31 +17,70 @@ namespace {
 /// Faces or vertices per thread at a time.
 constexpr size_t kBlock = 1024;
 
-/// Polylines, one per branch, and nearest-place queries on them.
+/// Polylines, one per branch, and nearest-place queries on them. Most have a few points: runs of
+/// segments with a box each take half as long as a TriangleTree.
 class Polylines {
  public:
+  struct Place {
+    glm::dvec3 point{0.0};
+    /// From the begin of the segment to its end.
+    glm::dvec3 segment{0.0};
+  };
+
   /// @param points_of  the points of branch b.
   template <typename PointsOf>
   Polylines(size_t count, const PointsOf& points_of) {
     for (size_t b = 0; b < count; ++b) {
       const std::vector<glm::vec3>& points = points_of(b);
-      const auto first = static_cast<int32_t>(points_.size());
-      points_.insert(points_.end(), points.begin(), points.end());
-      const auto last = static_cast<int32_t>(points_.size()) - 1;
-      if (first == last) segments_.push_back({first, first, first});
-      for (int32_t i = first; i < last; ++i) segments_.push_back({i, i + 1, i + 1});
-      begin_.push_back(static_cast<int32_t>(segments_.size()));
+      const size_t segments = points.size() > 1 ? points.size() - 1 : points.size();
+      for (size_t i = 0; i < segments; ++i) {
+        if (i % kRun == 0) runs_.push_back({segments_.size(), points[i], points[i]});
+        const glm::vec3& end = points[std::min(i + 1, points.size() - 1)];
+        segments_.push_back({points[i], end});
+        Run& run = runs_.back();
+        run.low = glm::min(run.low, glm::dvec3(end));
+        run.high = glm::max(run.high, glm::dvec3(end));
+      }
+      first_run_.push_back(runs_.size());
     }
+    runs_.push_back({segments_.size(), glm::dvec3(0.0), glm::dvec3(0.0)});
   }
 
-  base::TriangleTree tree() const { return {points_, segments_, begin_}; }
-  glm::dvec3 from(int32_t segment) const { return points_[segments_[segment][0]]; }
-  glm::dvec3 to(int32_t segment) const { return points_[segments_[segment][1]]; }
+  /// Of equally near segments the first.
+  Place nearest(int32_t branch, const glm::dvec3& p) const {
+    Place place;
+    double least = std::numeric_limits<double>::infinity();
+    for (size_t r = first_run_[branch]; r < first_run_[branch + 1]; ++r) {
+      const glm::dvec3 outside = p - glm::clamp(p, runs_[r].low, runs_[r].high);
+      if (glm::dot(outside, outside) >= least) continue;
+      for (size_t i = runs_[r].begin; i < runs_[r + 1].begin; ++i) {
+        const auto& [a, b] = segments_[i];
+        const glm::dvec3 along = b - a;
+        const double from_a = glm::dot(along, p - a), from_b = glm::dot(along, p - b);
+        const glm::dvec3 point = from_a <= 0.0   ? a
+                                 : from_b >= 0.0 ? b
+                                                 : a + along * (from_a / (from_a - from_b));
+        const double square = glm::dot(p - point, p - point);
+        if (square < least) {
+          least = square;
+          place = {point, along};
+        }
+      }
+    }
+    return place;
+  }
 
  private:
-  std::vector<glm::vec3> points_;
-  std::vector<std::array<int32_t, 3>> segments_;
-  std::vector<int32_t> begin_{0};
+  static constexpr size_t kRun = 8;
+  /// Segments from `begin` to the begin of the next run, and their bounding box.
+  struct Run {
+    size_t begin;
+    glm::dvec3 low, high;
+  };
+
+  std::vector<std::array<glm::dvec3, 2>> segments_;
+  std::vector<Run> runs_;
+  std::vector<size_t> first_run_{0};
 };
 
 /// The positions of the rebuilt limbs' points around the original axes.
@@ -50,20 +91,17 @@ class Axes {
             skeleton.branches.size(),
             [&](size_t b) -> const auto& { return skeleton.branches[b].points; }),
         original_(
-            skeleton.branches.size(),
-            [&](size_t b) -> const auto& { return skeleton.wood.centrelines[b]; }),
-        near_ours_(ours_.tree()),
-        near_original_(original_.tree()) {}
+            skeleton.branches.size(), [&](size_t b) -> const auto& {
+              return skeleton.wood.centrelines[b];
+            }) {}
 
   AxisPlace place(int32_t branch, const glm::dvec3& p) const {
-    const glm::dvec3 on_ours = near_ours_.nearest(branch, p).point;
-    const base::TriangleTree::Nearest on_original = near_original_.nearest(branch, on_ours);
+    const glm::dvec3 on_ours = ours_.nearest(branch, p).point;
+    const Polylines::Place on_original = original_.nearest(branch, on_ours);
     AxisPlace place;
     place.axis = on_original.point;
-    const glm::dvec3 segment =
-        original_.to(on_original.triangle) - original_.from(on_original.triangle);
-    const double length = glm::length(segment);
-    if (length > 0.0) place.along = segment / length;
+    const double length = glm::length(on_original.segment);
+    if (length > 0.0) place.along = on_original.segment / length;
     const glm::dvec3 off = p - on_ours;
     place.beyond = glm::dot(off, place.along);
     place.across = off - place.along * place.beyond;
@@ -72,7 +110,6 @@ class Axes {
 
  private:
   Polylines ours_, original_;
-  base::TriangleTree near_ours_, near_original_;
 };
 
 /// Looks up the faces of a mesh.

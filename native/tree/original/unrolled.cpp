@@ -30,28 +30,52 @@ double cross(const glm::dvec2& a, const glm::dvec2& b) {
   return a.x * b.y - a.y * b.x;
 }
 
-/// A triangle's corners around the place: x along the limb's circumference, y along the axis,
+/// A triangle's corner around the place: x along the limb's circumference, y along the axis,
 /// metres. The place is (0, 0).
-Flat unroll(const AxisPlace& place, const std::array<glm::dvec3, 3>& corners) {
-  const double radius = glm::length(place.across);
-  const glm::dvec3 out = radius > 0.0 ? place.across / radius : glm::dvec3(0.0);
-  const glm::dvec3 side = glm::cross(place.along, out);
+struct Corner {
+  glm::dvec2 at{0.0};
+  /// Without a direction from the axis.
+  bool on_axis = false;
+};
+
+/// The unrolled surroundings of a place.
+class Surroundings {
+ public:
+  explicit Surroundings(const AxisPlace& place)
+      : place_(place), radius_(glm::length(place.across)) {
+    out_ = radius_ > 0.0 ? place.across / radius_ : glm::dvec3(0.0);
+    side_ = glm::cross(place.along, out_);
+  }
+
+  Corner corner(const glm::dvec3& p) const {
+    const glm::dvec3 from = p - place_.axis;
+    const double x = glm::dot(from, side_), y = glm::dot(from, out_);
+    Corner corner;
+    corner.at.y = glm::dot(from, place_.along) - place_.beyond;
+    corner.on_axis = x * x + y * y <= kOnAxis * kOnAxis * radius_ * radius_;
+    if (!corner.on_axis) corner.at.x = std::atan2(x, y) * radius_;
+    return corner;
+  }
+
+ private:
+  const AxisPlace& place_;
+  double radius_;
+  glm::dvec3 out_, side_;
+};
+
+/// A triangle with these corners: one on the axis lies between the others.
+Flat flat_of(const std::array<Corner, 3>& corners) {
   Flat flat{};
-  std::array<bool, 3> on_axis{};
   double sum = 0.0;
   int count = 0;
   for (int k = 0; k < 3; ++k) {
-    const glm::dvec3 from = corners[k] - place.axis;
-    const double x = glm::dot(from, side), y = glm::dot(from, out);
-    flat[k].y = glm::dot(from, place.along) - place.beyond;
-    on_axis[k] = x * x + y * y <= kOnAxis * kOnAxis * radius * radius;
-    if (on_axis[k]) continue;
-    flat[k].x = std::atan2(x, y) * radius;
+    flat[k] = corners[k].at;
+    if (corners[k].on_axis) continue;
     sum += flat[k].x;
     ++count;
   }
   for (int k = 0; k < 3; ++k) {
-    if (on_axis[k]) flat[k].x = count > 0 ? sum / count : 0.0;
+    if (corners[k].on_axis) flat[k].x = count > 0 ? sum / count : 0.0;
   }
   return flat;
 }
@@ -152,7 +176,21 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
   // Brent's cycle detection: one place is remembered, each time twice as long.
   int32_t kept = -1;
   int keep_at = kSureSteps;
-  Flat flat = unroll(place, corners(from));
+  const Surroundings surroundings(place);
+  // Two of a neighbour's corners are known.
+  const auto unroll = [&](int32_t t, int32_t known, const std::array<Corner, 3>& known_corners) {
+    std::array<Corner, 3> result;
+    for (int k = 0; k < 3; ++k) {
+      const int32_t v = wood_.triangles[t][k];
+      const auto& others = wood_.triangles[known];
+      const auto same = std::find(others.begin(), others.end(), v);
+      result[k] = t != known && same != others.end() ? known_corners[same - others.begin()]
+                                                     : surroundings.corner(wood_.vertices[v]);
+    }
+    return result;
+  };
+  std::array<Corner, 3> here = unroll(from, from, {});
+  Flat flat = flat_of(here);
   const Flat first_flat = flat;
   for (int step = 0;; ++step) {
     const bool circles = at == kept;
@@ -169,6 +207,7 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
     int out = -1;
     double farthest = -1e-9;
     bool open = false;
+    std::array<Corner, 3> there;
     Flat next_flat{};
     for (int k = 0; k < 3; ++k) {
       const Across& next = across_[at][(k + 1) % 3];
@@ -176,7 +215,8 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
       open = open || (next.triangle < 0 && !next.seam);
       if (next.triangle < 0 || next.seam || next.triangle == before) continue;
       // Ignores a neighbour that folds back over this triangle.
-      const Flat beyond = unroll(place, corners(next.triangle));
+      const std::array<Corner, 3> next_corners = unroll(next.triangle, at, here);
+      const Flat beyond = flat_of(next_corners);
       const glm::dvec2 edge = flat[(k + 2) % 3] - flat[(k + 1) % 3];
       const glm::dvec2 start = flat[(k + 1) % 3];
       const double side = cross(edge, flat[k] - start);
@@ -187,6 +227,7 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
       if (!is_continued) continue;
       out = k;
       farthest = shares[k];
+      there = next_corners;
       next_flat = beyond;
     }
     if (out < 0 || circles || step == kMostSteps) {
@@ -199,6 +240,7 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
     shift += next.shift;
     before = at;
     at = next.triangle;
+    here = there;
     flat = next_flat;
   }
   if (at != from) {
