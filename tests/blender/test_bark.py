@@ -59,3 +59,19 @@ def test_young_branches_have_shallower_furrows(rendered):
     old, young = rendered(0.0), rendered(5.0)
     assert young.min() > old.min()
     assert young.std() < 0.8 * old.std()
+
+
+def test_a_second_material_of_the_same_bark_is_its_copy_with_its_own_name(addon):
+    bark_material = addon("tree.materials").bark_material
+    alone, made = bark_material("alone"), {}
+    first, second = bark_material("trunk", made=made), bark_material("twigs", made=made)
+    assert (first.name, second.name) == ("trunk", "twigs")
+    assert first.node_tree is not second.node_tree
+
+    def links(material):
+        return {
+            (link.from_node.name, link.from_socket.name, link.to_node.name, link.to_socket.identifier)
+            for link in material.node_tree.links
+        }
+
+    assert links(first) == links(second) == links(alone)
