@@ -17,8 +17,8 @@ namespace {
 /// Faces or vertices per thread at a time.
 constexpr size_t kBlock = 1024;
 
-/// Polylines, one per branch, and nearest-place queries on them. Most have a few points: runs of
-/// segments with a box each take half as long as a TriangleTree.
+/// Polylines, one per branch, and nearest-place queries on them. Most have a few points: there is a
+/// box for each run of segments, and no tree.
 class Polylines {
  public:
   struct Place {
