@@ -10,7 +10,7 @@ namespace snowbough::snow {
 namespace {
 
 /// Bounds of a factor.
-constexpr float kLeastFactor = 0.7f;
+constexpr float kLeastFactor = 0.75f;
 constexpr float kMostFactor = 1.25f;
 
 }  // namespace

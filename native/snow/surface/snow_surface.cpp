@@ -65,8 +65,10 @@ std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& styl
       const float presence = fronts.presence(f, behind, join);
       if (presence <= 0.0f) continue;
       const float part = glm::mix(kDrawn, 1.0f, join.joined);
-      // The volume is kept here, not where the height comes from.
-      const float kept = part * heights.factor[p] / fronts.inland[f].of(heights.factor);
+      // The volume is kept here, not where the height comes from; but no front is higher than the
+      // snow behind it.
+      const float behind_it = std::max(fronts.inland[f].of(heights.factor), 1e-3f);
+      const float kept = part * std::min(heights.factor[p] / behind_it, 1.0f);
       const glm::vec3 drawn = front_offset(
           front, style, {behind.inland * kept, behind.across * kept, behind.beyond * part}, join,
           points.normal[p], heights.shown[p], looks.point[p].bumps,
