@@ -34,6 +34,8 @@ constexpr float kLeastUp = 0.3f;
 /// Cosines of the angle to the blanket at which a face bears it not at all and fully.
 constexpr float kLeans = 0.6f;
 constexpr float kBears = 0.85f;
+/// Upward component of the normals of faces that carry a blanket.
+constexpr float kCarries = 0.6f;
 /// Mean height of the snow above the ground, in steps, that leaves a step as it is, and that hides
 /// it.
 constexpr float kBareStep = 0.75f;
@@ -267,7 +269,9 @@ std::vector<float> Blanket::lay(const SurfacePoints& points, std::vector<float>&
     const float hides = eased(here - near_[i].ground, kBareStep * step, kHiddenStep * step);
     const glm::vec3 up = unit(slope);
     const float along = glm::dot(up, points.normal[p]);
-    const float bears = member.is_far ? 1.0f : eased(along, kLeans, kBears);
+    // Along the normal of a steep side, the way to the blanket would be long and end beside it.
+    const float level = eased(points.normal[p].z, shared::kSteep, kCarries);
+    const float bears = member.is_far ? 1.0f : eased(along, kLeans, kBears) * level;
     float share = member.foot * hides * bears;
     if (member.front >= 0) {
       of_front[member.front] = goes_on[member.front] * hides * bears;

@@ -201,7 +201,7 @@ float Fronts::presence(size_t number, const shared::SnowBehind& behind,
 
 float Fronts::goes_on(size_t number, const shared::SnowJoin& join, float depth) const {
   const SnowFront& at = front[number];
-  if (at.presence <= 0.0f) return 0.0f;
+  if (at.presence <= 0.0f || depth <= 0.0f) return 0.0f;
   return join.joined * eased(std::abs(at.distance), kFarStep * depth, kNearStep * depth);
 }
 

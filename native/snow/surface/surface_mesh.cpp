@@ -7,8 +7,8 @@
 
 #include "base/group_by_key.h"
 #include "base/parallel_for.h"
-#include "snow/texels/welded.h"
 #include "snow/surface/vectors.h"
+#include "snow/texels/welded.h"
 
 namespace snowbough::snow {
 namespace {

@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+import snowbough_native as native
 from shown_snow import map_of, shown_over
 from snow_meshes import box, unfolded
 
@@ -149,3 +150,28 @@ def test_snow_ends_in_a_front_at_a_high_step():
     )
     assert behind.min() > 0.6 + 0.6 * DEPTH
     assert beyond.max() < 1.3 * DEPTH
+
+
+def test_before_the_first_snow_every_point_is_in_its_place():
+    (positions, triangles, uv), resolution = stones(0.015)
+    snow = np.full((resolution, resolution), DEPTH, np.float32)
+    surface = native.SnowSurface(triangles, uv, positions, snow, snow, DEPTH)
+    bare = surface.points(0.0 * snow, 0.0)
+    assert np.isfinite(bare).all()
+    assert np.abs(bare - surface.points(0.0 * snow, 1e-4)).max() < 0.01
+
+
+def test_snow_on_the_steep_sides_of_a_wide_joint_stays_on_its_side():
+    """Two tops whose sides are 68 degrees steep; a blanket lies over both."""
+    ends = ((0.5, 0.0), (0.105, 0.0), (0.005, -0.25))
+    faces = []
+    for (x, z), (nearer, lower) in zip(ends, ends[1:]):
+        faces.append(np.array([[-x, -0.5, z], [-nearer, -0.5, lower], [-nearer, 0.5, lower], [-x, 0.5, z]]))
+        faces.append(np.array([[nearer, -0.5, lower], [x, -0.5, z], [x, 0.5, z], [nearer, 0.5, lower]]))
+    *mesh, resolution = unfolded(faces, 0.01)
+    positions, triangles, uv = mesh
+    snow = map_of(mesh, resolution, lambda places, up: DEPTH * up)
+    surface = native.SnowSurface(triangles, uv, positions, snow, snow, DEPTH)
+    carrier, drawn = surface.points(0.0 * snow, 1e-4)[:, 0], surface.points(snow, DEPTH)[:, 0]
+    across = np.where(np.abs(carrier) < 0.105, -np.sign(carrier) * drawn, 0.0)
+    assert across.max() < DEPTH / 2
