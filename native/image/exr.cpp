@@ -184,7 +184,7 @@ class MemoryFile {
 
   std::string bytes_;
   exr_context_t context_ = nullptr;
-  exr_encode_pipeline_t line_ = EXR_ENCODE_PIPELINE_INITIALIZER;
+  exr_encode_pipeline_t line_{};
 };
 
 std::string encode(const ExrLayout& layout, const float* pixels) {

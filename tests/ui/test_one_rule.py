@@ -169,13 +169,13 @@ def test_the_live_preview_draws_what_a_bake_will_show(pictures):
     """It simulates in coarser maps and with fewer points."""
     drawn, snow, apart = agreement(pictures, "workbench", "preview")
     assert drawn > 0.999 and snow > 0.985
-    assert np.median(apart) < 0.0006 and apart[int(0.95 * len(apart))] < 0.009
+    assert np.median(apart) < 0.0006 and (apart > 0.009).mean() < 0.02
 
 
 def test_another_shape_is_noticed(pictures):
-    """The preview without overhangs, which are 12 mm to 6 cm."""
+    """The preview without overhangs, which are 12 mm to 6 cm; away from rims they change nothing."""
     drawn, snow, apart = agreement(pictures, "workbench", "other")
-    assert drawn < 0.999 and snow < 0.985 and np.median(apart) > 0.0006
+    assert drawn < 0.999 and snow < 0.985 and (apart > 0.009).mean() > 0.03
 
 
 def test_workbench_draws_what_it_drew_before(pictures):

@@ -195,7 +195,7 @@ Blanket::Near Blanket::nodes_near(const glm::vec3& place, const CellGrid& grid, 
 
 Blanket::Blanket(const SurfacePoints& points, const std::vector<int32_t>& lying,
                  const std::vector<float>& area, std::vector<Member> members, float depth)
-    : members_(std::move(members)) {
+    : members_(std::move(members)), depth_(depth) {
   if (lying.empty()) members_.clear();  // there is no snow that could go on over them
   if (members_.empty()) return;
   find_nodes(points, lying, area, depth);
@@ -271,7 +271,10 @@ std::vector<float> Blanket::lay(const SurfacePoints& points, std::vector<float>&
     const float along = glm::dot(up, points.normal[p]);
     // Along the normal of a steep side, the way to the blanket would be long and end beside it.
     const float level = eased(points.normal[p].z, shared::kSteep, kCarries);
-    const float bears = member.is_far ? 1.0f : eased(along, kLeans, kBears) * level;
+    const float bears = member.is_far
+                            ? 1.0f
+                            : eased(along, kLeans, kBears) * level *
+                                  eased(near_[i].ground - at.z, .8f * depth_, .4f * depth_);
     float share = member.foot * hides * bears;
     if (member.front >= 0) {
       of_front[member.front] = goes_on[member.front] * hides * bears;

@@ -98,6 +98,7 @@ class Blanket {
   Near nodes_near(const glm::vec3& place, const CellGrid& grid, float depth) const;
 
   std::vector<Member> members_;
+  float depth_ = 0.0f;
   std::vector<Node> nodes_;
   std::vector<Near> near_;
   /// The points of each node with their weights, divided by the upward component of the normal.
