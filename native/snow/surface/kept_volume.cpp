@@ -18,20 +18,20 @@ constexpr float kMostFactor = 1.25f;
 KeptVolume::KeptVolume(const std::vector<glm::vec3>& position, float size)
     : near_(position.size()) {
   struct Placed {
-    std::array<int32_t, 3> corner;
+    std::array<float, 3> corner;  // whole numbers, however far from the origin
     int32_t point, place;
   };
   std::vector<Placed> placed;
   placed.reserve(8 * position.size());
   for (size_t p = 0; p < position.size(); ++p) {
     const glm::vec3 at = position[p] / size;
-    const glm::ivec3 cell(glm::floor(at));
-    const glm::vec3 part = at - glm::vec3(cell);
+    const glm::vec3 cell = glm::floor(at);
+    const glm::vec3 part = at - cell;
     for (int k = 0; k < 8; ++k) {
-      const glm::ivec3 side(k & 1, k >> 1 & 1, k >> 2);
-      const glm::vec3 share = glm::mix(1.0f - part, part, glm::vec3(side));
+      const glm::vec3 side(k & 1, k >> 1 & 1, k >> 2);
+      const glm::vec3 share = glm::mix(1.0f - part, part, side);
       near_[p].share[k] = share.x * share.y * share.z;
-      const glm::ivec3 corner = cell + side;
+      const glm::vec3 corner = cell + side;
       placed.push_back({{corner.x, corner.y, corner.z}, static_cast<int32_t>(p), k});
     }
   }
