@@ -22,6 +22,11 @@ constexpr int kCrestRounds = 3;
 /// Snow thinner than this fraction of the greatest height around it does not show: smoothing
 /// spreads heights beyond the place where the snow ends.
 constexpr float kOfCrest = 0.3f;
+/// Such snow is there in the map if the map has more than the second of these fractions of its
+/// thickness, and is not if less than the first; upward component of the normals of level ground.
+constexpr float kSpread = 0.3f;
+constexpr float kOwn = 0.8f;
+constexpr float kOnLevelUp = 0.9f;
 /// Snow thicker than this fraction of that height shows: noise bends the border and bites no holes.
 constexpr float kMostOfCrest = 0.6f;
 /// Snow on steep places that is thinner than this fraction of the depth is left to the dusting of
@@ -126,9 +131,9 @@ std::vector<float> shown_parts(const std::vector<int32_t>& near, const std::vect
 }  // namespace
 
 Borders find_borders(const SurfacePoints& points, const HeightSamples& samples,
-                     const std::vector<float>& thickness, const std::vector<float>& threshold,
-                     const std::vector<float>& shown, const std::vector<float>& up,
-                     const std::vector<float>& front, float depth) {
+                     const std::vector<float>& sampled, const std::vector<float>& thickness,
+                     const std::vector<float>& threshold, const std::vector<float>& shown,
+                     const std::vector<float>& up, const std::vector<float>& front, float depth) {
   Borders borders;
   std::vector<float> ratio(thickness.size());
   for_point_blocks(ratio.size(), [&](size_t, size_t begin, size_t end) {
@@ -181,7 +186,12 @@ Borders find_borders(const SurfacePoints& points, const HeightSamples& samples,
   });
   rounds(kCrestRounds, crest, [&](size_t p) { return mean(crest, p); });
   for (const int32_t p : borders.point) {
-    const float noisy = std::clamp(threshold[p], kOfCrest * crest[p], kMostOfCrest * crest[p]);
+    // On level ground, what lies in the map at the point is not spread: the foot of a heap.
+    const float spread =
+        1.0f - shared::eased(sampled[p], kSpread * thickness[p], kOwn * thickness[p]) *
+                   shared::eased(up[p], kOnSlopeUp, kOnLevelUp);
+    const float noisy =
+        std::clamp(threshold[p], kOfCrest * spread * crest[p], kMostOfCrest * crest[p]);
     const float veil = kVeil * depth * shared::steepness(up[p]);
     ratio[p] = ratio_of(thickness[p], std::max(noisy, veil));
   }

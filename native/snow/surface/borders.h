@@ -25,15 +25,16 @@ struct Borders {
 /// Finds where the snow ends: a smooth line, since the line where the thickness passes the
 /// threshold is as ragged as texels and noise. Pieces of snow and holes smaller than about half a
 /// depth vanish.
+/// @param sampled heights in the map at the points, before they were smoothed to `thickness`.
 /// @param shown height of the shown snow by thickness alone, negative where none shows.
 /// @param up upward components of the points' normals.
 /// @param threshold thickness below which no snow shows, in metres.
 /// @param front presence of a front at each point, 0 to 1. Snow does not end there.
 /// @param depth depth on open ground at the end of the shot, in metres.
 Borders find_borders(const SurfacePoints& points, const HeightSamples& samples,
-                     const std::vector<float>& thickness, const std::vector<float>& threshold,
-                     const std::vector<float>& shown, const std::vector<float>& up,
-                     const std::vector<float>& front, float depth);
+                     const std::vector<float>& sampled, const std::vector<float>& thickness,
+                     const std::vector<float>& threshold, const std::vector<float>& shown,
+                     const std::vector<float>& up, const std::vector<float>& front, float depth);
 
 /// Height of the shown snow near the border, with a round edge. It falls on beyond the border, so
 /// that faces cross the receiver on the border and not beside it.

@@ -103,6 +103,7 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
     heights.blanket[f] =
         fronts.goes_on(f, snow_join(fronts.front[f], style, behind), frame.open_depth);
   });
+  const std::vector<float> sampled = heights.thickness;
   smooth(samples, heights.thickness, kRoundsBefore);
   const std::vector<float> held = heights.thickness;
   const std::vector<float> laid =
@@ -124,8 +125,8 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
     front[fronts.point[f]] = fronts.presence(f, behind, snow_join(fronts.front[f], style, behind));
   });
   for (size_t p = 0; p < count; ++p) front[p] = std::max(front[p], laid[p]);
-  const Borders borders = find_borders(points, samples, heights.thickness, threshold, heights.shown,
-                                       up, front, frame.open_depth);
+  const Borders borders = find_borders(points, samples, sampled, heights.thickness, threshold,
+                                       heights.shown, up, front, frame.open_depth);
   base::for_each_item(borders.point.size(), 512, [&](size_t b) {
     const auto p = static_cast<size_t>(borders.point[b]);
     heights.shown[p] = height_at_border(

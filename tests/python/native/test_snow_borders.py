@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import snowbough_native as native
 from shown_snow import map_of
-from snow_meshes import box, smooth, sphere
+from snow_meshes import box, grid, smooth, sphere
 from snow_rays import first_hits
 
 DEPTH = 0.2
@@ -99,3 +99,30 @@ def test_small_scraps_on_walls_are_left_to_the_dusting(size, stays):
     surface = native.SnowSurface(triangles, uv, positions, snow, snow, DEPTH)
     points = surface.points(snow, DEPTH)
     assert bool(len(points) and points[:, 0].max() > 0.51) == stays
+
+
+def test_the_foot_of_a_heap_of_sand_shows():
+    """Heaps at 34 degrees under three holes, half-way through the shot: their feet are thin beside their tops."""
+
+    def heaps(part):
+        def height(points, _up):
+            of_one = [
+                part * top
+                - np.maximum(np.hypot(points[:, 0] - x, points[:, 1] - y) - 0.02, 0.0)
+                * np.tan(np.radians(34))
+                for x, y, top in ((-0.5, 0.0, 0.22), (0.36, -0.25, 0.16), (0.1, 0.62, 0.13))
+            ]
+            return np.maximum(np.max(of_one, axis=0), 0.0)
+
+        return height
+
+    ground = grid(2.6, 2.6, cells=64)
+    last, now = (map_of(ground, 384, heaps(part)) for part in (1.0, 0.7))
+    positions, triangles, uv = ground
+    surface = native.SnowSurface(triangles, uv, positions, last, last, 0.25)
+    carrier = surface.points(0.0 * last, 1e-4)
+    shown = surface.points(now, 0.16)[:, 2] - carrier[:, 2]
+    in_map = heaps(0.7)(carrier, None)
+    assert (in_map > 0.03).sum() > 100
+    assert (shown[in_map > 0.03] > 0.005).all()
+    assert (shown[in_map <= 0.0] < 0.004).all()
