@@ -36,6 +36,10 @@ constexpr float kLeans = 0.6f;
 constexpr float kBears = 0.85f;
 /// Upward component of the normals of faces that carry a blanket.
 constexpr float kCarries = 0.6f;
+/// Depths below the ground around, in depths of snow, from which on a blanket leaves a joint's bed
+/// alone, and up to which it covers one.
+constexpr float kDeep = 0.8f;
+constexpr float kShallow = 0.4f;
 /// Mean height of the snow above the ground, in steps, that leaves a step as it is, and that hides
 /// it.
 constexpr float kBareStep = 0.75f;
@@ -274,7 +278,7 @@ std::vector<float> Blanket::lay(const SurfacePoints& points, std::vector<float>&
     const float bears = member.is_far
                             ? 1.0f
                             : eased(along, kLeans, kBears) * level *
-                                  eased(near_[i].ground - at.z, .8f * depth_, .4f * depth_);
+                                  eased(near_[i].ground - at.z, kDeep * depth_, kShallow * depth_);
     float share = member.foot * hides * bears;
     if (member.front >= 0) {
       of_front[member.front] = goes_on[member.front] * hides * bears;
