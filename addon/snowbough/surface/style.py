@@ -8,8 +8,6 @@ DETAILS = {"DRAFT": (1.7, 60_000), "DEFAULT": (1.0, 250_000), "FILM": (0.6, 1_00
 
 # Every receiver may have this many points, however few it needs.
 LEAST_POINTS = 400
-# Level places need at least this share of the points that they want, with edges of two depths.
-LEAST_LEVEL = 0.05
 
 
 @dataclass(frozen=True)
@@ -27,7 +25,7 @@ class WantedPoints:
         receiver wants are handed out, too."""
         scale, budget = DETAILS[detail]
         left = budget * scale**2 - self.all_hems
-        level = min(max(left / max(self.all_level, 1.0), LEAST_LEVEL), 1.0)
+        level = min(max(left / max(self.all_level, 1.0), 0.0), 1.0)
         part = (self.hems + level * self.level) / max(self.all_hems + level * self.all_level, 1.0)
         return max(LEAST_POINTS, int(min(part, 1.0) * budget))
 

@@ -143,6 +143,38 @@ void drop_bare_sheets(SnowSurface& surface, const std::vector<float>& highest, f
 
 }  // namespace
 
+PointCounts wanted_points(const SurfaceSource& source, float depth) {
+  // A map whose columns are slopes, from downwards to upwards: faces that are not too steep carry
+  // the full depth. Sheets that face downwards carry it on their backs; bodies have an underside,
+  // too, which must not win.
+  constexpr int32_t kSlopes = 64;
+  constexpr float kSteepest = 0.5f, kCarries = 0.75f, kBack = 0.9f;
+  std::vector<float> map, cover;
+  for (int32_t i = 0; i < kSlopes * kSlopes; ++i) {
+    const float up = 2.0f * (static_cast<float>(i % kSlopes) + 0.5f) / kSlopes - 1.0f;
+    const float part = std::clamp((std::abs(up) - kSteepest) / (kCarries - kSteepest), 0.0f, 1.0f);
+    map.push_back((up < 0.0f ? -kBack : 1.0f) * part * depth);
+    cover.push_back(std::max(map.back(), 0.0f));
+  }
+  const auto map_slopes = [](SurfaceMesh& mesh) {
+    for (size_t t = 0; t < mesh.triangle.size(); ++t) {
+      for (int k = 0; k < 3; ++k) mesh.uv[t][k] = {0.5f + 0.5f * mesh.normal[t][k].z, 0.5f};
+    }
+  };
+  SurfaceMesh receiver = receiver_mesh(source);
+  if (receiver.triangle.empty()) return {};
+  map_slopes(receiver);
+  receiver = snow_side_out(std::move(receiver), map, kSlopes);
+  map_slopes(receiver);
+  const base::TriangleTree tree(receiver.position, receiver.triangle,
+                                {0, static_cast<int32_t>(receiver.triangle.size())});
+  const Rims rims(receiver, tree, source.shading, rim_zone(depth), far_zone(depth),
+                  rim_strip(depth));
+  const RimZones zones(receiver, rims, depth, are_needles(receiver, depth));
+  return wanted_points(receiver, rims, zones, {cover.data(), cover.data(), nullptr, kSlopes},
+                       depth);
+}
+
 SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& last,
                          const std::vector<float>& highest, const std::vector<float>& dents,
                          const SurfacePlan& plan, const std::vector<Neighbour>& neighbours) {

@@ -448,39 +448,50 @@ class Refiner {
   std::vector<uint8_t> at_foot_;
 };
 
+/// Numbers of points grow with the inverse of the edge length at hems to this power: rows along
+/// rims are denser, and there are more of them.
+constexpr double kPower = 1.5;
+/// Coarseness of the mesh that tells how many points hems need.
+constexpr float kProbe = 4.0f;
+
+float most_level(const SurfaceDensity& density) {
+  return std::max(kMostLevelEdge / (kLevelEdge * density.scale), 1.0f);
+}
+
+/// The number of points at hems with the default edge lengths, from that of a coarser mesh.
+double hem_points(const SurfaceMesh& receiver, size_t points, float coarseness) {
+  const auto own = static_cast<double>(std::min(receiver.position.size(), points));
+  return own + (static_cast<double>(points) - own) * std::pow(coarseness, kPower);
+}
+
 }  // namespace
 
 RefinedSurface refined_surface(const SurfaceMesh& receiver, const Rims& rims, const RimZones& zones,
                                const SurfaceHeights& heights, const SurfaceDensity& density) {
   const double most = density.most_points;
-  const float most_level = std::max(kMostLevelEdge / (kLevelEdge * density.scale), 1.0f);
-  const PointCounts wanted = wanted_points(receiver, rims, density.depth);
-  const double level_part = wanted.level / (wanted.hems + wanted.level);
-  Coarseness coarseness;
-  // Coarser edges of level snow with which `points` become `most`; if that is not enough, the
-  // coarsest.
-  const auto coarser_level = [&](double points) {
-    const double left = most - points * (1.0 - level_part);
-    const double factor = left > 0.0 ? std::sqrt(points * level_part / left) : most_level;
-    return std::min(coarseness.level * static_cast<float>(std::max(factor, 1.15)), most_level);
+  Coarseness coarseness{kProbe, most_level(density)};
+  const auto mesh_now = [&] {
+    return Refiner(rims, zones, heights, density, coarseness, receiver).run();
   };
-  const double scale = density.scale * density.scale;
-  const double expected = (wanted.hems + wanted.level) / scale;
-  if (expected > 2.0 * most) coarseness.level = coarser_level(expected);
-  if (wanted.hems / scale > 4.0 * most) {
-    coarseness.hems = static_cast<float>(std::sqrt(wanted.hems / scale / (4.0 * most)));
+  const double hems = hem_points(receiver, mesh_now().position.size(), kProbe);
+  // The finest coarseness of hems that is known not to fit, or not expected to.
+  float too_fine = 0.0f;
+  coarseness = {};
+  if (hems > most) {
+    constexpr float kMargin = 1.5f;
+    coarseness = {static_cast<float>(std::pow(hems / most, 1.0 / kPower)), most_level(density)};
+    too_fine = std::max(coarseness.hems / kMargin, 1.0f);
   }
   // The number of points falls in steps, as rows of cuts are left out: once a mesh fits, the points
   // that it leaves unused are handed out by halving.
   constexpr int kTries = 10, kHalvings = 3;
   constexpr double kUsed = 0.75;
-  constexpr float kMostGrowth = 2.5f;
+  constexpr double kLeastGrowth = 1.15, kMostGrowth = 2.5;
   RefinedSurface best;
   bool is_found = false;
-  float too_fine = 0.0f;
   int halvings = 0;
   for (int attempt = 1;; ++attempt) {
-    SurfaceMesh mesh = Refiner(rims, zones, heights, density, coarseness, receiver).run();
+    SurfaceMesh mesh = mesh_now();
     const auto points = static_cast<double>(mesh.position.size());
     const bool fits = points <= most;
     // The mesh cannot have fewer points than the receiver's own faces.
@@ -497,43 +508,40 @@ RefinedSurface refined_surface(const SurfaceMesh& receiver, const Rims& rims, co
       if (!fits) too_fine = coarseness.hems;
       coarseness.hems = std::sqrt(too_fine * best.coarsened);
       ++halvings;
-    } else if (coarseness.level < most_level) {
-      coarseness.level = coarser_level(points);
+    } else if (coarseness.level < most_level(density)) {
+      const double left = most - hems;
+      const double factor = left > 0.0 ? std::sqrt((points - hems) / left) : kMostGrowth;
+      coarseness.level =
+          std::min(coarseness.level * static_cast<float>(std::max(factor, kLeastGrowth)),
+                   most_level(density));
     } else {
       too_fine = coarseness.hems;
-      coarseness.hems *= std::clamp(static_cast<float>(points / most), 1.15f, kMostGrowth);
+      coarseness.hems *= static_cast<float>(
+          std::clamp(std::pow(points / most, 1.0 / kPower), kLeastGrowth, kMostGrowth));
     }
   }
 }
 
-PointCounts wanted_points(const SurfaceMesh& receiver, const Rims& rims, float depth) {
-  double rim_length = 0.0;
-  for (const Rim& rim : rims.all()) rim_length += glm::distance(rim.from, rim.to);
-  const double rows = static_cast<double>(kCuts[0].levels.size());
-  const double along = 0.5 * (kAlongHem + kAlongInland) * depth;
-  PointCounts counts{rim_length / along * rows + 8.0, 0.0};
-  // The points of faces that carry snow are there in any case.
-  std::vector<uint8_t> carries(receiver.position.size(), 0);
-  for (size_t t = 0; t < receiver.triangle.size(); ++t) {
-    const auto& [a, b, c] = receiver.normal[t];
-    const bool bends = glm::distance(a, b) + glm::distance(b, c) > 0.04f;
-    const double edge = (bends ? kEndingEdge : kLevelEdge) * depth;
-    const double covers = std::max(0.0, static_cast<double>(triangle_cross(receiver, t).z));
-    (bends ? counts.hems : counts.level) += covers / (edge * edge);
-    for (const int32_t p : receiver.triangle[t]) carries[static_cast<size_t>(p)] |= covers > 0.0;
+PointCounts wanted_points(const SurfaceMesh& receiver, const Rims& rims, const RimZones& zones,
+                          const SurfaceHeights& heights, float depth) {
+  SurfaceDensity density;
+  density.depth = depth;
+  // A number of points from which on a coarser mesh is as good.
+  density.most_points = 50000;
+  Coarseness coarseness{kProbe, most_level(density)};
+  const auto points = [&] {
+    return Refiner(rims, zones, heights, density, coarseness, receiver).run().position.size();
+  };
+  size_t coarse = points();
+  constexpr float kCoarsest = 16.0f;
+  while (coarse > static_cast<size_t>(density.most_points) && coarseness.hems < kCoarsest) {
+    coarseness.hems *= 2.0f;
+    coarse = points();
   }
-  counts.hems += static_cast<double>(std::count(carries.begin(), carries.end(), 1));
-  return counts;
-}
-
-PointCounts wanted_points(const SurfaceSource& source, float depth) {
-  const SurfaceMesh receiver = receiver_mesh(source);
-  if (receiver.triangle.empty()) return {};
-  const base::TriangleTree tree(receiver.position, receiver.triangle,
-                                {0, static_cast<int32_t>(receiver.triangle.size())});
-  const Rims rims(receiver, tree, source.shading, rim_zone(depth), far_zone(depth),
-                  rim_strip(depth));
-  return wanted_points(receiver, rims, depth);
+  coarseness.level = 1.0f;
+  const size_t fine = std::max(points(), coarse);
+  return {hem_points(receiver, coarse, coarseness.hems),
+          static_cast<double>(fine - coarse) * coarseness.hems * coarseness.hems};
 }
 
 }  // namespace snowbough::snow

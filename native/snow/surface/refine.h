@@ -32,9 +32,9 @@ struct SurfaceDensity {
 
 /// Numbers of points of two kinds of places.
 struct PointCounts {
-  /// At rims and on curved faces.
+  /// Where snow ends, at rims, on curved faces, and on level faces with edges of two depths.
   double hems = 0.0;
-  /// On level faces.
+  /// Further points on level faces.
   double level = 0.0;
 };
 
@@ -55,8 +55,11 @@ RefinedSurface refined_surface(const SurfaceMesh& receiver, const Rims& rims, co
                                const SurfaceHeights& heights, const SurfaceDensity& density);
 
 /// Estimates how many points the snow on a receiver needs at the default detail, before any snow is
-/// known. The receivers of a scene share its points by these numbers.
-PointCounts wanted_points(const SurfaceMesh& receiver, const Rims& rims, float depth);
+/// known: from coarse meshes of a cover on all faces that are not too steep. The receivers of a
+/// scene share its points by these numbers.
 PointCounts wanted_points(const SurfaceSource& source, float depth);
+/// The same, of a cover with these heights.
+PointCounts wanted_points(const SurfaceMesh& receiver, const Rims& rims, const RimZones& zones,
+                          const SurfaceHeights& heights, float depth);
 
 }  // namespace snowbough::snow

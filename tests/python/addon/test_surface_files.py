@@ -436,8 +436,8 @@ def test_hems_come_before_level_places():
     assert shares["yard"].most("DEFAULT") == 50_000
 
 
-def test_level_places_keep_what_edges_of_two_depths_need():
-    shares = shared_out({"bench": (300_000.0, 0.0), "yard": (0.0, 2_000_000.0)})
+def test_with_too_few_points_for_hems_all_receivers_have_the_same_share_of_them():
+    shares = shared_out({"bench": (300_000.0, 0.0), "yard": (100_000.0, 1_900_000.0)})
     assert shares["bench"].most("DEFAULT") == 187_500
     assert shares["yard"].most("DEFAULT") == 62_500
 

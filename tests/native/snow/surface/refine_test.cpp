@@ -205,17 +205,51 @@ TEST(WantedPoints, AreFewForAWiperAndManyForARoof) {
   const auto sum = [](const PointCounts& counts) { return counts.hems + counts.level; };
   const double wiper = sum(wanted_points(boxes({{{0, 0, 0}, {0.5f, 0.02f, 0.01f}}}), kDepth));
   const double roof = sum(wanted_points(slab(4.0f, 0.3f), kDepth));
-  EXPECT_LT(wiper, 1000.0);
+  EXPECT_LT(wiper, 3000.0);
   EXPECT_GT(roof, 10.0 * wiper);
+}
+
+/// What a receiver takes under a full cover, as a share of what it is estimated to want.
+double taken_of_wanted(const SurfaceSource& source) {
+  const PointCounts wanted = wanted_points(source, kDepth);
+  const std::vector<float> map = on_tops(source, kDepth);
+  const auto taken = static_cast<double>(refined(source, map, 1000000).position.size());
+  return taken / (wanted.hems + wanted.level);
+}
+
+TEST(WantedPoints, AreNearlyThoseThatACoverTakes) {
+  std::vector<Box> slats, stones;
+  for (int i = 0; i < 9; ++i) {
+    const float y = 0.11f * static_cast<float>(i);
+    slats.push_back({{0, y, 0}, {1.5f, y + 0.095f, 0.03f}});
+  }
+  for (int i = 0; i < 16; ++i) {
+    const float x = 0.61f * static_cast<float>(i % 4);
+    const float y = 0.61f * static_cast<float>(i / 4);
+    stones.push_back({{x, y, 0}, {x + 0.6f, y + 0.6f, 0.04f}});
+  }
+  EXPECT_NEAR(taken_of_wanted(boxes(slats)), 1.0, 0.5);
+  EXPECT_NEAR(taken_of_wanted(boxes(stones)), 1.0, 0.5);
+  EXPECT_NEAR(taken_of_wanted(slab(1.0f, 0.3f)), 1.0, 0.5);
+}
+
+TEST(WantedPoints, OfASheetDoNotDependOnItsSide) {
+  SurfaceSource sheet = card(2.0f, 2.0f);
+  const PointCounts front = wanted_points(sheet, kDepth);
+  std::vector<int32_t>& corner = sheet.topology.triangles;
+  for (size_t i = 0; i < corner.size(); i += 3) std::swap(corner[i], corner[i + 1]);
+  const PointCounts back = wanted_points(sheet, kDepth);
+  EXPECT_GT(back.hems, 0.0);
+  EXPECT_NEAR(back.hems / front.hems, 1.0, 0.1);
 }
 
 TEST(WantedPoints, AreLevelOnGroundWithoutRims) {
   SurfaceSource ground = card(8.0f, 8.0f);
   ground.shading = ground.topology.triangles;
   const PointCounts counts = wanted_points(ground, kDepth);
-  EXPECT_LT(counts.hems, 20.0);
-  // Halved edges are shorter than wanted: two points for each square of that size.
-  EXPECT_NEAR(counts.level, 2.0 * 64.0 / (0.45 * 0.45 * kDepth * kDepth), 1.0);
+  // Halved edges are shorter than wanted: at least two points for each square of that size.
+  EXPECT_GT(counts.hems + counts.level, 2.0 * 64.0 / (0.45 * 0.45 * kDepth * kDepth));
+  EXPECT_GT(counts.level, 10.0 * counts.hems);
 }
 
 }  // namespace
