@@ -82,6 +82,25 @@ def test_what_falls_off_a_shelf_lies_below_its_edge(engine):
     assert row[:50].max() < 0.2001 and row.max() > 0.21
 
 
+@pytest.mark.parametrize("pitch", [20.0, 50.0])
+def test_a_sheet_drops_what_lies_on_its_back_under_its_lower_edge(pitch):
+    """As what lies on its front."""
+    positions, triangles, uv = grid(cells=8)
+    positions = rotated(positions, "x", pitch) + np.float32([0.0, 0.0, 1.5])
+    landed = []
+    for faces, corners in ((triangles, uv), (triangles[:, ::-1], uv[:, ::-1])):
+        meshes = {"ground": sheet(4.0), "sheet": (positions, faces.copy(), corners.copy(), 128)}
+        sim = simulation(meshes, max_depth=0.02, slide_half_life=0.05, throw_speed=0.0)
+        fall(sim, meshes, 0.1, 32)
+        wait(sim)
+        assert_nothing_is_lost(sim)
+        assert sim.statistics()["objects"]["sheet"]["total"]["slid_volume"] > 0.03
+        landed.append(sim.height("ground"))
+    front, back = landed
+    assert front.max() > 0.3
+    assert np.abs(front - back).max() < 1e-4
+
+
 @both_engines
 @pytest.mark.parametrize("before", [0.0, 0.02])
 def test_what_lands_on_a_ground_that_faces_down_lies_on_its_back(engine, before):

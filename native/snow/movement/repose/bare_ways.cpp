@@ -14,6 +14,16 @@ namespace {
 
 constexpr int32_t kNoWay = std::numeric_limits<int32_t>::min();
 
+/// 1 for a texel that faces up, -1 for one whose snow lies on its back.
+float side_of(const BareTexels& bare, int32_t texel) {
+  return bare.up[static_cast<size_t>(texel)] < 0.0f ? -1.0f : 1.0f;
+}
+
+/// Whether a texel is too steep for snow of a side, or faces the other way.
+bool is_wall(const BareTexels& bare, int32_t texel, float side) {
+  return shared::is_wall(side * bare.up[static_cast<size_t>(texel)]);
+}
+
 }  // namespace
 
 const BareTexels& bare_texels(ReposeGround& ground) {
@@ -51,7 +61,8 @@ const BareTexels& bare_texels(ReposeGround& ground) {
 int32_t next_down(const ReposeGround& ground, int32_t texel, bool over_walls) {
   const BareTexels& bare = ground.bare;
   const auto own = static_cast<size_t>(texel);
-  if (!over_walls && shared::is_wall(bare.up[own])) return texel;
+  const float side = side_of(bare, texel);
+  if (!over_walls && is_wall(bare, texel, side)) return texel;
   float steepest = 0.0f;
   int32_t next = texel;
   const auto consider = [&](float x, float y, float z, int32_t to) {
@@ -97,7 +108,7 @@ int32_t next_down(const ReposeGround& ground, int32_t texel, bool over_walls) {
     }
     const ReposeLinks::Across& across = ground.links->across[link];
     const int32_t to = end->sign < 0 ? across.b : across.a;
-    if (!over_walls && shared::is_wall(bare.up[static_cast<size_t>(to)])) {
+    if (!over_walls && is_wall(bare, to, side)) {
       const glm::vec3 seam = ground.surface.point(across.seam);
       consider(seam.x, seam.y, seam.z, -1 - end->link);
     } else {
@@ -108,28 +119,31 @@ int32_t next_down(const ReposeGround& ground, int32_t texel, bool over_walls) {
 }
 
 Release way_down(ReposeGround& ground, int32_t texel) {
-  bare_texels(ground);
+  const BareTexels& bare = bare_texels(ground);
+  const float side = side_of(bare, texel);
   std::vector<int32_t> passed;
   int32_t at = texel;
+  int32_t end = kNoWay;
   // Each step leads further down, so that the way ends.
-  while (ground.way_end[static_cast<size_t>(at)] == kNoWay) {
+  while (end == kNoWay && ground.way_end[static_cast<size_t>(at)] == kNoWay) {
     passed.push_back(at);
     const int32_t next = next_down(ground, at);
     if (next < 0 || next == at) {
-      ground.way_end[static_cast<size_t>(at)] = next;
-      ground.way_last[static_cast<size_t>(at)] = at;
-      break;
+      end = next;
+    } else {
+      at = next;
+      if (side_of(bare, at) != side) end = at;
     }
-    at = next;
   }
-  const int32_t found = ground.way_end[static_cast<size_t>(at)];
-  const int32_t last = ground.way_last[static_cast<size_t>(at)];
+  const bool is_known = end == kNoWay;
+  const int32_t found = is_known ? ground.way_end[static_cast<size_t>(at)] : end;
+  const int32_t last = is_known ? ground.way_last[static_cast<size_t>(at)] : at;
   for (const int32_t own : passed) {
     ground.way_end[static_cast<size_t>(own)] = found;
     ground.way_last[static_cast<size_t>(own)] = last;
   }
-  const bool is_wall = shared::is_wall(ground.bare.up[static_cast<size_t>(last)]);
-  return {found < 0 ? -1 - found : is_wall ? Release::kOffWall : Release::kInHollow, last, 0.0};
+  const auto in_hollow = is_wall(bare, last, side) ? Release::kOffWall : Release::kInHollow;
+  return {found < 0 ? -1 - found : in_hollow, last, 0.0};
 }
 
 }  // namespace snowbough::snow
