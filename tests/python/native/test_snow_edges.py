@@ -185,6 +185,18 @@ def test_gaps_between_objects_close_too():
     assert top_chart(places["slat 2"], 0, sim.height("slat 2"))[:, 30:70].mean() > 0.75 * 0.2
 
 
+def test_without_landing_neighbours_make_no_difference():
+    def second(meshes, landing):
+        sim = simulation(meshes, landing=landing)
+        fall(sim, meshes)
+        return sim.height("slat 2")
+
+    meshes = {f"slat {i}": pieces(slats([y])) for i, y in enumerate(PLACES)}
+    alone = {"slat 2": meshes["slat 2"]}
+    assert second(meshes, False).tobytes() == second(alone, False).tobytes()
+    assert np.abs(second(meshes, True) - second(alone, True)).max() > 0.05
+
+
 def test_snow_falls_when_its_neighbour_moves_away():
     meshes = {f"slat {i}": pieces(slats([y])) for i, y in enumerate(PLACES)}
     meshes["ground"] = ground()

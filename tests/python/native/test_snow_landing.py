@@ -181,10 +181,41 @@ def test_a_roof_that_sheds_makes_a_berm_outside_its_eave(speed):
     y = (np.arange(512) + 0.5) / 512
     y = ((y - 0.02) / 0.96 - 0.5) * 6.0
     berm = np.where(np.abs(y) < 2.0, np.maximum(middle - 0.301, 0.0), 0.0)
-    assert berm.max() > 0.03
-    assert 1.0 - (berm * y).sum() / berm.sum() == pytest.approx(
-        speed * math.sqrt(2.0 * eave / GRAVITY), abs=0.15
-    )
+    outside = speed * math.sqrt(2.0 * eave / GRAVITY)
+    assert 1.0 - (berm * y).sum() / berm.sum() == pytest.approx(outside, abs=0.15)
+    if speed == 0.3:
+        assert 0.4 < berm.max() < 0.6
+        assert 1.0 - y[berm.argmax()] == pytest.approx(outside, abs=0.15)
+    else:
+        assert berm.max() > 0.03
+
+
+def below_a_tilted_roof(height=4.0, **settings):
+    """The height map of the yard below a sheet that sheds all it gets, 8 m wide, and the states of what was in the
+    air."""
+    roof = sheet(1.0, resolution=64)
+    meshes = {"yard": sheet(8.0, -height, 256), "roof": (rotated(roof[0], "x", 50.0), *roof[1:])}
+    sim = simulation(meshes, max_depth=0.02, slide_half_life=0.05, throw_speed=0.3, **settings)
+    fall(sim, meshes, 0.05, 8)
+    air = native.simulation_state(sim)["landing"]["air"]
+    wait(sim)
+    assert_nothing_is_lost(sim)
+    return sim.height("yard"), air
+
+
+def test_spread_widens_the_heap():
+    def width(spread):
+        heap = np.maximum(below_a_tilted_roof(spread=spread)[0] - 0.0501, 0.0)[10:-10, 10:-10].sum(axis=1)
+        row = np.arange(len(heap)) * 8.0 / 256
+        middle = (heap * row).sum() / heap.sum()
+        return math.sqrt((heap * (row - middle) ** 2).sum() / heap.sum())
+
+    assert width(0.3) > 2.0 * width(0.0)
+
+
+def test_a_smaller_heap_grain_makes_more_heaps():
+    few, many = (len(below_a_tilted_roof(heap_grain=grain)[1]) for grain in (0.3, 0.03))
+    assert many > 4 * few > 0
 
 
 def test_steps_without_duration_land_nothing():

@@ -69,27 +69,30 @@ inline void fetch_ahead(const Stability& stability, size_t begin) {
 
 /// Stabilises `count` texels from `begin` on, at most kRun; returns their sums and sets
 /// `holds_snow` if any holds snow after the step.
-inline vec4 stabilise_run(Stability& stability, const Stability::WholeStep& whole, size_t begin,
-                          size_t count, bool& holds_snow) {
+inline dvec4 stabilise_run(Stability& stability, const Stability::WholeStep& whole, size_t begin,
+                           size_t count, bool& holds_snow) {
   const uint* places = stability.places + begin;
   RunTexels run;
   fetch_ahead(stability, begin);
   for (size_t k = 0; k < count; ++k) run.height[k] = stability.height_map[places[k]];
-  vec4 sums(0.0f);
+  dvec4 sums(0.0);
   float highest = 0.0f;
   if (keep_run(stability, begin, count, run)) {
+    vec4 kept(0.0f);
     for (size_t k = 0; k < count; ++k) {
-      sums += vec4(run.deposited[k], 0.0f, run.held[k], run.visible[k]);
+      kept += vec4(run.deposited[k], 0.0f, run.held[k], run.visible[k]);
       highest = max(highest, run.stable[k]);
     }
+    sums = dvec4(kept);
   } else {
+    // In doubles, so that it is exactly what slides off the texels.
     for (size_t k = 0; k < count; ++k) {
       const uvec4 step = stability.step_of(begin + k);
       const Stability::StableTexel stable =
           stability.stabilise_texel(run.height[k], stability.deposit_of(step), step, whole);
       run.stable[k] = stable.height;
       highest = max(highest, abs(stable.height));
-      sums += stable.sums;
+      sums += dvec4(stable.sums);
       if (stability.slid != nullptr) stability.slid[begin + k] = stable.sums.y;
     }
   }
@@ -107,9 +110,9 @@ SNOWBOUGH_KERNEL dvec4 stabilise(Stability stability, size_t begin, size_t end, 
   size_t run = begin;
   // Full runs separately, so that the compiler knows their length.
   for (; run + kRun <= end; run += kRun) {
-    sums += dvec4(stabilise_run(stability, whole, run, kRun, holds_snow));
+    sums += stabilise_run(stability, whole, run, kRun, holds_snow);
   }
-  if (run < end) sums += dvec4(stabilise_run(stability, whole, run, end - run, holds_snow));
+  if (run < end) sums += stabilise_run(stability, whole, run, end - run, holds_snow);
   return sums;
 }
 
