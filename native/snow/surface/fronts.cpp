@@ -205,12 +205,13 @@ float Fronts::goes_on(size_t number, const shared::SnowJoin& join, float depth) 
   return join.joined * eased(std::abs(at.distance), kFarStep * depth, kNearStep * depth);
 }
 
-glm::vec3 Fronts::blanket_offset(size_t number, const std::vector<float>& shown,
-                                 const glm::vec3& offset, const glm::vec3& up) const {
+glm::vec3 Fronts::blanket_offset(size_t number, const shared::SnowJoin& join,
+                                 const std::vector<float>& shown, const glm::vec3& offset,
+                                 const glm::vec3& up) const {
   const SnowFront& at = front[number];
   const bool is_far = at.distance < 0.0f;
   const float height = is_far ? edge[number].of(shown) : std::max(shown[point[number]], 0.0f);
-  const float reach = at.bridged > 0.0f ? at.half_gap : 0.0f;
+  const float reach = join.bridged * at.half_gap;
   const float near = std::clamp(1.0f - at.distance / (kBlanketRun * at.zone), 0.0f, 1.0f);
   const float out = (reach + kBlanketOver * height) * near;
   // Along the slope of the blanket.

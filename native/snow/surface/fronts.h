@@ -62,7 +62,8 @@ struct Fronts {
   /// Offset of a front's point under a blanket: on the supporting face it is that of a point away
   /// from rims, `offset`. Beyond the rim the snow goes on a little, and dives into that beyond.
   /// `up`: unit normal of the blanket.
-  glm::vec3 blanket_offset(size_t number, const std::vector<float>& shown, const glm::vec3& offset,
+  glm::vec3 blanket_offset(size_t number, const shared::SnowJoin& join,
+                           const std::vector<float>& shown, const glm::vec3& offset,
                            const glm::vec3& up) const;
 };
 

@@ -76,9 +76,10 @@ std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& styl
       const glm::vec3 off_rims = offsets[p];
       offsets[p] = glm::mix(off_rims, drawn, presence);
       if (heights.blanket[f] <= 0.0f) continue;
-      offsets[p] = glm::mix(
-          offsets[p], fronts.blanket_offset(f, heights.shown, off_rims, heights.blanket_up[f]),
-          heights.blanket[f]);
+      offsets[p] =
+          glm::mix(offsets[p],
+                   fronts.blanket_offset(f, join, heights.shown, off_rims, heights.blanket_up[f]),
+                   heights.blanket[f]);
     }
   });
   bury_banks(fronts.banks, heights.thickness, heights.shown, up, frame.open_depth, offsets);

@@ -175,3 +175,21 @@ def test_snow_on_the_steep_sides_of_a_wide_joint_stays_on_its_side():
     carrier, drawn = surface.points(0.0 * snow, 1e-4)[:, 0], surface.points(snow, DEPTH)[:, 0]
     across = np.where(np.abs(carrier) < 0.105, -np.sign(carrier) * drawn, 0.0)
     assert across.max() < DEPTH / 2
+
+
+def test_snow_does_not_lean_over_a_gap_that_stays_open():
+    """Posts 10 cm apart, whose tops lie 6 mm below the snowy collars around them."""
+    depth, posts = 0.3, (-0.12, 0.0, 0.12)
+    faces = []
+    for x in posts:
+        for width, low, high in ((0.024, 0.0, 0.3), (0.05, 0.28, 0.306)):
+            positions, triangles, _ = box(1.0, high - low)
+            at = positions * (width, width, 1.0) + (x, 0.0, low)
+            faces += [at[[*triangles[k], triangles[k + 1][2]]] for k in range(0, 12, 2)]
+    *mesh, resolution = unfolded([np.array(face, np.float64) for face in faces], 0.004)
+    snow = map_of(mesh, resolution, lambda points, up: np.where((up > 0.7) & (points[:, 2] > 0.303), 0.02, 0.0))
+    positions, triangles, uv = mesh
+    surface = native.SnowSurface(triangles, uv, positions, snow, snow, depth)
+    drawn = surface.points(snow, depth)
+    aside = np.abs(drawn[:, :1] - np.array(posts)).min(axis=1)
+    assert aside.max() < 0.025 + 0.02
