@@ -8,6 +8,7 @@
 #include <glm/matrix.hpp>
 
 #include "base/parallel_for.h"
+#include "base/union_find.h"
 #include "snow/surface/flip_edges.h"
 #include "snow/surface/vectors.h"
 
@@ -34,6 +35,8 @@ constexpr float kOneFace = 0.9998f;
 /// slope.
 constexpr float kFlatWidths = 1.1f;
 constexpr float kFlatSlope = 0.15f;
+/// Least length of adjacent rims over strips, in widths of their strips.
+constexpr float kLeastWidths = 2.5f;
 /// Cosine of the least angle at which the surface behind a rim turns down from the supporting face.
 constexpr float kSameSide = 0.5f;
 /// Greatest number of triangles across a strip.
@@ -275,6 +278,19 @@ class RimFinder {
   std::vector<glm::vec3> normals_;
 };
 
+/// Removes rims over strips that are hardly longer than their strips are wide: on a curved body,
+/// such as a statue's brow, a few edges lie in front of a flat place by chance.
+void drop_short_strips(std::vector<Rim>& rims, size_t points) {
+  base::UnionFind joined(points);
+  for (const Rim& rim : rims) joined.join(rim.corner[0], rim.corner[1]);
+  const std::vector<int32_t> chain = std::move(joined).all();
+  std::vector<float> length(points, 0.0f);
+  for (const Rim& rim : rims) length[chain[rim.corner[0]]] += glm::distance(rim.from, rim.to);
+  std::erase_if(rims, [&](const Rim& rim) {
+    return length[chain[rim.corner[0]]] < kLeastWidths * (rim.strip_out + rim.strip_down);
+  });
+}
+
 /// Moves rims from the upper edges of their strips to the lines at which the planes of both faces
 /// meet. Rims with a common end still meet.
 void move_out(std::vector<Rim>& rims, size_t points) {
@@ -325,6 +341,7 @@ std::vector<Rim> find_rims(const SurfaceMesh& mesh, const base::TriangleTree& tr
     rims.push_back(one.rim);
     rims.back().part = parts[one.support];
   }
+  drop_short_strips(rims, mesh.position.size());
   move_out(rims, mesh.position.size());
   base::for_each_item(rims.size(), 64,
                       [&](size_t r) { rims[r].far_extent = far_extent(rims[r], tree, reach.far); });

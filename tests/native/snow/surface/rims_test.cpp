@@ -81,15 +81,15 @@ TEST(Rims, ABoardsFarFaceEndsWhereTheBoardDoes) {
 }
 
 /// A level face of a metre to x = 0, a strip down at 45 degrees, and an upright face of a metre.
-SurfaceSource bevel(float size) {
+SurfaceSource bevel(float size, float width = 1.0f) {
   return quads({{-1, 0, 0},
                 {0, 0, 0},
-                {0, 1, 0},
-                {-1, 1, 0},
+                {0, width, 0},
+                {-1, width, 0},
                 {size, 0, -size},
-                {size, 1, -size},
+                {size, width, -size},
                 {size, 0, -1},
-                {size, 1, -1}},
+                {size, width, -1}},
                {{0, 1, 2, 3}, {1, 4, 5, 2}, {4, 6, 7, 5}});
 }
 
@@ -111,6 +111,15 @@ TEST(Rims, ABevelIsOneWhereItsFacesWouldMeet) {
 TEST(Rims, AStripThatIsTooWideIsNone) {
   const RimmedMesh mesh(bevel(0.05f));
   for (const Rim& rim : mesh.rims.all()) EXPECT_EQ(rim.strip_out, 0.0f);
+}
+
+TEST(Rims, AStripThatIsHardlyLongerThanWideIsNone) {
+  for (const auto& [width, count] : {std::pair{0.08f, 0}, {0.2f, 1}}) {
+    SurfaceSource brow = bevel(0.02f, width);
+    // Open edges that are shaded smooth are no rims.
+    brow.shading = brow.topology.triangles;
+    EXPECT_EQ(RimmedMesh(brow).rims.all().size(), count) << width;
+  }
 }
 
 TEST(Rims, ARoundRailHasNoStrips) {
