@@ -17,6 +17,22 @@ constexpr float kCarriesSnow = 0.3f;
 
 }  // namespace
 
+base::TriangleTree::Hit ground_at(const base::TriangleTree& tree,
+                                  const std::vector<glm::vec3>& position,
+                                  const std::vector<std::array<int32_t, 3>>& triangle,
+                                  const glm::dvec3& place, double most, double highest) {
+  const auto faces_up = [&](int32_t t) {
+    const auto& [a, b, c] = triangle[static_cast<size_t>(t)];
+    return glm::cross(position[b] - position[a], position[c] - position[a]).z > 0.0f;
+  };
+  const auto below = tree.first_along(0, place, {0.0, 0.0, -1.0}, 1e-5, most);
+  if (below.triangle < 0 || faces_up(below.triangle)) return below;
+  const auto above = tree.first_along(0, place, {0.0, 0.0, 1.0}, 1e-5, most);
+  if (above.triangle < 0 || !faces_up(above.triangle)) return below;
+  if (above.distance > highest) return {};
+  return {above.triangle, -above.distance};
+}
+
 Beyond::Beyond(const std::vector<Neighbour>& neighbours) : neighbours_(neighbours) {
   for (const Neighbour& one : neighbours) {
     const MapTopology& topology = one.source.topology;
@@ -38,10 +54,10 @@ Beyond::Beyond(const std::vector<Neighbour>& neighbours) : neighbours_(neighbour
       position_, triangle_, std::vector<int32_t>{0, static_cast<int32_t>(triangle_.size())});
 }
 
-Beyond::Below Beyond::below(const glm::dvec3& place, double most) const {
+Beyond::Below Beyond::below(const glm::dvec3& place, double most, double highest) const {
   Below found;
   if (!tree_) return found;
-  const base::TriangleTree::Hit hit = tree_->first_along(0, place, {0.0, 0.0, -1.0}, 1e-5, most);
+  const auto hit = ground_at(*tree_, position_, triangle_, place, most, highest);
   if (hit.triangle < 0) return found;
   found.drop = hit.distance;
   const auto& corner = triangle_[hit.triangle];

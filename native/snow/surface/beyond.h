@@ -18,19 +18,27 @@ struct Neighbour {
   std::vector<float> height;
 };
 
+/// The first face straight below a place, at most `most` metres below. Within a body, as where a
+/// slab ends in a kerb, the body's top above the place, at a distance below 0; none if it is more
+/// than `highest` above.
+base::TriangleTree::Hit ground_at(const base::TriangleTree& tree,
+                                  const std::vector<glm::vec3>& position,
+                                  const std::vector<std::array<int32_t, 3>>& triangle,
+                                  const glm::dvec3& place, double most, double highest);
+
 /// The faces of the other receivers, for what lies beyond the rims of one.
 class Beyond {
  public:
   explicit Beyond(const std::vector<Neighbour>& neighbours);
 
   struct Below {
-    /// Metres below the place; infinite: nothing.
+    /// Metres below the place, or below 0 (ground_at); infinite: nothing.
     double drop = std::numeric_limits<double>::infinity();
     /// Thickness of the snow there along the vertical, in metres.
     float thickness = 0.0f;
   };
-  /// The first face straight below a place, at most `most` metres below.
-  Below below(const glm::dvec3& place, double most) const;
+  /// As ground_at.
+  Below below(const glm::dvec3& place, double most, double highest) const;
 
  private:
   const std::vector<Neighbour>& neighbours_;

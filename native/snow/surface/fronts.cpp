@@ -28,11 +28,15 @@ constexpr float kBareBevel = 0.3f;
 constexpr float kCoveredBevel = 1.2f;
 
 /// What lies below a rim is looked for at these distances outwards, from this far above the rim
-/// down to this depth, as fractions of the depth. The first one that is hit says how far below it
+/// down to this depth, as fractions of the depth; within a body, for a top that is no higher than
+/// the third. The first one that is hit says how far below it
 /// lies; the snow there has the thickness at the last distance, off the foot of the step.
 constexpr std::array<float, 3> kBeyond{0.03f, 0.15f, 0.35f};
 constexpr float kAbove = 0.05f;
 constexpr float kDeepest = 1.5f;
+constexpr float kHighest = 0.5f;
+/// Distance to both sides at which the ground beyond a rim is looked at, as well, likewise.
+constexpr float kBeside = 0.06f;
 /// Greatest slope of what lies below, and least part of a rim in a place that counts.
 constexpr float kSlopeBelow = 1.2f;
 constexpr float kLeastPart = 0.05f;
@@ -128,45 +132,71 @@ std::vector<uint8_t> sheltered_points(const SurfacePoints& points, const base::T
   return sheltered;
 }
 
+/// What lies below a place beyond a rim: where, how far below the place, and the thickness of the
+/// snow there if it is another receiver's, in depths, else below 0.
+struct Ground {
+  glm::vec3 at{0.0f};
+  float drop = std::numeric_limits<float>::infinity();
+  float other = -1.0f;
+};
+
+/// Looks at the ground in the middle and to both sides, and takes the middle one of the three: a
+/// narrow joint beyond a rim is not the ground.
+template <typename GroundAt>
+Ground usual_ground(const glm::vec3& place, const glm::vec3& along, const GroundAt& ground_below) {
+  std::array<Ground, 3> found{ground_below(place - along), ground_below(place),
+                              ground_below(place + along)};
+  std::sort(found.begin(), found.end(),
+            [](const Ground& a, const Ground& b) { return a.drop < b.drop; });
+  return found[1];
+}
+
 /// What lies below the rims of a place. A rim with the greatest part in the place says how far
 /// below it lies, and what it is; `lying_at` returns the points there that snow can lie on.
 template <typename LyingAt>
-Fronts::Fall fall_beyond(const RimPlace& place, const Rims& rims, const base::TriangleTree& tree,
-                         const Beyond& others, bool may_bridge, float depth,
-                         const LyingAt& lying_at) {
+Fronts::Fall fall_beyond(const RimPlace& place, const Rims& rims, const SurfaceMesh& receiver,
+                         const base::TriangleTree& tree, const Beyond& others, bool may_bridge,
+                         float depth, const LyingAt& lying_at) {
+  const double most_below = (kDeepest + kAbove) * depth;
+  const double highest = (kHighest - kAbove) * depth;
+  const auto ground_below = [&](const glm::vec3& beyond) {
+    const glm::dvec3 above = glm::dvec3(beyond) + glm::dvec3(0.0, 0.0, kAbove * depth);
+    const double own =
+        ground_at(tree, receiver.position, receiver.triangle, above, most_below, highest).distance;
+    const Beyond::Below theirs = others.below(above, most_below, highest);
+    const double hit = std::min(own, theirs.drop);
+    if (!std::isfinite(hit)) return Ground{};
+    const float drop = static_cast<float>(hit) - kAbove * depth;
+    return Ground{beyond - glm::vec3(0.0f, 0.0f, drop), drop,
+                  theirs.drop < own ? theirs.thickness / depth : -1.0f};
+  };
   Fronts::Fall found;
   float most = 0.0f;
   for (const RimPlace::Part& part : place.parts) {
     if (part.weight < kLeastPart) continue;
-    const glm::vec3& out = rims.all()[part.rim].out;
-    const glm::vec3 level_out = unit(glm::vec3(out.x, out.y, 0.0f));
+    const Rim& rim = rims.all()[part.rim];
+    const glm::vec3 level_out = unit(glm::vec3(rim.out.x, rim.out.y, 0.0f));
+    const glm::vec3 along = kBeside * depth * unit(rim.to - rim.from);
+    Ground ground;
     float drop = std::numeric_limits<float>::infinity();
-    glm::vec3 farthest(0.0f);
-    float other = -1.0f;
     for (const float distance : kBeyond) {
-      const glm::vec3 beyond = part.foot + level_out * (distance * depth);
-      const glm::dvec3 above = glm::dvec3(beyond) + glm::dvec3(0.0, 0.0, kAbove * depth);
-      const double most_below = (kDeepest + kAbove) * depth;
-      const double own = tree.first_along(0, above, {0.0, 0.0, -1.0}, 1e-5, most_below).distance;
-      const Beyond::Below theirs = others.below(above, most_below);
-      const double hit = std::min(own, theirs.drop);
-      if (!std::isfinite(hit)) continue;
+      const Ground next =
+          usual_ground(part.foot + level_out * (distance * depth), along, ground_below);
+      if (!std::isfinite(next.drop)) continue;
       // Beyond a gap, only a bridge meets the snow on the other side.
       if (!std::isfinite(drop) && may_bridge && distance > kBeyond[0]) break;
-      const float below = static_cast<float>(hit) - kAbove * depth;
       // The surface beyond may be a slope, but not a further step.
-      if (std::isfinite(drop) && std::abs(below - drop) > kSlopeBelow * distance * depth) break;
-      if (!std::isfinite(drop)) drop = below;
-      farthest = beyond - glm::vec3(0.0f, 0.0f, below);
-      other = theirs.drop < own ? theirs.thickness / depth : -1.0f;
+      if (std::isfinite(drop) && std::abs(next.drop - drop) > kSlopeBelow * distance * depth) break;
+      if (!std::isfinite(drop)) drop = next.drop;
+      ground = next;
     }
     if (!std::isfinite(drop)) continue;
     found.weight += part.weight;
     if (part.weight <= most) continue;
     most = part.weight;
     found.drop = drop;
-    found.other = other;
-    if (other < 0.0f) found.at = lying_at(farthest);
+    found.other = ground.other;
+    if (ground.other < 0.0f) found.at = lying_at(ground.at);
   }
   return found;
 }
@@ -302,7 +332,8 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
       const auto lying_at = [&](const glm::vec3& place) {
         return lying.at(place, own, depth, shelter);
       };
-      fronts.fall[f] = fall_beyond(here.place, rims, tree, beyond, may_bridge, depth, lying_at);
+      fronts.fall[f] =
+          fall_beyond(here.place, rims, receiver, tree, beyond, may_bridge, depth, lying_at);
       Fronts::Fall& fall = fronts.fall[f];
       float up = 0.0f;
       for (int k = 0; k < 4; ++k) up += fall.at.weight[k] * points.normal[fall.at.point[k]].z;

@@ -193,3 +193,24 @@ def test_snow_does_not_lean_over_a_gap_that_stays_open():
     drawn = surface.points(snow, depth)
     aside = np.abs(drawn[:, :1] - np.array(posts)).min(axis=1)
     assert aside.max() < 0.025 + 0.02
+
+
+def test_snow_goes_on_from_a_slab_onto_a_kerb_that_stands_in_its_edge():
+    """The kerb of stones with joints of 1 cm is 5 cm higher; both stand on the same ground, and overlap by 5 mm."""
+    depth = 0.3
+    boxes = [((-1.0, 0.0, 0.0), (1.0, 0.6, 0.07))]
+    boxes += [((x, -0.155, 0.0), (x + 0.49, 0.005, 0.12)) for x in (-0.995, -0.495, 0.005, 0.505)]
+    faces = []
+    for low, high in boxes:
+        positions, triangles, _ = box(1.0, 1.0)
+        at = (positions + (0.5, 0.5, 0.0)) * (np.array(high) - low) + low
+        faces += [at[[*triangles[k], triangles[k + 1][2]]] for k in range(0, 12, 2)]
+    *mesh, resolution = unfolded([np.array(face, np.float64) for face in faces], 0.01)
+    # One level top over both.
+    snow = map_of(mesh, resolution, lambda points, up: np.where(up > 0.7, 0.37 - points[:, 2], 0.0))
+    across, along = np.meshgrid(np.linspace(-0.08, 0.2, 57), np.linspace(-0.6, 0.6, 49))
+    places = np.stack([along.ravel(), across.ravel()], axis=1)
+    plain = {"overhang": 0.0, "hem_variation": 0.0, "bridging": 1.0, "relief": 0.0}
+    drawn = shown_over(mesh, snow, depth, places, style=plain)[0].reshape(across.shape)
+    assert drawn.min() > 0.8 * 0.37
+    assert drawn.max() < 1.1 * 0.37
