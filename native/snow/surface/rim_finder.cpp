@@ -35,8 +35,10 @@ constexpr float kOneFace = 0.9998f;
 /// slope.
 constexpr float kFlatWidths = 1.1f;
 constexpr float kFlatSlope = 0.15f;
-/// Least length of adjacent rims over strips, in widths of their strips.
+/// Least length of adjacent rims, in widths of their strips, and as a fraction of the greatest
+/// width of a strip. A top with shorter rims is too small for a front.
 constexpr float kLeastWidths = 2.5f;
+constexpr float kLeastOfStrip = 0.75f;
 /// Cosine of the least angle at which the surface behind a rim turns down from the supporting face.
 constexpr float kSameSide = 0.5f;
 /// Greatest number of triangles across a strip.
@@ -278,16 +280,17 @@ class RimFinder {
   std::vector<glm::vec3> normals_;
 };
 
-/// Removes rims over strips that are hardly longer than their strips are wide: on a curved body,
-/// such as a statue's brow, a few edges lie in front of a flat place by chance.
-void drop_short_strips(std::vector<Rim>& rims, size_t points) {
+/// Removes adjacent rims that are hardly longer than their strips are wide, or shorter than
+/// `least`: on curved and scanned bodies a few edges look like rims by chance.
+void drop_short_rims(std::vector<Rim>& rims, size_t points, float least) {
   base::UnionFind joined(points);
   for (const Rim& rim : rims) joined.join(rim.corner[0], rim.corner[1]);
   const std::vector<int32_t> chain = std::move(joined).all();
   std::vector<float> length(points, 0.0f);
   for (const Rim& rim : rims) length[chain[rim.corner[0]]] += glm::distance(rim.from, rim.to);
   std::erase_if(rims, [&](const Rim& rim) {
-    return length[chain[rim.corner[0]]] < kLeastWidths * (rim.strip_out + rim.strip_down);
+    return length[chain[rim.corner[0]]] <
+           std::max(kLeastWidths * (rim.strip_out + rim.strip_down), least);
   });
 }
 
@@ -341,7 +344,7 @@ std::vector<Rim> find_rims(const SurfaceMesh& mesh, const base::TriangleTree& tr
     rims.push_back(one.rim);
     rims.back().part = parts[one.support];
   }
-  drop_short_strips(rims, mesh.position.size());
+  drop_short_rims(rims, mesh.position.size(), kLeastOfStrip * reach.strip);
   move_out(rims, mesh.position.size());
   base::for_each_item(rims.size(), 64,
                       [&](size_t r) { rims[r].far_extent = far_extent(rims[r], tree, reach.far); });

@@ -122,6 +122,14 @@ TEST(Rims, AStripThatIsHardlyLongerThanWideIsNone) {
   }
 }
 
+TEST(Rims, AnEdgeThatIsMuchShorterThanTheSnowIsDeepIsNone) {
+  for (const auto& [width, count] : {std::pair{0.02f, 0}, {0.06f, 1}}) {
+    SurfaceSource scan = bevel(0.001f, width);
+    scan.shading = scan.topology.triangles;
+    EXPECT_EQ(RimmedMesh(scan).rims.all().size(), count) << width;
+  }
+}
+
 TEST(Rims, ARoundRailHasNoStrips) {
   constexpr int32_t kSides = 16;
   std::vector<glm::vec3> positions;
