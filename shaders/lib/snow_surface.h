@@ -156,7 +156,7 @@ KERNEL_CONSTANT float kBridgeOverlap = 0.15f;
 /// Snow across the gap that is lower than the first fraction of the snow on this side carries no bridge; snow higher
 /// than the second does.
 KERNEL_CONSTANT float kBareAcross = 0.15f;
-KERNEL_CONSTANT float kSnowAcross = 0.5f;
+KERNEL_CONSTANT float kSnowAcross = 0.3f;
 KERNEL_CONSTANT float kUpperExponent = 2.3f;
 KERNEL_CONSTANT float kLowerExponent = 2.1f;
 KERNEL_CONSTANT float kEaveExponent = 3.0f;
