@@ -279,7 +279,9 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
   });
   if (rims.all().empty()) return fronts;
   for (size_t p = 0; p < points.count(); ++p) {
-    if (zone[p].place.is_far_off || zone[p].share >= 1.0f || zone[p].share < -1.6f) continue;
+    if (zone[p].place.is_far_off || zone[p].share < -1.6f) continue;
+    // The zones of a narrow top end just before its middle.
+    if (zone[p].share >= (zone[p].support < rim_zone(depth) ? 1.1f : 1.0f)) continue;
     fronts.point.push_back(static_cast<int32_t>(p));
   }
   fronts.front.resize(fronts.point.size());
