@@ -39,6 +39,10 @@ constexpr float kFlatSlope = 0.15f;
 /// width of a strip. A top with shorter rims is too small for a front.
 constexpr float kLeastWidths = 2.5f;
 constexpr float kLeastOfStrip = 0.75f;
+/// The same for open edges that are shaded smooth.
+constexpr float kLeastEdges = 24.0f;
+/// Metres within which the other side of a body is looked for.
+constexpr double kFarthest = 1e3;
 /// Cosine of the least angle at which the surface behind a rim turns down from the supporting face.
 constexpr float kSameSide = 0.5f;
 /// Greatest number of triangles across a strip.
@@ -64,8 +68,10 @@ float far_extent(const Rim& rim, const base::TriangleTree& tree, float most) {
 
 class RimFinder {
  public:
-  RimFinder(const SurfaceMesh& mesh, const std::vector<int32_t>& shading, const RimReach& reach)
+  RimFinder(const SurfaceMesh& mesh, const base::TriangleTree& tree,
+            const std::vector<int32_t>& shading, const RimReach& reach)
       : mesh_(mesh),
+        tree_(tree),
         shading_(shading),
         reach_(reach),
         edges_(surface_edges(mesh.triangle)),
@@ -77,6 +83,8 @@ class RimFinder {
     Rim rim{};
     int32_t support = -1;
     std::vector<int32_t> strip;
+    /// True for an open edge that is shaded smooth.
+    bool is_smooth = false;
   };
 
   size_t edge_count() const { return edges_.ends.size(); }
@@ -105,14 +113,27 @@ class RimFinder {
   };
 
   void open_edge(size_t edge, int32_t face, Found& found) const {
-    // The open edge of a smooth shell, such as an eye in its socket, is not a rim.
-    if (normals_[face].z < kCarries || shading_number(face, edges_.ends[edge][0]) >= 0) return;
+    if (normals_[face].z < kCarries) return;
     ends(edge, found.rim);
+    // The open edge of a smooth shell within a body, such as an eye in its socket, is not a rim.
+    found.is_smooth = shading_number(face, edges_.ends[edge][0]) >= 0;
+    if (found.is_smooth && is_inside(0.5f * (found.rim.from + found.rim.to))) {
+      found = {};
+      return;
+    }
     found.rim.support = normals_[face];
     found.rim.far_normal = found.rim.down = glm::vec3(0.0f);
     found.rim.out = away(edge, face);
     found.rim.extent = extent_behind(edge, face, found.rim.out);
     found.support = face;
+  }
+
+  bool is_inside(const glm::vec3& place) const {
+    const auto normal_up = [&](double z) {
+      const auto hit = tree_.first_along(0, glm::dvec3(place), {0.0, 0.0, z}, 1e-4, kFarthest);
+      return hit.triangle < 0 ? 0.0f : normals_[static_cast<size_t>(hit.triangle)].z;
+    };
+    return normal_up(1.0) > 0.0f && normal_up(-1.0) < 0.0f;
   }
 
   /// The rim at an edge over which the surface turns down, at once or over a strip.
@@ -273,6 +294,7 @@ class RimFinder {
   }
 
   const SurfaceMesh& mesh_;
+  const base::TriangleTree& tree_;
   const std::vector<int32_t>& shading_;
   RimReach reach_;
   SurfaceEdges edges_;
@@ -280,17 +302,24 @@ class RimFinder {
   std::vector<glm::vec3> normals_;
 };
 
-/// Removes adjacent rims that are hardly longer than their strips are wide, or shorter than
-/// `least`: on curved and scanned bodies a few edges look like rims by chance.
-void drop_short_rims(std::vector<Rim>& rims, size_t points, float least) {
+/// The lengths of adjacent rims, at each of their points.
+std::vector<float> chain_lengths(const std::vector<Rim>& rims, size_t points) {
   base::UnionFind joined(points);
   for (const Rim& rim : rims) joined.join(rim.corner[0], rim.corner[1]);
   const std::vector<int32_t> chain = std::move(joined).all();
-  std::vector<float> length(points, 0.0f);
-  for (const Rim& rim : rims) length[chain[rim.corner[0]]] += glm::distance(rim.from, rim.to);
+  std::vector<float> sum(points, 0.0f);
+  for (const Rim& rim : rims) sum[chain[rim.corner[0]]] += glm::distance(rim.from, rim.to);
+  std::vector<float> length(points);
+  for (size_t p = 0; p < points; ++p) length[p] = sum[chain[p]];
+  return length;
+}
+
+/// Removes adjacent rims that are hardly longer than their strips are wide, or shorter than
+/// `least`: on curved and scanned bodies a few edges look like rims by chance.
+void drop_short_rims(std::vector<Rim>& rims, size_t points, float least) {
+  const std::vector<float> length = chain_lengths(rims, points);
   std::erase_if(rims, [&](const Rim& rim) {
-    return length[chain[rim.corner[0]]] <
-           std::max(kLeastWidths * (rim.strip_out + rim.strip_down), least);
+    return length[rim.corner[0]] < std::max(kLeastWidths * (rim.strip_out + rim.strip_down), least);
   });
 }
 
@@ -330,7 +359,7 @@ void move_out(std::vector<Rim>& rims, size_t points) {
 std::vector<Rim> find_rims(const SurfaceMesh& mesh, const base::TriangleTree& tree,
                            const std::vector<int32_t>& shading, const std::vector<int32_t>& parts,
                            const RimReach& reach) {
-  const RimFinder finder(mesh, shading, reach);
+  const RimFinder finder(mesh, tree, shading, reach);
   std::vector<RimFinder::Found> found(finder.edge_count());
   base::for_each_item(found.size(), 256, [&](size_t e) { found[e] = finder.find(e); });
   // Of rims along one strip, only the uppermost counts.
@@ -338,12 +367,16 @@ std::vector<Rim> find_rims(const SurfaceMesh& mesh, const base::TriangleTree& tr
   for (const auto& one : found) {
     for (const int32_t face : one.strip) in_strip[face] = 1;
   }
-  std::vector<Rim> rims;
+  std::vector<Rim> rims, edges;
   for (const auto& one : found) {
     if (one.support < 0 || in_strip[one.support] != 0) continue;
-    rims.push_back(one.rim);
-    rims.back().part = parts[one.support];
+    std::vector<Rim>& list = one.is_smooth ? edges : rims;
+    list.push_back(one.rim);
+    list.back().part = parts[one.support];
   }
+  // Leaves end as the map says.
+  drop_short_rims(edges, mesh.position.size(), kLeastEdges * reach.strip);
+  rims.insert(rims.end(), edges.begin(), edges.end());
   drop_short_rims(rims, mesh.position.size(), kLeastOfStrip * reach.strip);
   move_out(rims, mesh.position.size());
   base::for_each_item(rims.size(), 64,

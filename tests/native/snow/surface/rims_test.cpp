@@ -46,10 +46,28 @@ TEST(Rims, AnOpenCardHasFourWithoutAFarFace) {
   for (const Rim& rim : open.rims.all()) EXPECT_EQ(rim.far_normal, glm::vec3(0.0f));
 }
 
-TEST(Rims, OpenEdgesThatAreShadedSmoothAreNone) {
-  SurfaceSource source = card(1.0f, 1.0f);
-  source.shading = source.topology.triangles;
-  EXPECT_TRUE(RimmedMesh(source).rims.all().empty());
+TEST(Rims, SmoothOpenEdgesAreSomeOnATarpAndNoneOnALeaf) {
+  for (const auto& [size, count] : {std::pair{1.0f, 4}, {0.1f, 0}}) {
+    SurfaceSource source = card(size, size);
+    source.shading = source.topology.triangles;
+    EXPECT_EQ(RimmedMesh(source).rims.all().size(), count) << size;
+  }
+}
+
+TEST(Rims, TheOpenEdgesOfASmoothShellWithinABodyAreNone) {
+  // A card within a box.
+  SurfaceSource source = boxes({{{-1, -1, -1}, {1, 1, 1}}});
+  const auto first = static_cast<int32_t>(source.positions.size());
+  const SurfaceSource shell = card(1.0f, 1.0f);
+  source.shading.assign(source.topology.triangles.size(), -1);
+  for (const glm::vec3& at : shell.positions) source.positions.push_back(at);
+  for (const int32_t corner : shell.topology.triangles) {
+    source.topology.triangles.push_back(first + corner);
+    source.shading.push_back(corner);
+  }
+  source.topology.corner_uv.resize(source.topology.triangles.size());
+  source.topology.vertex_count = static_cast<int32_t>(source.positions.size());
+  EXPECT_EQ(RimmedMesh(source).rims.all().size(), 4u);
 }
 
 TEST(Rims, ARidgeIsNone) {
@@ -113,20 +131,25 @@ TEST(Rims, AStripThatIsTooWideIsNone) {
   for (const Rim& rim : mesh.rims.all()) EXPECT_EQ(rim.strip_out, 0.0f);
 }
 
+/// Number of rims from which a face goes down, if all edges are shaded smooth, so that open edges
+/// do not lengthen them.
+int rims_down(SurfaceSource source) {
+  source.shading = source.topology.triangles;
+  const RimmedMesh mesh(source);
+  int count = 0;
+  for (const Rim& rim : mesh.rims.all()) count += rim.down != glm::vec3(0.0f) ? 1 : 0;
+  return count;
+}
+
 TEST(Rims, AStripThatIsHardlyLongerThanWideIsNone) {
   for (const auto& [width, count] : {std::pair{0.08f, 0}, {0.2f, 1}}) {
-    SurfaceSource brow = bevel(0.02f, width);
-    // Open edges that are shaded smooth are no rims.
-    brow.shading = brow.topology.triangles;
-    EXPECT_EQ(RimmedMesh(brow).rims.all().size(), count) << width;
+    EXPECT_EQ(rims_down(bevel(0.02f, width)), count) << width;
   }
 }
 
 TEST(Rims, AnEdgeThatIsMuchShorterThanTheSnowIsDeepIsNone) {
   for (const auto& [width, count] : {std::pair{0.02f, 0}, {0.06f, 1}}) {
-    SurfaceSource scan = bevel(0.001f, width);
-    scan.shading = scan.topology.triangles;
-    EXPECT_EQ(RimmedMesh(scan).rims.all().size(), count) << width;
+    EXPECT_EQ(rims_down(bevel(0.001f, width)), count) << width;
   }
 }
 
