@@ -302,24 +302,17 @@ class RimFinder {
   std::vector<glm::vec3> normals_;
 };
 
-/// The lengths of adjacent rims, at each of their points.
-std::vector<float> chain_lengths(const std::vector<Rim>& rims, size_t points) {
-  base::UnionFind joined(points);
-  for (const Rim& rim : rims) joined.join(rim.corner[0], rim.corner[1]);
-  const std::vector<int32_t> chain = std::move(joined).all();
-  std::vector<float> sum(points, 0.0f);
-  for (const Rim& rim : rims) sum[chain[rim.corner[0]]] += glm::distance(rim.from, rim.to);
-  std::vector<float> length(points);
-  for (size_t p = 0; p < points; ++p) length[p] = sum[chain[p]];
-  return length;
-}
-
 /// Removes adjacent rims that are hardly longer than their strips are wide, or shorter than
 /// `least`: on curved and scanned bodies a few edges look like rims by chance.
 void drop_short_rims(std::vector<Rim>& rims, size_t points, float least) {
-  const std::vector<float> length = chain_lengths(rims, points);
+  base::UnionFind joined(points);
+  for (const Rim& rim : rims) joined.join(rim.corner[0], rim.corner[1]);
+  const std::vector<int32_t> chain = std::move(joined).all();
+  std::vector<float> length(points, 0.0f);
+  for (const Rim& rim : rims) length[chain[rim.corner[0]]] += glm::distance(rim.from, rim.to);
   std::erase_if(rims, [&](const Rim& rim) {
-    return length[rim.corner[0]] < std::max(kLeastWidths * (rim.strip_out + rim.strip_down), least);
+    return length[chain[rim.corner[0]]] <
+           std::max(kLeastWidths * (rim.strip_out + rim.strip_down), least);
   });
 }
 
@@ -374,10 +367,10 @@ std::vector<Rim> find_rims(const SurfaceMesh& mesh, const base::TriangleTree& tr
     list.push_back(one.rim);
     list.back().part = parts[one.support];
   }
+  drop_short_rims(rims, mesh.position.size(), kLeastOfStrip * reach.strip);
   // Leaves end as the map says.
   drop_short_rims(edges, mesh.position.size(), kLeastEdges * reach.strip);
   rims.insert(rims.end(), edges.begin(), edges.end());
-  drop_short_rims(rims, mesh.position.size(), kLeastOfStrip * reach.strip);
   move_out(rims, mesh.position.size());
   base::for_each_item(rims.size(), 64,
                       [&](size_t r) { rims[r].far_extent = far_extent(rims[r], tree, reach.far); });
