@@ -243,13 +243,12 @@ TEST(WantedPoints, OfASheetDoNotDependOnItsSide) {
   EXPECT_NEAR(back.hems / front.hems, 1.0, 0.1);
 }
 
-TEST(WantedPoints, AreLevelOnGroundWithoutRims) {
-  SurfaceSource ground = card(8.0f, 8.0f);
-  ground.shading = ground.topology.triangles;
+TEST(WantedPoints, AreMostlyLevelOnGround) {
+  const SurfaceSource ground = card(8.0f, 8.0f);
   const PointCounts counts = wanted_points(ground, kDepth);
   // Halved edges are shorter than wanted: at least two points for each square of that size.
   EXPECT_GT(counts.hems + counts.level, 2.0 * 64.0 / (0.45 * 0.45 * kDepth * kDepth));
-  EXPECT_GT(counts.level, 10.0 * counts.hems);
+  EXPECT_GT(counts.level, 3.0 * counts.hems);
 }
 
 }  // namespace
