@@ -231,31 +231,49 @@ void CoarseMap::for_squares(const Visit& visit) const {
   });
 }
 
-MovingMap CoarseMap::begin(const MovingMap& map, const std::vector<int32_t>* blocks) {
-  update_areas();
-  blocks_.reset();
-  if (blocks != nullptr) blocks_ = *blocks;
+void CoarseMap::join_square(size_t square, const std::vector<float>& height) {
   const std::vector<int32_t>& places = object_->table->texel;
+  double volume = 0.0;
+  double on_front = 0.0;
+  for (int32_t t = texels_.begin[square]; t < texels_.begin[square + 1]; ++t) {
+    const auto own = static_cast<size_t>(texels_.texel[static_cast<size_t>(t)]);
+    const double held = static_cast<double>(height[static_cast<size_t>(places[own])]) *
+                        static_cast<double>(area_[own]);
+    volume += std::abs(held);
+    on_front += held;
+  }
+  const float mean = volume > 0.0 ? static_cast<float>(volume / square_area_[square]) : 0.0f;
+  const auto at = static_cast<size_t>(repose_.table().texel[square]);
+  // Snow on both sides of a sheet lies on the side of most.
+  before_[at] = height_[at] = on_front < 0.0 ? -mean : mean;
+}
+
+MovingMap CoarseMap::begin(const MovingMap& map, const std::vector<int32_t>& changed,
+                           const std::vector<int32_t>* blocks) {
+  update_areas();
   const std::vector<int32_t>& squares = repose_.table().texel;
   before_.resize(height_.size());
-  const auto join_square = [&](size_t i) {
-    double volume = 0.0;
-    double on_front = 0.0;
-    for (int32_t t = texels_.begin[i]; t < texels_.begin[i + 1]; ++t) {
-      const auto own = static_cast<size_t>(texels_.texel[static_cast<size_t>(t)]);
-      const double held = static_cast<double>((*map.height)[static_cast<size_t>(places[own])]) *
-                          static_cast<double>(area_[own]);
-      volume += std::abs(held);
-      on_front += held;
+  blocks_.reset();
+  if (has_heights_) {
+    is_found_.resize(squares.size(), 0);
+    std::vector<int32_t> found;
+    for (const int32_t texel : changed) {
+      const int32_t square = texels_.parent[static_cast<size_t>(texel)];
+      if (std::exchange(is_found_[static_cast<size_t>(square)], uint8_t{1}) == 0) {
+        found.push_back(square);
+      }
     }
-    const float mean = volume > 0.0 ? static_cast<float>(volume / square_area_[i]) : 0.0f;
-    const auto at = static_cast<size_t>(squares[i]);
-    // Snow on both sides of a sheet lies on the side of most.
-    before_[at] = height_[at] = on_front < 0.0 ? -mean : mean;
-  };
-  for_squares([&](size_t first, size_t last) {
-    for (size_t i = first; i < last; ++i) join_square(i);
-  });
+    for (const int32_t square : found) {
+      is_found_[static_cast<size_t>(square)] = 0;
+      join_square(static_cast<size_t>(square), *map.height);
+    }
+  } else {
+    for_squares([&](size_t first, size_t last) {
+      for (size_t i = first; i < last; ++i) join_square(i, *map.height);
+    });
+    has_heights_ = true;
+  }
+  if (blocks != nullptr) blocks_ = *blocks;
   MovingMap moved;
   moved.object = map.object;
   moved.height = &height_;
@@ -406,7 +424,10 @@ void CoarseMap::end(const MovingMap& moved, MovingMap& map) {
   for_squares([&](size_t first, size_t last) {
     thread_local std::vector<Part> parts;
     for (size_t i = first; i < last; ++i) {
-      if (spread(i, *map.height, parts)) has_changed.store(true, std::memory_order_relaxed);
+      if (!spread(i, *map.height, parts)) continue;
+      const auto at = static_cast<size_t>(repose_.table().texel[i]);
+      before_[at] = height_[at];
+      has_changed.store(true, std::memory_order_relaxed);
     }
   });
   map.has_changed = map.has_changed || has_changed;
@@ -433,6 +454,7 @@ CoarseMap* CoarseMaps::choose(const MovingMap& map, bool of_grains, ReposeLinkTa
   const SceneObject& object = *objects_[map.object];
   Level& level = levels_[map.object];
   if (std::exchange(is_chosen_[map.object], uint8_t{1}) != 0) return level.map.get();
+  if (level.map != nullptr) level.map->forget_heights();
   const double depth =
       object.mask != nullptr ? 0.0 : thickest(*map.height, object.table->resolution);
   if (level.texel_size.x == 0.0 && depth > 0.0) level.texel_size = texel_size_of(object);

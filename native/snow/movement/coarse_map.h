@@ -32,9 +32,13 @@ class CoarseMap {
   /// By block of the receiver's map: the squares' block in which it lies.
   std::vector<int32_t> blocks_of_own() const;
 
-  /// The map of the squares' mean heights, until `end` is called. `blocks`: ascending, where and
+  /// Forgets the squares' heights: the map has changed anywhere.
+  void forget_heights() { has_heights_ = false; }
+  /// The map of the squares' mean heights, until `end` is called. `changed`: the texels whose snow
+  /// has changed since the last `end`, or since `forget_heights`. `blocks`: ascending, where and
   /// beside where snow moves; null: all.
-  MovingMap begin(const MovingMap& map, const std::vector<int32_t>* blocks = nullptr);
+  MovingMap begin(const MovingMap& map, const std::vector<int32_t>& changed,
+                  const std::vector<int32_t>* blocks = nullptr);
   /// Takes back what `moved` has become.
   void end(const MovingMap& moved, MovingMap& map);
 
@@ -44,6 +48,7 @@ class CoarseMap {
   void update_areas();
   template <typename Visit>
   void for_squares(const Visit& visit) const;
+  void join_square(size_t square, const std::vector<float>& height);
   /// A square's slope to the right and upwards, in metres of thickness per square.
   glm::vec2 slope_at(int32_t place) const;
   struct Part;
@@ -55,16 +60,19 @@ class CoarseMap {
   CoarseTexels texels_;
   Repose repose_;
   bool has_areas_ = false;
+  bool has_heights_ = false;
   /// Per texel of the receiver's map: area in m2, and upward part of the normal.
   std::vector<float> area_, up_;
   /// Per square: area in m2.
   std::vector<double> square_area_;
   /// By place on the coarse map: upward part of the mean normal.
   std::vector<float> square_up_;
-  /// By place on the coarse map: metres, and before the step's movement.
+  /// By place on the coarse map: metres, and before the last movement.
   std::vector<float> height_, before_;
   /// What `begin` has been given.
   std::optional<std::vector<int32_t>> blocks_;
+  /// By square: whether `begin` has found it.
+  std::vector<uint8_t> is_found_;
   /// By coarse texel: a place on the receiver's map.
   std::vector<int32_t> places_;
   /// By place on the coarse map: the height to which snow stands; and the places of those over 0.

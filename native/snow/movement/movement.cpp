@@ -25,7 +25,7 @@ int64_t Movement::memory(const std::vector<const SceneObject*>& objects) {
   constexpr int64_t kPerPlace = 4;
   // See Masks, and Pressing::Pressed.
   constexpr int64_t kPerMasked = 3 * 4;
-  constexpr int64_t kPerPressed = 3 * 4 + 3 * 4 + 2 * 4 + 1;
+  constexpr int64_t kPerPressed = 3 * 4 + 4 * 4 + 2 * 4 + 1;
   const bool presses = std::any_of(objects.begin(), objects.end(), [](const SceneObject* object) {
     return object->press.kind != PressSettings::Kind::kNone;
   });
@@ -204,7 +204,9 @@ void Movement::choose_maps(const MovementSettings& settings, MovingMap& map, boo
     on_squares.blades.erase(std::unique(on_squares.blades.begin(), on_squares.blades.end()),
                             on_squares.blades.end());
   }
-  if (!near_packed.within.empty() && (!of_blades || !near_packed.blades.empty())) {
+  const bool rests_near_packed =
+      !near_packed.within.empty() && (!of_blades || !near_packed.blades.empty());
+  if (rests_near_packed) {
     pressing_.set_stand(map, own);
     then.push_back(std::move(near_packed));
   }
@@ -214,7 +216,10 @@ void Movement::choose_maps(const MovementSettings& settings, MovingMap& map, boo
     const ReposeLinks& links = *coarse->repose().ground().links;
     needed = near_blocks(links, on_squares.blades);
   }
-  on_squares.coarser = coarse->begin(map, of_blades ? &needed : nullptr);
+  on_squares.coarser =
+      coarse->begin(map, pressing_.take_changed(map), of_blades ? &needed : nullptr);
+  // Afterwards the receiver's own map moves.
+  if (rests_near_packed) coarse->forget_heights();
   first.push_back(std::move(on_squares));
 }
 

@@ -48,6 +48,9 @@ class OutletTargets {
     rays_.forget_pose(object);
     const Bounds before = bounds_[object];
     bounds_[object] = rays_.objects()[object]->bounds;
+    const ObjectDescription& moved = rays_.objects()[object]->description;
+    // No ray ends at others.
+    if (!moved.receive && !moved.occlude) return;
     for (size_t i = 0; i < bounds_.size(); ++i) {
       if (i != object && !is_near(i, before) && !is_near(i, bounds_[object])) continue;
       targets_[i].clear();

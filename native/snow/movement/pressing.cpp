@@ -101,6 +101,7 @@ int Pressing::begin(const std::vector<MovingMap*>& maps) {
   for (Pressed& own : pressed_) {
     own.under.clear();
     own.columns.clear();
+    own.changed.clear();
     own.deepest = own.reach = 0.0;
   }
   if (!is_on()) return 1;
@@ -235,9 +236,7 @@ void Pressing::fill_columns(size_t presser, const PressedMap& map, Columns& colu
     const glm::dvec3 point(own.points[i]);
     if (!overlap({point - most, point + most}, pressers_[presser]->swept(), 0.0)) continue;
     if (!map.is_ground(texel)) continue;
-    const glm::dvec3 normal = texel_now(*map.object, *map.object->table, texel).normal;
-    const double length = glm::length(normal);
-    columns.columns.push_back({texel, length > 0.0 ? normal / length : glm::dvec3(0.0)});
+    columns.columns.push_back({texel});
   }
 }
 
@@ -259,16 +258,21 @@ std::vector<Pressing::Touched> Pressing::touched_by(size_t presser, const Presse
   base::for_each_item(found.size(), 8, [&](size_t i) {
     if (!tool.may_reach(all[i].box)) return;
     if (!all[i].is_found) fill_columns(presser, map, all[i]);
-    for (const auto& [texel, up] : all[i].columns) {
+    for (auto& [texel, up] : all[i].columns) {
       const auto thickness = static_cast<double>(std::abs(map.height_at(texel)));
       const double most = needs_covered ? thickness + kUnder : thickness - kTouch;
       if (!(most > 0.0)) continue;
       const glm::dvec3 point = map.point(texel);
-      const glm::dvec3 normal = up * map.side(texel);
-      const glm::dvec3 top = point + normal * most;
+      const auto rise = static_cast<double>(map.bare->up[static_cast<size_t>(texel)]);
+      const double aside = most * std::sqrt(std::max(1.0 - rise * rise, 0.0));
       // With room for rounding, and for where rays begin.
-      const Bounds column{glm::min(point, top) - kRounding, glm::max(point, top) + kRounding};
-      if (!tool.may_reach(column)) continue;
+      const glm::dvec3 around = glm::dvec3(aside, aside, most) + kRounding;
+      if (!tool.may_reach({point - around, point + around})) continue;
+      if (up == glm::dvec3(0.0)) {
+        up = texel_now(*map.object, *map.object->table, texel).normal;
+        if (up != glm::dvec3(0.0)) up = glm::normalize(up);
+      }
+      const glm::dvec3 normal = up * map.side(texel);
       const Clearance clearance = tool.clearance(point, normal, most);
       if (!(clearance.metres < most)) continue;
       const glm::dvec3 way(clearance.moves.x, clearance.moves.y, 0.0);
@@ -291,8 +295,9 @@ void Pressing::press(MovingMap& map, Repose& repose, double slope) {
       continue;
     }
     const BareTexels& bare = repose.bare();
-    PressedMap pressed{map.object, objects_[map.object], &repose.links(),
-                       &bare,      &own.points,          map.height};
+    PressedMap pressed{map.object,  objects_[map.object], &repose.links(), &bare,
+                       &own.points, map.height,           &own.numbers};
+    if (own.numbers.empty()) own.numbers.assign(own.points.size(), -1);
     press_with(i, map, pressed, slope);
   }
   std::sort(own.under.begin(), own.under.end());
@@ -322,13 +327,18 @@ void Pressing::press_with(size_t presser, MovingMap& map, PressedMap& pressed, d
   };
   for (const PushedSnow& snow : pushed) note(snow.texel);
   if (ploughs && part_ == parts_) throw_up(presser, pressed, pushed);
+  for (size_t k = 0; k < covered.size(); ++k) {
+    own.numbers[static_cast<size_t>(covered[k])] = static_cast<int32_t>(k);
+  }
   int64_t kept = 0;
   for (const int32_t texel : spread_pushed(pressed, covered, pushed, settings.rim_width,
                                            ploughs ? std::min(slope, kSteepest) : 0.0, kept)) {
     const auto thickness = static_cast<double>(std::abs(pressed.height_at(texel)));
     own.deepest = std::max(own.deepest, thickness);
+    own.changed.push_back(texel);
     note(texel);
   }
+  for (const int32_t texel : covered) own.numbers[static_cast<size_t>(texel)] = -1;
   // Snow with nowhere to go is pressed.
   map.pressed += static_cast<double>(kept) * kPushUnit;
 }
@@ -386,6 +396,7 @@ void Pressing::sink(const PressSettings& settings, const std::vector<Touched>& t
     const double lost = (thickness - static_cast<double>(now)) * pressed.area(one.texel);
     height = side < 0.0 && now > 0.0f ? -now : now;
     map.has_changed = true;
+    own.changed.push_back(one.texel);
     if (settings.kind == PressSettings::Kind::kClear) {
       map.cleared += lost;
     } else {
@@ -406,7 +417,7 @@ void Pressing::sink(const PressSettings& settings, const std::vector<Touched>& t
 }
 
 bool Pressing::rests() const {
-  return part_ == parts_ || has_ploughed_;
+  return part_ == parts_ || (has_ploughed_ && (parts_ - part_) % 2 == 0);
 }
 
 std::vector<int32_t> Pressing::ploughed_blocks(const MovingMap& map) const {

@@ -27,7 +27,7 @@ void for_corners_between(const std::array<glm::dvec3, 3>& triangle, double low, 
 }  // namespace
 
 int32_t Outline::cell_of(double at, int axis) const {
-  const double cell = std::floor((at - bounds_.low[axis]) / size_[axis]);
+  const double cell = (at - bounds_.low[axis]) * per_metre_[axis];
   return static_cast<int32_t>(std::clamp(cell, 0.0, static_cast<double>(kSide - 1)));
 }
 
@@ -55,6 +55,7 @@ void Outline::set(const std::vector<glm::vec3>& points,
   bounds_ = bounds;
   for (int axis = 0; axis < 2; ++axis) {
     size_[axis] = std::max((bounds.high[axis] - bounds.low[axis]) / kSide, 1e-9);
+    per_metre_[axis] = 1.0 / size_[axis];
   }
   cells_.assign(static_cast<size_t>(kSide * kSide), {});
   for (const std::array<int32_t, 3>& triangle : triangles) {

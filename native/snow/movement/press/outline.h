@@ -22,7 +22,7 @@ class Outline {
 
  private:
   /// Cells a side.
-  static constexpr int32_t kSide = 32;
+  static constexpr int32_t kSide = 64;
   struct Range {
     double low = 1e300;
     double high = -1e300;
@@ -31,7 +31,8 @@ class Outline {
   void add(const std::array<glm::dvec3, 3>& triangle);
 
   Bounds bounds_;
-  glm::dvec2 size_{1.0};
+  /// Of a cell, and its inverse.
+  glm::dvec2 size_{1.0}, per_metre_{1.0};
   std::vector<Range> cells_;
 };
 

@@ -18,7 +18,7 @@ constexpr int32_t kAround = 6;
 constexpr int32_t kWidest = 8;
 /// Texels a side of the squares that a strip is made of, and strips of fewer texels have single
 /// ones.
-constexpr int32_t kSquare = 2;
+constexpr int32_t kSquare = 4;
 /// A strip is this much longer than its heap, and longer again if it proves too short.
 constexpr double kLonger = 1.25;
 constexpr int kMostTries = 6;
@@ -65,13 +65,13 @@ glm::dvec2 next_on_map(const PressedMap& map, int32_t texel, const glm::ivec2& s
 
 /// The horizontal unit vector away from the covered texels around one; the motion's where they lie
 /// ahead, or on all sides.
-glm::dvec2 front_of(const PressedMap& map, const CoveredTexels& covered, int32_t texel,
-                    const glm::dvec2& motion) {
+glm::dvec2 front_of(const PressedMap& map, int32_t texel, const glm::dvec2& motion) {
   glm::dvec2 away(0.0);
   for (int32_t y = -kAround; y <= kAround; y += 2) {
     for (int32_t x = -kAround; x <= kAround; x += 2) {
       const int32_t other = texel_on(map, map_place(map, texel) + glm::ivec2(x, y));
-      if (other >= 0 && covered.has(other)) away += glm::dvec2(map.point(texel) - map.point(other));
+      if (other >= 0 && map.is_covered(other))
+        away += glm::dvec2(map.point(texel) - map.point(other));
     }
   }
   const double length = glm::length(away);
@@ -115,21 +115,20 @@ std::vector<Pile> collect_piles(const PressedMap& map, const std::vector<PushedS
 
 /// Calls visit(texel) for the free texels of a square.
 template <typename Visit>
-void for_texels_of(const PressedMap& map, const CoveredTexels& covered, const glm::ivec2& at,
-                   int32_t square, const Visit& visit) {
+void for_texels_of(const PressedMap& map, const glm::ivec2& at, int32_t square,
+                   const Visit& visit) {
   for (int32_t y = 0; y < square; ++y) {
     for (int32_t x = 0; x < square; ++x) {
       const int32_t texel = texel_on(map, at + glm::ivec2(x, y));
-      if (texel >= 0 && !covered.has(texel) && map.area(texel) > 0.0) visit(texel);
+      if (texel >= 0 && !map.is_covered(texel) && map.area(texel) > 0.0) visit(texel);
     }
   }
 }
 
 /// The free texels of a strip, in squares of `square` texels a side, whose first ones stand for
 /// all.
-std::vector<PileCell> find_strip(const PressedMap& map, const CoveredTexels& covered, int32_t texel,
-                                 const glm::dvec2& front, double width, double length, double slope,
-                                 int32_t square) {
+std::vector<PileCell> find_strip(const PressedMap& map, int32_t texel, const glm::dvec2& front,
+                                 double width, double length, double slope, int32_t square) {
   const glm::dvec2 x = next_on_map(map, texel, {1, 0});
   const glm::dvec2 y = next_on_map(map, texel, {0, 1});
   const double area = x.x * y.y - x.y * y.x;
@@ -186,11 +185,11 @@ std::vector<PileCell> find_strip(const PressedMap& map, const CoveredTexels& cov
       const float normal_up = map.bare->up[static_cast<size_t>(own)];
       const float up = PressedMap::side(height, normal_up) < 0.0 ? -normal_up : normal_up;
       const double area = map.area(own);
-      if (covered.has(own) || !(area > 0.0) || shared::is_wall(up)) continue;
+      if (map.is_covered(own) || !(area > 0.0) || shared::is_wall(up)) continue;
       const auto rise = static_cast<double>(shared::column_height(up));
       const double top = way.z + rise * static_cast<double>(std::abs(height));
       int32_t count = 0;
-      for_texels_of(map, covered, {column, row}, square, [&](int32_t) { ++count; });
+      for_texels_of(map, {column, row}, square, [&](int32_t) { ++count; });
       cells.push_back({{column, row}, top + slope * away, area / rise * count});
     }
   }
@@ -217,16 +216,16 @@ double filled_level(const std::vector<PileCell>& cells, double volume) {
   }
 }
 
-void add_pile(const PressedMap& map, const CoveredTexels& covered, const Pile& pile, double width,
-              double slope, int32_t square, std::vector<int32_t>& gains) {
+void add_pile(const PressedMap& map, const Pile& pile, double width, double slope, int32_t square,
+              std::vector<int32_t>& gains) {
   const double volume = static_cast<double>(pile.units) * kPushUnit;
-  const glm::dvec2 front = front_of(map, covered, pile.texel, glm::normalize(glm::dvec2(pile.way)));
+  const glm::dvec2 front = front_of(map, pile.texel, glm::normalize(glm::dvec2(pile.way)));
   double length = kLonger * static_cast<double>(std::abs(map.height_at(pile.texel))) / slope;
   length = std::max(length, 2.0 * width);
   std::vector<PileCell> cells;
   double level = 0.0;
   for (int i = 0; i < kMostTries; ++i, length *= kLonger) {
-    cells = find_strip(map, covered, pile.texel, front, width, length, slope, square);
+    cells = find_strip(map, pile.texel, front, width, length, slope, square);
     if (cells.empty()) break;
     level = filled_level(cells, volume);
     // At its end the strip reaches over the snow that lay there.
@@ -237,9 +236,9 @@ void add_pile(const PressedMap& map, const CoveredTexels& covered, const Pile& p
     const double own = std::max(level - cell.level, 0.0) * cell.capacity;
     if (!(own > 0.0)) continue;
     int32_t count = 0;
-    for_texels_of(map, covered, cell.at, square, [&](int32_t) { ++count; });
+    for_texels_of(map, cell.at, square, [&](int32_t) { ++count; });
     const int64_t part = std::llround(own / (count * kPushUnit));
-    for_texels_of(map, covered, cell.at, square, [&](int32_t texel) {
+    for_texels_of(map, cell.at, square, [&](int32_t texel) {
       const int64_t given = std::min(part, rest);
       if (given <= 0) return;
       rest -= given;
@@ -254,14 +253,8 @@ void add_pile(const PressedMap& map, const CoveredTexels& covered, const Pile& p
 
 }  // namespace
 
-CoveredTexels::CoveredTexels(const std::vector<int32_t>& texels)
-    : first_(texels.front()), has_(static_cast<size_t>(texels.back() - texels.front() + 1), 0) {
-  for (const int32_t texel : texels) has_[static_cast<size_t>(texel - first_)] = 1;
-}
-
-void pile_ahead(const PressedMap& map, const CoveredTexels& covered,
-                const std::vector<PushedSnow>& pushed, double width, double slope,
-                std::vector<int32_t>& gains) {
+void pile_ahead(const PressedMap& map, const std::vector<PushedSnow>& pushed, double width,
+                double slope, std::vector<int32_t>& gains) {
   if (pushed.empty()) return;
   const double size = std::sqrt(std::max(map.area(pushed.front().texel), 1e-12));
   const auto texels =
@@ -269,7 +262,7 @@ void pile_ahead(const PressedMap& map, const CoveredTexels& covered,
   const int32_t square = texels < 2 * kSquare ? 1 : kSquare;
   for (const Pile& pile : collect_piles(map, pushed, texels)) {
     if (glm::length(glm::dvec2(pile.way)) > 0.0) {
-      add_pile(map, covered, pile, texels * size, slope, square, gains);
+      add_pile(map, pile, texels * size, slope, square, gains);
     } else {
       map.add(pile.texel, pile.units);
       gains.push_back(pile.texel);

@@ -13,9 +13,11 @@ namespace {
 /// Rays begin this far below a texel, in metres, so that they meet an object that stands on it.
 constexpr double kBelow = 1e-4;
 
-/// Of `thinnest`: the most faces, and the least cosine between their normals and their motion.
+/// Of `thinnest`: the most faces, and the least cosine between their normals and their motion; and
+/// between the normals of opposite faces, against each other.
 constexpr size_t kMostFaces = 1024;
 constexpr double kAheadLeast = 0.5;
+constexpr double kOppositeLeast = 0.5;
 
 bool meet(const Bounds& a, const Bounds& b) {
   return glm::all(glm::greaterThanEqual(a.high, b.low)) &&
@@ -69,6 +71,10 @@ double Presser::travel(const Bounds& box) const {
 double Presser::thinnest(const Bounds& box) {
   update_tree();
   const auto last = [&](int32_t vertex) { return glm::dvec3(pose_[static_cast<size_t>(vertex)]); };
+  const auto normal_of = [&](int32_t triangle) {
+    const auto [a, b, c] = triangles_[static_cast<size_t>(triangle)];
+    return glm::cross(last(b) - last(a), last(c) - last(a));
+  };
   const size_t step = triangles_.size() / kMostFaces + 1;
   double thinnest = std::numeric_limits<double>::infinity();
   for (size_t t = 0; t < triangles_.size(); t += step) {
@@ -80,13 +86,20 @@ double Presser::thinnest(const Bounds& box) {
       way += glm::dvec3(object_->positions[static_cast<size_t>(vertex)]) - last(vertex);
     }
     if (!meet(face, box)) continue;
-    const glm::dvec3 normal = glm::cross(last(b) - last(a), last(c) - last(a));
+    const glm::dvec3 normal = normal_of(static_cast<int32_t>(t));
     if (!(glm::dot(normal, way) > kAheadLeast * glm::length(normal) * glm::length(way))) continue;
     if (is_open_[t] != 0) return 0.0;
     way = glm::normalize(way);
     const glm::dvec3 middle = (last(a) + last(b) + last(c)) / 3.0;
-    thinnest = std::min(thinnest,
-                        tree_->first_along(0, middle - kBelow * way, -way, 0.0, thinnest).distance);
+    const base::TriangleTree::Hit hit =
+        tree_->first_along(0, middle - kBelow * way, -way, 0.0, thinnest);
+    if (hit.triangle < 0) continue;
+    // Through a corner, as behind a slanting blade's end, an object has no thickness of its own.
+    const glm::dvec3 behind = normal_of(hit.triangle);
+    if (glm::dot(normal, behind) > -kOppositeLeast * glm::length(normal) * glm::length(behind)) {
+      continue;
+    }
+    thinnest = std::min(thinnest, hit.distance);
   }
   return thinnest;
 }

@@ -69,20 +69,15 @@ class NearestFree {
         cost_(covered.size(), std::numeric_limits<double>::infinity()),
         goal_(covered.size(), -1),
         way_(covered.size(), glm::dvec3(0.0)) {
-    first_ = covered.front();
-    numbers_.assign(static_cast<size_t>(covered.back() - first_ + 1), -1);
-    for (size_t i = 0; i < covered.size(); ++i) {
-      numbers_[static_cast<size_t>(covered[i] - first_)] = static_cast<int32_t>(i);
-    }
     std::vector<uint8_t> is_pushed(covered.size(), 0);
     for (const PushedSnow& snow : pushed) {
-      const auto own = static_cast<size_t>(number(snow.texel));
+      const auto own = static_cast<size_t>(map_.number_of(snow.texel));
       way_[own] = snow.way;
       is_pushed[own] = 1;
     }
     for (size_t i = 0; i < covered.size(); ++i) {
       for_linked(map, covered[i], [&](int32_t free) {
-        if (number(free) < 0 && map.is_ground(free)) offer(i, free, 0.0, free);
+        if (!map.is_covered(free) && map.is_ground(free)) offer(i, free, 0.0, free);
       });
     }
     // Other covered texels need no goal.
@@ -90,25 +85,20 @@ class NearestFree {
       const double cost = open_.top().first;
       const int32_t texel = open_.top().second;
       open_.pop();
-      const auto own = static_cast<size_t>(number(texel));
+      const auto own = static_cast<size_t>(map_.number_of(texel));
       if (cost > cost_[own]) continue;
       left -= is_pushed[own];
       for_linked(map, texel, [&](int32_t other) {
-        const int32_t inner = number(other);
+        const int32_t inner = map.number_of(other);
         if (inner >= 0) offer(static_cast<size_t>(inner), texel, cost, goal_[own]);
       });
     }
   }
 
   /// -1: none.
-  int32_t of(int32_t texel) const { return goal_[static_cast<size_t>(number(texel))]; }
+  int32_t of(int32_t texel) const { return goal_[static_cast<size_t>(map_.number_of(texel))]; }
 
  private:
-  /// Place in `covered`, -1: none.
-  int32_t number(int32_t texel) const {
-    const auto i = static_cast<size_t>(texel - first_);
-    return texel < first_ || i >= numbers_.size() ? -1 : numbers_[i];
-  }
   /// A way from a covered texel over a neighbour from which the goal costs `cost`.
   void offer(size_t from, int32_t over, double cost, int32_t goal) {
     // No way is shorter than 0.
@@ -124,8 +114,6 @@ class NearestFree {
   using Entry = std::pair<double, int32_t>;
   const PressedMap& map_;
   const std::vector<int32_t>& covered_;
-  int32_t first_ = 0;
-  std::vector<int32_t> numbers_;
   std::vector<double> cost_;
   std::vector<int32_t> goal_;
   std::vector<glm::dvec3> way_;
@@ -300,7 +288,7 @@ std::vector<int32_t> spread_pushed(const PressedMap& map, const std::vector<int3
   heaps = summed(std::move(heaps));
   std::vector<int32_t> gains;
   if (slope > 0.0) {
-    pile_ahead(map, CoveredTexels(covered), heaps, radius, slope, gains);
+    pile_ahead(map, heaps, radius, slope, gains);
     return gains;
   }
   if (radius <= 0.0) {

@@ -21,7 +21,11 @@ struct PressedMap {
   /// World positions of the texels in metres.
   const std::vector<glm::vec3>* points = nullptr;
   std::vector<float>* height = nullptr;
+  /// By texel: its number among those under the object, ascending, in this part; -1: it is free.
+  const std::vector<int32_t>* numbers = nullptr;
 
+  int32_t number_of(int32_t texel) const { return (*numbers)[static_cast<size_t>(texel)]; }
+  bool is_covered(int32_t texel) const { return number_of(texel) >= 0; }
   int32_t place(int32_t texel) const { return object->table->texel[static_cast<size_t>(texel)]; }
   float& height_at(int32_t texel) const { return (*height)[static_cast<size_t>(place(texel))]; }
   double area(int32_t texel) const {

@@ -46,7 +46,7 @@ void SceneRays::lay_out(const std::vector<const SceneObject*>& objects) {
   boxes_.assign(2 * leaves_, {});
   for (size_t k = 0; k < order_.size(); ++k) {
     leaf_of_[order_[k]] = leaves_ + k;
-    boxes_[leaves_ + k] = objects[order_[k]]->bounds;
+    boxes_[leaves_ + k] = box_of(order_[k]);
   }
   for (size_t node = leaves_ - 1; node > 0; --node) join(node);
 }
@@ -78,6 +78,12 @@ void SceneRays::split(size_t begin, size_t size) {
   split(middle, size / 2);
 }
 
+/// That of an object that rays meet; others have none.
+Bounds SceneRays::box_of(size_t object) const {
+  const ObjectDescription& description = objects_[object]->description;
+  return description.receive || description.occlude ? objects_[object]->bounds : Bounds();
+}
+
 void SceneRays::join(size_t node) {
   boxes_[node] = boxes_[2 * node];
   boxes_[node].include(boxes_[2 * node + 1]);
@@ -86,7 +92,7 @@ void SceneRays::join(size_t node) {
 void SceneRays::forget_pose(size_t object) {
   items_[object]->set_pose(objects_[object]->positions);
   size_t node = leaf_of_[object];
-  boxes_[node] = objects_[object]->bounds;
+  boxes_[node] = box_of(object);
   while ((node /= 2) > 0) join(node);
 }
 
@@ -107,11 +113,7 @@ SurfaceHit SceneRays::first_along(const glm::dvec3& from, const glm::dvec3& dire
       continue;
     }
     const size_t i = order_[node - leaves_];
-    const ObjectDescription& description = objects_[i]->description;
-    if (!(description.receive || description.occlude) || objects_[i]->positions.empty() ||
-        objects_[i]->hidden || objects_[i] == except) {
-      continue;
-    }
+    if (objects_[i]->positions.empty() || objects_[i]->hidden || objects_[i] == except) continue;
     // Of equally near surfaces, that of the first object in the list counts.
     const bool is_earlier = hit.triangle >= 0 && i < object;
     const double under = is_earlier

@@ -29,6 +29,7 @@ class SceneRays {
 
  private:
   void split(size_t begin, size_t size);
+  Bounds box_of(size_t object) const;
   void join(size_t node);
 
   std::vector<const SceneObject*> objects_;
