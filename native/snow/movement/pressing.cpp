@@ -40,10 +40,11 @@ constexpr float kLeastPacked = 0.005f;
 constexpr float kRefill = 4.0f;
 /// Parts of a step: way of an object per part, the larger of these: in texels; and as a fraction of
 /// the object's size. That of objects that do not press is less than their thickness, by this
-/// factor, but at least so many metres. And the most parts.
+/// factor and by so many texels, but at least so many metres. And the most parts.
 constexpr double kTexelsAPart = 2.0;
 constexpr double kSizeAPart = 0.0625;
-constexpr double kThicknessAPart = 0.75;
+constexpr double kThicknessAPart = 0.9;
+constexpr double kTexelsOfOverlap = 1.5;
 constexpr double kLeastPart = 0.01;
 constexpr int kMostParts = 64;
 bool overlap(const Bounds& a, const Bounds& b, double margin) {
@@ -135,8 +136,10 @@ int Pressing::begin(const std::vector<MovingMap*>& maps) {
       double most = kSizeAPart * size_of(object.bounds);
       // Between two parts a thin blade must not leave anything.
       if (!presses) {
-        most = std::clamp(kThicknessAPart * presser.thinnest(snow), kLeastPart,
-                          std::max(most, kLeastPart));
+        const double thinnest = presser.thinnest(snow);
+        most = std::clamp(
+            std::min(kThicknessAPart * thinnest, thinnest - kTexelsOfOverlap * own.texel_size),
+            kLeastPart, std::max(most, kLeastPart));
       }
       const double part = std::max(kTexelsAPart * own.texel_size, most);
       const double parts = std::ceil(presser.travel(snow) / part);
@@ -417,7 +420,7 @@ void Pressing::sink(const PressSettings& settings, const std::vector<Touched>& t
 }
 
 bool Pressing::rests() const {
-  return part_ == parts_ || (has_ploughed_ && (parts_ - part_) % 2 == 0);
+  return part_ == parts_ || (has_ploughed_ && (parts_ == 2 || (parts_ - part_) % 2 == 0));
 }
 
 std::vector<int32_t> Pressing::ploughed_blocks(const MovingMap& map) const {

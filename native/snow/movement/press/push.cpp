@@ -33,16 +33,29 @@ void for_linked(const PressedMap& map, int32_t texel, const Visit& visit) {
   const int32_t place = map.place(texel);
   const int32_t column = place % links.resolution;
   const int32_t row = place / links.resolution;
-  const uint8_t own = links.forward[static_cast<size_t>(links.cell_at(column, row))];
+  const int32_t cell = links.cell_at(column, row);
+  const auto is_inner = [](int32_t at) {
+    return at % kReposeBlock > 0 && at % kReposeBlock < kReposeBlock - 1;
+  };
+  // Most lie in one block of a map with their neighbours.
+  const bool is_near_border =
+      !is_inner(column) || !is_inner(row) || std::max(column, row) + 1 >= links.resolution;
   for (int32_t k = 0; k < kForwardLinks; ++k) {
     for (const int32_t sign : {1, -1}) {
-      const int32_t x = column + sign * kForwardColumn[k];
-      const int32_t y = row + sign * kForwardRow[k];
-      if (x < 0 || y < 0 || x >= links.resolution || y >= links.resolution) continue;
-      const uint8_t giver =
-          sign > 0 ? own : links.forward[static_cast<size_t>(links.cell_at(x, y))];
-      if (((giver >> k) & 1) == 0) continue;
-      const int32_t to = map.bare->texel_of[static_cast<size_t>(y * links.resolution + x)];
+      const int32_t aside = sign * kForwardColumn[k];
+      const int32_t up = sign * kForwardRow[k];
+      int32_t giver = cell;
+      if (is_near_border) {
+        const int32_t x = column + aside;
+        const int32_t y = row + up;
+        if (x < 0 || y < 0 || x >= links.resolution || y >= links.resolution) continue;
+        if (sign < 0) giver = links.cell_at(x, y);
+      } else if (sign < 0) {
+        giver += up * kReposeBlock + aside;
+      }
+      if (((links.forward[static_cast<size_t>(giver)] >> k) & 1) == 0) continue;
+      const int32_t other = place + up * links.resolution + aside;
+      const int32_t to = map.bare->texel_of[static_cast<size_t>(other)];
       if (to >= 0) visit(to);
     }
   }
