@@ -47,6 +47,9 @@ constexpr double kThicknessAPart = 0.9;
 constexpr double kTexelsOfOverlap = 1.5;
 constexpr double kLeastPart = 0.01;
 constexpr int kMostParts = 64;
+/// Of PressedMap::numbers: a free texel that has received snow.
+constexpr int32_t kGained = -2;
+
 bool overlap(const Bounds& a, const Bounds& b, double margin) {
   for (int axis = 0; axis < 3; ++axis) {
     if (a.low[axis] - margin > b.high[axis] || b.low[axis] - margin > a.high[axis]) return false;
@@ -271,7 +274,9 @@ std::vector<Pressing::Touched> Pressing::touched_by(size_t presser, const Presse
       // With room for rounding, and for where rays begin.
       const glm::dvec3 around = glm::dvec3(aside, aside, most) + kRounding;
       if (!tool.may_reach({point - around, point + around})) continue;
-      if (up == glm::dvec3(0.0)) {
+      if (std::abs(rise) >= 1.0) {
+        up = {0.0, 0.0, rise};
+      } else if (up == glm::dvec3(0.0)) {
         up = texel_now(*map.object, *map.object->table, texel).normal;
         if (up != glm::dvec3(0.0)) up = glm::normalize(up);
       }
@@ -336,12 +341,16 @@ void Pressing::press_with(size_t presser, MovingMap& map, PressedMap& pressed, d
   int64_t kept = 0;
   for (const int32_t texel : spread_pushed(pressed, covered, pushed, settings.rim_width,
                                            ploughs ? std::min(slope, kSteepest) : 0.0, kept)) {
+    // Strips overlap.
+    if (std::exchange(own.numbers[static_cast<size_t>(texel)], kGained) == kGained) continue;
     const auto thickness = static_cast<double>(std::abs(pressed.height_at(texel)));
     own.deepest = std::max(own.deepest, thickness);
     own.changed.push_back(texel);
     note(texel);
   }
-  for (const int32_t texel : covered) own.numbers[static_cast<size_t>(texel)] = -1;
+  for (const std::vector<int32_t>* done : {&covered, &own.changed}) {
+    for (const int32_t texel : *done) own.numbers[static_cast<size_t>(texel)] = -1;
+  }
   // Snow with nowhere to go is pressed.
   map.pressed += static_cast<double>(kept) * kPushUnit;
 }
@@ -420,7 +429,7 @@ void Pressing::sink(const PressSettings& settings, const std::vector<Touched>& t
 }
 
 bool Pressing::rests() const {
-  return part_ == parts_ || (has_ploughed_ && (parts_ == 2 || (parts_ - part_) % 2 == 0));
+  return part_ == parts_ || (has_ploughed_ && (parts_ - part_) % 2 == 0);
 }
 
 std::vector<int32_t> Pressing::ploughed_blocks(const MovingMap& map) const {

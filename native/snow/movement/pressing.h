@@ -32,7 +32,7 @@ class Pressing {
   /// Begins a step; returns into how many parts of equal time its motion is divided, at least 1.
   int begin(const std::vector<MovingMap*>& maps);
   /// Whether snow should come to rest after this part: after the last one, and ahead of blades after
-  /// every second one before it, or one of two.
+  /// every second one before it.
   bool rests() const;
   /// Moves the objects to the end of a part, from 1.
   void move_to(int part);
