@@ -19,6 +19,9 @@ namespace {
 /// snow that ends on steep or curved places.
 constexpr float kLevelEdge = 0.45f;
 constexpr float kMostLevelEdge = 2.0f;
+/// Level snow never gets edges shorter than this, in metres: under a thin layer a large ground
+/// would take the points of all hems.
+constexpr float kLeastLevelEdge = 0.03f;
 constexpr float kCurvedEdge = 0.17f;
 constexpr float kBareEdge = 4.0f;
 constexpr float kEndingEdge = 0.1f;
@@ -113,8 +116,10 @@ class Refiner {
         zones_(zones),
         heights_(heights),
         unit_(density.depth * density.scale * coarseness.hems),
-        level_edge_(std::min(kLevelEdge * density.scale * coarseness.level, kMostLevelEdge) *
-                    density.depth * coarseness.hems),
+        level_edge_(
+            std::max(std::min(kLevelEdge * density.scale * coarseness.level, kMostLevelEdge) *
+                         density.depth * coarseness.hems,
+                     kLeastLevelEdge)),
         depth_(density.depth),
         least_edge_((heights.dented != nullptr ? kDentEdge : kLeastEdge) * unit_),
         is_coarse_(coarseness.hems > kCoarse),

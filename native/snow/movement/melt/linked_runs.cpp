@@ -1,6 +1,8 @@
 #include "snow/movement/melt/linked_runs.h"
 
 #include <algorithm>
+#include <atomic>
+#include <bit>
 
 #include "base/parallel_for.h"
 #include "base/simd.h"
@@ -13,22 +15,49 @@ constexpr size_t kRuns = 64;
 constexpr size_t kGroups = 4;
 constexpr size_t kSideBySide = 16;
 
-bool is_zero(const float* values, size_t count) {
-  return std::all_of(values, values + count, [](float value) { return value == 0.0f; });
+/// Whether any value is not 0; -0 counts, which changes no result.
+SNOWBOUGH_WIDE bool any_in(const float* values, size_t count) {
+  uint32_t bits = 0;
+  for (size_t i = 0; i < count; ++i) bits |= std::bit_cast<uint32_t>(values[i]);
+  return bits != 0;
 }
 
-/// Divides the values at the places of `side` runs side by side by the sizes of the squares around.
-inline void divide_by_sizes(float* __restrict values, size_t count, size_t side, size_t radius) {
-  const auto divide = [&](size_t first, size_t last) {
-    const size_t size = std::min(first + radius + 1, count) - (first - std::min(first, radius));
+/// Calls work(first, last) for the places up to `radius` from those with any(place), of `count`;
+/// in parts that do not touch, in order.
+template <typename Any, typename Work>
+void for_bands(size_t count, size_t radius, const Any& any, const Work& work) {
+  for (size_t i = 0; i < count; ++i) {
+    if (!any(i)) continue;
+    const size_t first = i - std::min(i, radius);
+    size_t end = i + 1;
+    for (++i; i < std::min(count, end + 2 * radius); ++i) {
+      if (any(i)) end = i + 1;
+    }
+    work(first, std::min(end + radius, count));
+  }
+}
+
+/// A part of runs that lie `side` side by side, each of `whole` texels.
+struct Band {
+  size_t first, count, whole, side;
+};
+
+/// Divides the values of a band by the sizes of the squares around.
+inline void divide_by_sizes(const Band& band, size_t radius, float* __restrict values) {
+  const auto divide = [&](size_t from, size_t to) {
+    if (from >= to) return;
+    const size_t size = std::min(from + radius + 1, band.whole) - (from - std::min(from, radius));
     const float part = 1.0f / static_cast<float>(size);
-    for (size_t k = first * side; k < last * side; ++k) values[k] *= part;
+    for (size_t k = (from - band.first) * band.side; k < (to - band.first) * band.side; ++k) {
+      values[k] *= part;
+    }
   };
-  const size_t inner = count > 2 * radius ? radius : count;
-  for (size_t i = 0; i < inner; ++i) divide(i, i + 1);
-  if (inner == count) return;
-  divide(inner, count - radius);
-  for (size_t i = count - radius; i < count; ++i) divide(i, i + 1);
+  const size_t last = band.first + band.count;
+  const size_t inner = std::clamp(band.whole > 2 * radius ? radius : last, band.first, last);
+  for (size_t i = band.first; i < inner; ++i) divide(i, i + 1);
+  const size_t outer = std::clamp(band.whole - std::min(radius, band.whole), inner, last);
+  divide(inner, outer);
+  for (size_t i = outer; i < last; ++i) divide(i, i + 1);
 }
 
 /// Sums over 2 * radius + 1 places, from sums over 1, 2, 4, ... places. `values`: with `radius`
@@ -51,14 +80,16 @@ inline void sum_around(float* values, size_t count, size_t side, size_t radius,
 }
 
 /// `values`: as above; `sums`: the result.
-SNOWBOUGH_WIDE_FLAT void filter_runs(bool spreads, size_t count, size_t side, size_t radius,
-                                     float* values, float* __restrict sums) {
-  float* const own = values + radius * side;
+SNOWBOUGH_WIDE_FLAT void filter_band(bool spreads, const Band& band, size_t radius, float* values,
+                                     float* __restrict sums) {
+  const size_t around = radius * band.side;
+  const size_t size = band.count * band.side;
+  float* const own = values + around;
   std::fill(values, own, 0.0f);
-  std::fill_n(own + count * side, radius * side, 0.0f);
-  if (spreads) divide_by_sizes(own, count, side, radius);
-  sum_around(values, count, side, radius, sums);
-  if (!spreads) divide_by_sizes(sums, count, side, radius);
+  std::fill_n(own + size, around, 0.0f);
+  if (spreads) divide_by_sizes(band, radius, own);
+  sum_around(values, band.count, band.side, radius, sums);
+  if (!spreads) divide_by_sizes(band, radius, sums);
 }
 
 }  // namespace
@@ -117,33 +148,50 @@ void LinkedRuns::find_groups() {
 
 void LinkedRuns::filter(bool spreads, int32_t radius, std::vector<float>& values) const {
   const auto reach = static_cast<size_t>(radius);
-  // `copy` visits the values of runs side by side, row by row.
-  const auto filter_side = [&](size_t count, size_t side, const auto& copy) {
-    thread_local std::vector<float> memory;
-    memory.resize(std::max(memory.size(), 2 * (count + reach) * side));
-    float* const own = memory.data() + reach * side;
-    float* const sums = own + (count + reach) * side;
-    copy([&](size_t i, float* of_texels) { std::copy_n(of_texels, side, own + i * side); });
-    if (is_zero(own, count * side)) return;
-    filter_runs(spreads, count, side, reach, memory.data(), sums);
-    copy([&](size_t i, float* of_texels) { std::copy_n(sums + i * side, side, of_texels); });
-  };
+  // By kSideBySide texels: whether any is not 0.
+  std::vector<uint8_t> any((values.size() + kSideBySide - 1) / kSideBySide, 0);
   base::for_each_item(row_begin_.size() - 1, kRuns, [&](size_t run) {
     const auto begin = static_cast<size_t>(row_begin_[run]);
     const size_t count = static_cast<size_t>(row_begin_[run + 1]) - begin;
     thread_local std::vector<float> memory;
-    if (is_zero(&values[begin], count)) return;
-    memory.resize(std::max(memory.size(), count + 2 * reach));
-    std::copy_n(&values[begin], count, memory.data() + reach);
-    filter_runs(spreads, count, 1, reach, memory.data(), &values[begin]);
+    memory.resize(std::max(memory.size(), 2 * (count + reach)));
+    const auto part = [&](size_t i) { return std::min(i * kSideBySide, count); };
+    for_bands((count + kSideBySide - 1) / kSideBySide, (reach + kSideBySide - 1) / kSideBySide,
+              [&](size_t i) { return any_in(&values[begin + part(i)], part(i + 1) - part(i)); },
+              [&](size_t first, size_t last) {
+                const Band band{part(first), part(last) - part(first), count, 1};
+                float* const sums = memory.data() + band.count + 2 * reach;
+                std::copy_n(&values[begin + band.first], band.count, memory.data() + reach);
+                filter_band(spreads, band, reach, memory.data(), sums);
+                std::copy_n(sums, band.count, &values[begin + band.first]);
+                const size_t from = begin + band.first;
+                for (size_t k = from / kSideBySide; k * kSideBySide < from + band.count; ++k) {
+                  // Runs meet within a part.
+                  std::atomic_ref(any[k]).store(1, std::memory_order_relaxed);
+                }
+              });
   });
   base::for_each_item(groups_.size() - 1, kGroups, [&](size_t group) {
-    const auto first = static_cast<size_t>(groups_[group]);
-    const size_t side = static_cast<size_t>(groups_[group + 1]) - first;
-    const int32_t* const texel = &by_column_[static_cast<size_t>(column_begin_[first])];
-    const auto count = static_cast<size_t>(column_begin_[first + 1] - column_begin_[first]);
-    filter_side(count, side, [&](const auto& visit) {
-      for (size_t i = 0; i < count; ++i) visit(i, &values[static_cast<size_t>(texel[i])]);
+    const auto begin = static_cast<size_t>(groups_[group]);
+    const size_t side = static_cast<size_t>(groups_[group + 1]) - begin;
+    const int32_t* const texel = &by_column_[static_cast<size_t>(column_begin_[begin])];
+    const auto count = static_cast<size_t>(column_begin_[begin + 1] - column_begin_[begin]);
+    thread_local std::vector<float> memory;
+    memory.resize(std::max(memory.size(), 2 * (count + reach) * side));
+    const auto is_any = [&](size_t i) {
+      const auto own = static_cast<size_t>(texel[i]);
+      return (any[own / kSideBySide] | any[(own + side - 1) / kSideBySide]) != 0;
+    };
+    for_bands(count, reach, is_any, [&](size_t first, size_t last) {
+      const Band band{first, last - first, count, side};
+      float* const own = memory.data() + reach * side;
+      float* const sums = own + (band.count + reach) * side;
+      const auto of_texel = [&](size_t i) {
+        return &values[static_cast<size_t>(texel[first + i])];
+      };
+      for (size_t i = 0; i < band.count; ++i) std::copy_n(of_texel(i), side, own + i * side);
+      filter_band(spreads, band, reach, memory.data(), sums);
+      for (size_t i = 0; i < band.count; ++i) std::copy_n(sums + i * side, side, of_texel(i));
     });
   });
 }
