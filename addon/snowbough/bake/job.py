@@ -35,7 +35,7 @@ from ..cache.migration import is_of_before, migrate
 from ..cache.versions import is_finished
 from ..scene.tracker import SceneTracker
 from ..surface.side_by_side import run_side_by_side
-from ..surface.style import WantedPoints, shared_out
+from ..surface.style import WantedPoints, masked_points, shared_out
 from . import continuing, memory, plan, resuming, simulation
 from .choice import choose_receivers, complete_pose
 from .frames import FrameBaker, FrameWork
@@ -262,6 +262,9 @@ class BakeJob:
             for key, obj in pose.known.items()
             if obj.receives and obj.receiver.surface is not None
         }
+        wanted.update(
+            (key, masked_points(*wanted[key])) for key in wanted if pose.known[key].receiver.mask is not None
+        )
         shares = shared_out(wanted)
         for receiver in self.receivers:
             receiver.wanted = shares.get(receiver.key, WantedPoints())

@@ -8,6 +8,9 @@ DETAILS = {"DRAFT": (1.7, 60_000), "DEFAULT": (1.0, 250_000), "FILM": (0.6, 1_00
 
 # Every receiver may have this many points, however few it needs.
 LEAST_POINTS = 400
+# A mask ends snow in banks anywhere on level places: further points at hems for each level one, and their maximum.
+BANKS_OF_MASKS = 10.0
+MOST_BANKS = 40_000.0
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,11 @@ class WantedPoints:
         level = min(max(left / max(self.all_level, 1.0), 0.0), 1.0)
         part = (self.hems + level * self.level) / max(self.all_hems + level * self.all_level, 1.0)
         return max(LEAST_POINTS, int(min(part, 1.0) * budget))
+
+
+def masked_points(hems, level):
+    """(hems, level) of a receiver with a mask, from those without it."""
+    return hems + min(BANKS_OF_MASKS * level, MOST_BANKS), level
 
 
 def shared_out(wanted):

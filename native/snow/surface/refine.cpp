@@ -107,6 +107,12 @@ struct Coarseness {
   float level = 1.0f;
 };
 
+/// The target edge length of level snow, in metres.
+float level_edge(const SurfaceDensity& density, const Coarseness& coarseness) {
+  const float depths = std::min(kLevelEdge * density.scale * coarseness.level, kMostLevelEdge);
+  return std::max(depths * density.depth * coarseness.hems, kLeastLevelEdge);
+}
+
 /// Refines one receiver at one density.
 class Refiner {
  public:
@@ -116,10 +122,7 @@ class Refiner {
         zones_(zones),
         heights_(heights),
         unit_(density.depth * density.scale * coarseness.hems),
-        level_edge_(
-            std::max(std::min(kLevelEdge * density.scale * coarseness.level, kMostLevelEdge) *
-                         density.depth * coarseness.hems,
-                     kLeastLevelEdge)),
+        level_edge_(level_edge(density, coarseness)),
         depth_(density.depth),
         least_edge_((heights.dented != nullptr ? kDentEdge : kLeastEdge) * unit_),
         is_coarse_(coarseness.hems > kCoarse),
@@ -464,9 +467,9 @@ float most_level(const SurfaceDensity& density) {
 }
 
 /// The number of points at hems with the default edge lengths, from that of a coarser mesh.
-double hem_points(const SurfaceMesh& receiver, size_t points, float coarseness) {
-  const auto own = static_cast<double>(std::min(receiver.position.size(), points));
-  return own + (static_cast<double>(points) - own) * std::pow(coarseness, kPower);
+double hem_points(const SurfaceMesh& receiver, double points, float coarseness) {
+  const double own = std::min(static_cast<double>(receiver.position.size()), points);
+  return own + (points - own) * std::pow(coarseness, kPower);
 }
 
 }  // namespace
@@ -478,7 +481,7 @@ RefinedSurface refined_surface(const SurfaceMesh& receiver, const Rims& rims, co
   const auto mesh_now = [&] {
     return Refiner(rims, zones, heights, density, coarseness, receiver).run();
   };
-  const double hems = hem_points(receiver, mesh_now().position.size(), kProbe);
+  const double hems = hem_points(receiver, static_cast<double>(mesh_now().position.size()), kProbe);
   // The finest coarseness of hems that is known not to fit, or not expected to.
   float too_fine = 0.0f;
   coarseness = {};
@@ -533,20 +536,30 @@ PointCounts wanted_points(const SurfaceMesh& receiver, const Rims& rims, const R
   density.depth = depth;
   // A number of points from which on a coarser mesh is as good.
   density.most_points = 50000;
-  Coarseness coarseness{kProbe, most_level(density)};
-  const auto points = [&] {
-    return Refiner(rims, zones, heights, density, coarseness, receiver).run().position.size();
+  double area = 0.0;
+  for (size_t t = 0; t < receiver.triangle.size(); ++t) {
+    area += 0.5 * std::max(static_cast<double>(triangle_cross(receiver, t).z), 0.0);
+  }
+  // Halved edges are shorter than wanted: two points for each square of that size.
+  const auto level_points = [&](const Coarseness& coarseness) {
+    const double edge = level_edge(density, coarseness);
+    return 2.0 * area / (edge * edge);
   };
-  size_t coarse = points();
+  const float most = most_level(density);
+  Coarseness coarseness{kProbe, most};
+  const auto points = [&] {
+    const SurfaceMesh mesh = Refiner(rims, zones, heights, density, coarseness, receiver).run();
+    return static_cast<double>(mesh.position.size());
+  };
+  double coarse = points();
   constexpr float kCoarsest = 16.0f;
-  while (coarse > static_cast<size_t>(density.most_points) && coarseness.hems < kCoarsest) {
+  while (coarse > density.most_points && coarseness.hems < kCoarsest) {
     coarseness.hems *= 2.0f;
     coarse = points();
   }
-  coarseness.level = 1.0f;
-  const size_t fine = std::max(points(), coarse);
-  return {hem_points(receiver, coarse, coarseness.hems),
-          static_cast<double>(fine - coarse) * coarseness.hems * coarseness.hems};
+  const double at_hems = std::max(coarse - level_points(coarseness), 0.0);
+  const double level = level_points({1.0f, most});
+  return {hem_points(receiver, at_hems, coarseness.hems) + level, level_points({}) - level};
 }
 
 }  // namespace snowbough::snow

@@ -176,6 +176,14 @@ def test_wanted_points_grow_with_the_surface_and_shrink_with_the_depth():
     assert wanted(box(), shading=smooth(*box()[:2])) > 0
 
 
+def test_level_ground_wants_no_more_points_under_dust_than_under_a_little_snow():
+    mesh = grid(8.0, 8.0)
+    dust, thin, deep = (
+        native.wanted_surface_points(mesh[1], mesh[0], depth)[1] for depth in (0.003, 0.05, 0.1)
+    )
+    assert dust <= thin > deep > 0
+
+
 @pytest.mark.parametrize(
     "triangles, depth, shading, message",
     [
