@@ -39,9 +39,12 @@ def arguments():
 def user_environment(folder):
     """An environment in which Blender keeps all user files below `folder`."""
     environment = dict(os.environ)
-    for name in ("PYTHONPATH", "PYTHONHOME", "BLENDER_SYSTEM_SCRIPTS", "SNOWBOUGH_NATIVE"):
+    paths = "PYTHONPATH", "PYTHONHOME", "BLENDER_SYSTEM_SCRIPTS", "SNOWBOUGH_NATIVE"
+    for name in (*paths, "PYTHONDONTWRITEBYTECODE"):
         environment.pop(name, None)
     environment[USER_DIRECTORY] = str(folder)
+    # Half of the time in which Blender starts goes into compiling its own scripts, which only root could keep.
+    environment["PYTHONPYCACHEPREFIX"] = str(folder / "pycache")
     environment["BLENDER_USER_RESOURCES"] = str(folder)
     for kind in ("CONFIG", "SCRIPTS", "DATAFILES", "EXTENSIONS"):
         part = folder / kind.lower()

@@ -103,7 +103,7 @@ def test_the_surface_of_a_frame_goes_out_as_a_mesh_of_snow(tmp_path, snowy):
 
     bark, _folder, _native = snowy
     bpy.ops.snowbough.setup_displacement(mode="SHELL")
-    snow_scene.settings(tmp_path / "with_surface", (1, 3))
+    snow_scene.settings(tmp_path / "with_surface", (1, 3), surface_detail="DRAFT")
     snow_scene.bake()
     bark.find_armature().location = (3.0, -2.0, 1.0)
     bark.find_armature().rotation_euler.z = 0.5
@@ -146,7 +146,7 @@ def test_bake_then_export_on_the_command_line_finds_the_snow_by_its_cache(tmp_pa
     _rig, bark = import_tree(snow_resolution=256)
     snow_scene.receive(bark, resolution=256)
     bpy.context.scene.snowbough.receivers[0].uv_map = "snow"
-    snow_scene.settings(tmp_path / "unused", (1, 2))
+    snow_scene.settings(tmp_path / "unused", (1, 2), surface_detail="DRAFT")
     bpy.ops.snowbough.setup_displacement(mode="SHELL")
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "tree.blend"))
     export = ["export", str(tmp_path / "tree.glb"), "--snow", "SURFACE", "--frame", "2", "--levels", "1"]

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from exported_tree import MAPLE, glb, rest_points
+from mathutils.kdtree import KDTree
 from synthetic_tree import evaluated_vertices
 
 
@@ -61,11 +62,11 @@ def bent_tree(tmp_path):
 
 def _nearest(points, reference):
     """Distance of each point to the nearest of `reference`."""
-    best = np.full(len(points), np.inf)
-    for start in range(0, len(reference), 500):
-        distance = np.linalg.norm(points[:, None] - reference[None, start : start + 500], axis=2)
-        best = np.minimum(best, distance.min(axis=1))
-    return best
+    tree = KDTree(len(reference))
+    for number, place in enumerate(reference):
+        tree.insert(place, number)
+    tree.balance()
+    return np.array([tree.find(point)[2] for point in points])
 
 
 def test_the_skin_bends_outside_blender_as_inside(bent_tree):

@@ -18,19 +18,31 @@ import snow_scene as s
 KILLS = int(os.environ.get("SNOWBOUGH_TEST_KILLS", 3))
 
 
-@pytest.fixture
-def undisturbed(addon, tmp_path):
-    """The moving scene with snow surfaces, saved, and the bytes of its whole bake. The cache is tmp/cache then."""
+@pytest.fixture(scope="module")
+def whole_shot(tmp_path_factory):
+    """The moving scene with snow surfaces, saved after its whole bake, and the bytes of this bake."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    folder = tmp_path_factory.mktemp("whole")
     s.moving_scene(
-        tmp_path / "whole", noise_density=0.5, substeps=2, blur_radius=2.0, flutter=0.05, directions=48,
+        folder / "whole", noise_density=0.5, substeps=2, blur_radius=2.0, flutter=0.05, directions=48,
         surface_detail="DRAFT",
     )  # fmt: skip
     bpy.ops.snowbough.setup_displacement(mode="SHELL")
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    # Before the bake: a saved file gives its cache a name.
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "shot.blend"))
     s.bake()
-    bpy.context.scene.snowbough.cache_directory = str(tmp_path / "cache")
     bpy.ops.wm.save_mainfile()
-    return s.files_of(tmp_path / "whole")
+    return folder / "shot.blend", s.files_of(folder / "whole")
+
+
+@pytest.fixture
+def undisturbed(whole_shot, tmp_path):
+    """The bytes of whole_shot's bake. The open file is a copy of it, tmp/shot.blend; its cache is tmp/cache."""
+    blend, files = whole_shot
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    bpy.context.scene.snowbough.cache_directory = str(tmp_path / "cache")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    return files
 
 
 def test_a_bake_that_stopped_at_any_frame_resumes_to_the_same_bytes(addon, undisturbed, tmp_path):
