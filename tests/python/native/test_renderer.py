@@ -144,14 +144,14 @@ def test_only_what_is_outside_the_picture_or_too_small_is_dropped(renderer):
 
 def closed(triangles):
     """Whether each edge, by the bits of its ends, is met once in either direction."""
-    _, ids = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
-    faces = ids.reshape(-1, 3)
-    sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    sides = sides[sides[:, 0] != sides[:, 1]]
-    balance = Counter()
-    for (a, b), count in Counter(map(tuple, sides)).items():
-        balance[min(a, b), max(a, b)] += count if a < b else -count
-    return not any(balance.values())
+    points = triangles.reshape(-1, 3)
+    order = np.lexsort(points.T)
+    ids = np.empty(len(points), np.int64)
+    ids[order] = np.append(0, np.cumsum((np.diff(points[order], axis=0) != 0).any(axis=1)))
+    begin = ids.reshape(-1, 3)
+    end = np.roll(begin, -1, axis=1)
+    _, edges = np.unique(np.minimum(begin, end) * len(ids) + np.maximum(begin, end), return_inverse=True)
+    return not np.bincount(edges.ravel(), np.sign(end - begin).ravel()).any()
 
 
 @pytest.mark.parametrize("metric", ["SCREEN", "THESIS"])
