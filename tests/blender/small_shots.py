@@ -4,7 +4,6 @@
 Unless a test says otherwise, 0.1 m of snow falls straight down in frames 1 to 4, a quarter of it in each frame.
 """
 
-import bpy
 import numpy as np
 import pytest
 import snow_scene as s
@@ -44,14 +43,3 @@ def straighten(animated):
     for curve in addon_module("base.compat").curves_of(animated):
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
-
-
-def instanced(obj):
-    """Moves an object into a collection of its own, and returns an empty that instances it."""
-    collection = bpy.data.collections.new("Set")
-    collection.objects.link(obj)
-    bpy.context.scene.collection.objects.unlink(obj)
-    empty = bpy.data.objects.new("Empty", None)
-    empty.instance_type, empty.instance_collection = "COLLECTION", collection
-    bpy.context.scene.collection.objects.link(empty)
-    return empty

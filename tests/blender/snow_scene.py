@@ -41,6 +41,23 @@ def key(obj, path, *values):
         obj.keyframe_insert(path, frame=frame)
 
 
+def instance_of(collection, name="Empty"):
+    """A new empty that instances a collection."""
+    empty = bpy.data.objects.new(name, None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", collection
+    bpy.context.scene.collection.objects.link(empty)
+    return empty
+
+
+def instanced(*objects, name="Empty"):
+    """Moves objects into a collection of their own, and returns an empty that instances it."""
+    collection = bpy.data.collections.new("Set")
+    for obj in objects:
+        collection.objects.link(obj)
+        bpy.context.scene.collection.objects.unlink(obj)
+    return instance_of(collection, name)
+
+
 def receive(*objects, resolution=64):
     """Adds objects to the list of receivers."""
     for obj in objects:

@@ -160,19 +160,11 @@ def test_a_mirrored_object_keeps_its_outside(native, tmp_path):
 
 
 def test_instances_of_a_collection_each_get_a_map(native, tmp_path):
-    rock = s.square("Rock", 1.0)
-    collection = bpy.data.collections.new("Rocks")
-    collection.objects.link(rock)
-    bpy.context.scene.collection.objects.unlink(rock)
-    empties = []
-    for index, x in enumerate((0.0, 3.0)):
-        empty = bpy.data.objects.new(f"Empty{index}", None)
-        empty.instance_type, empty.instance_collection = "COLLECTION", collection
-        empty.location.x = x
-        bpy.context.scene.collection.objects.link(empty)
-        empties.append(empty)
+    first = s.instanced(s.square("Rock", 1.0), name="Empty0")
+    second = s.instance_of(first.instance_collection, "Empty1")
+    second.location.x = 3.0
     s.square("Roof", 2.0, z=1.0)
-    s.receive(*empties)
+    s.receive(first, second)
     s.settings(tmp_path)
     s.bake()
     assert s.height(native, tmp_path, "Empty0.Rock", 4).max() == 0
@@ -217,14 +209,7 @@ def test_a_curve_and_instances_shelter_what_is_below(native, tmp_path):
     bpy.ops.object.text_add(location=(-1.5, -1, 1))
     bpy.context.object.data.body = "III"
     bpy.context.object.scale = (3, 3, 3)
-    tile = s.square("Tile", 0.5)
-    collection = bpy.data.collections.new("Tiles")
-    collection.objects.link(tile)
-    bpy.context.scene.collection.objects.unlink(tile)
-    empty = bpy.data.objects.new("Empty", None)
-    empty.instance_type, empty.instance_collection = "COLLECTION", collection
-    empty.location = (1.5, 1.5, 1)
-    bpy.context.scene.collection.objects.link(empty)
+    s.instanced(s.square("Tile", 0.5)).location = (1.5, 1.5, 1)
     s.settings(tmp_path)
     s.bake()
     map_ = s.height(native, tmp_path, "Ground", 4)

@@ -8,7 +8,7 @@ import bpy
 import pytest
 import snow_scene as s
 from conftest import addon_module
-from small_shots import QUARTER, hide_by_key, hide_by_scale, instanced, quarters, sizes, spread
+from small_shots import QUARTER, hide_by_key, hide_by_scale, quarters, sizes, spread
 from surface_scene import bake_surfaces, level, points_at
 
 
@@ -133,16 +133,9 @@ def test_a_receiver_may_grow_from_scale_0(tmp_path, native):
 
 def test_a_member_of_a_collection_may_pop_in(tmp_path, ground_of):
     """The roof appears in frame 3 above the ground of the collection."""
-    collection = bpy.data.collections.new("Set")
-    for name, z in (("Roof", 1.0), ("Ground", 0.0)):
-        obj = s.square(name, z=z)
-        collection.objects.link(obj)
-        bpy.context.scene.collection.objects.unlink(obj)
-    hide_by_key(bpy.data.objects["Roof"], {1, 2})
-    empty = bpy.data.objects.new("Empty", None)
-    empty.instance_type, empty.instance_collection = "COLLECTION", collection
-    bpy.context.scene.collection.objects.link(empty)
-    s.receive(empty)
+    roof = s.square("Roof", z=1.0)
+    hide_by_key(roof, {1, 2})
+    s.receive(s.instanced(roof, s.square("Ground")))
     s.settings(tmp_path / "cache")
     s.bake()
     assert ground_of("Empty.Roof") == quarters(0, 0, 1, 2)
@@ -212,7 +205,7 @@ def test_the_check_names_what_hides_a_receiver_through_its_parent_its_driver_or_
     ground.driver_add("hide_render").driver.expression = "frame == 3"
     member = s.square("Member")
     hide_by_key(member, {2})
-    empty = instanced(member)
+    empty = s.instanced(member)
     s.receive(roof, ground, empty)
     s.settings(tmp_path)
     found = s.issues(addon, "INFO")

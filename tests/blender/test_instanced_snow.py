@@ -15,15 +15,8 @@ def instance(tmp_path):
     """An empty that instances two squares with maps of other names, 1 m above each other; baked."""
     low, high = s.square("Low", 2.0), s.square("High", 1.0, z=1.0)
     high.data.uv_layers[0].name = "other"
-    collection = bpy.data.collections.new("Parts")
-    for obj in (low, high):
-        bpy.context.scene.collection.objects.unlink(obj)
-        collection.objects.link(obj)
-    collection.instance_offset = (0.0, 0.0, 0.5)
-    empty = bpy.data.objects.new("Instance", None)
-    empty.instance_type = "COLLECTION"
-    empty.instance_collection = collection
-    bpy.context.scene.collection.objects.link(empty)
+    empty = s.instanced(low, high, name="Instance")
+    empty.instance_collection.instance_offset = (0.0, 0.0, 0.5)
     empty.location = (5.0, 0.0, 2.0)
     empty.rotation_euler.z = math.radians(45.0)
     entry = bpy.context.scene.snowbough.receivers.add()

@@ -320,14 +320,8 @@ def test_maps_are_as_large_as_the_receiver_says_but_no_larger_than_allowed(groun
 
 
 def test_members_of_instanced_collections_are_there(ground, preview):
-    inner = s.square("Inner", 0.5)
-    bpy.context.scene.collection.objects.unlink(inner)
-    collection = bpy.data.collections.new("Props")
-    collection.objects.link(inner)
-    empty = bpy.data.objects.new("Prop", None)
-    empty.instance_type, empty.instance_collection = "COLLECTION", collection
+    empty = s.instanced(s.square("Inner", 0.5), name="Prop")
     empty.location.z = 1.0
-    bpy.context.scene.collection.objects.link(empty)
     bpy.context.scene.snowbough.receivers.add().object = empty
     bpy.context.scene.frame_set(10)
     running = preview()

@@ -88,13 +88,7 @@ def test_a_bake_of_before_is_found_under_the_name_in_its_manifest(addon, undistu
 
 
 def test_a_renamed_empty_keeps_the_bakes_of_what_it_shows(addon, tmp_path):
-    stone = s.square("Stone", 1.0)
-    collection = bpy.data.collections.new("Stones")
-    bpy.context.scene.collection.objects.unlink(stone)
-    collection.objects.link(stone)
-    empty = bpy.data.objects.new("Pile", None)
-    empty.instance_type, empty.instance_collection = "COLLECTION", collection
-    bpy.context.scene.collection.objects.link(empty)
+    empty = s.instanced(s.square("Stone", 1.0), name="Pile")
     s.receive(empty)
     s.settings(tmp_path / "cache")
     s.bake()

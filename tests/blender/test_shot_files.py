@@ -367,25 +367,12 @@ def nested(tmp_path):
     """An empty that instances a collection with a roof, a hidden pole, and an empty that instances a stone without a UV
     map."""
 
-    def collection_of(name, *objects):
-        collection = bpy.data.collections.new(name)
-        for obj in objects:
-            collection.objects.link(obj)
-            bpy.context.scene.collection.objects.unlink(obj)
-        return collection
-
-    def instancer(name, collection):
-        empty = bpy.data.objects.new(name, None)
-        empty.instance_type, empty.instance_collection = "COLLECTION", collection
-        bpy.context.scene.collection.objects.link(empty)
-        return empty
-
     stone, pole, roof = s.square("Stone", 0.2), s.square("Pole", 0.1), s.square("Roof", z=1.0)
     stone.data.uv_layers.remove(stone.data.uv_layers[0])
     pole.hide_render = True
-    inner_empty = instancer("Inner", collection_of("Stones", stone))
+    inner_empty = s.instanced(stone, name="Inner")
     s.settings(tmp_path)
-    return instancer("Set", collection_of("House", roof, pole, inner_empty))
+    return s.instanced(roof, pole, inner_empty, name="Set")
 
 
 def test_members_that_get_no_snow_are_named(nested, addon):

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 import snow_scene as s
-from small_shots import QUARTER, instanced, quarters, straighten
+from small_shots import QUARTER, quarters, straighten
 from surface_scene import bake_surfaces, box, level, points_at
 
 # -- mirrored receivers -----------------------------------------------------------------------------------------
@@ -29,7 +29,7 @@ def mirrored_by_parent(obj):
 
 
 def mirrored_by_instancer(obj):
-    empty = instanced(obj)
+    empty = s.instanced(obj)
     empty.scale = (1.0, -1.0, 1.0)
     return empty
 
@@ -268,7 +268,7 @@ def test_snow_follows_its_receiver(tmp_path, way):
 
 def test_snow_follows_a_collection_that_an_empty_instances(tmp_path):
     cart = s.square("Cart")
-    empty = instanced(cart)
+    empty = s.instanced(cart)
     s.key(empty, "location", (1, (0.0, 0.0, 0.0)), (4, (0.0, 6.0, 1.2)))
     s.receive(empty)
     s.settings(tmp_path)
