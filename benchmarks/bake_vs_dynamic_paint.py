@@ -43,7 +43,7 @@ STILL_SECONDS = 1.0
 # The value that Dynamic Paint writes for no displacement.
 NEUTRAL = 0.5
 # Snow lies on about a quarter of the monkey's map; Dynamic Paint's particles go through the monkey.
-LEAST_PAINTED = 0.1
+MIN_PAINTED = 0.1
 SCENES = {"turning": 0.05, "still": 0.02}
 GOALS = {1024: 10.0, 2048: 15.0}
 
@@ -91,7 +91,7 @@ def pixels_of(path):
 
 
 def require_paint(name, share):
-    if share < LEAST_PAINTED:
+    if share < MIN_PAINTED:
         raise SystemExit(f"{name} has painted only {share:.0%} of its map: there is nothing to compare")
 
 

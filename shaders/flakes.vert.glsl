@@ -7,7 +7,7 @@ out vec2 on_card;
 out float visible;
 
 /// Flakes thinner than this many pixels are drawn that wide, and as much paler.
-const float kLeastPixels = 1.2;
+const float kMinPixels = 1.2;
 /// Fraction of the box at its border within which flakes fade, and metres in front of the eye.
 const float kFade = 0.15;
 const float kNearest = 0.25;
@@ -46,7 +46,7 @@ void main() {
                     fall.velocity.xyz * fall.flutter.z;
   const float away = max(length(from_eye), 1e-4);
   const float radius = fall.velocity.w * (0.6 + 0.8 * unit_hash(mixed(h + 4u)));
-  const float drawn = max(radius, 0.5 * kLeastPixels * away / view.eye.w);
+  const float drawn = max(radius, 0.5 * kMinPixels * away / view.eye.w);
   const vec3 to_eye = -from_eye / away;
   vec3 along = tail - to_eye * dot(tail, to_eye);
   const float streak = length(along);

@@ -7,13 +7,13 @@ layout(rgba32f) uniform image2D sum;
 uniform float weight;
 
 /// Limit for light of single pixels, which averaging would not smooth.
-const float kMostLight = 1000.0;
+const float kMaxLight = 1000.0;
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(at, imageSize(sum)))) {
     return;
   }
-  const vec4 added = min(texelFetch(light, at, 0), vec4(kMostLight));
+  const vec4 added = min(texelFetch(light, at, 0), vec4(kMaxLight));
   imageStore(sum, at, imageLoad(sum, at) + weight * added);
 }

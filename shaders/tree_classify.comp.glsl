@@ -103,7 +103,7 @@ uint class_of(WorkRange range, int index) {
       if (of.place.x < 0) {
         return kDropped;
       }
-      const float in_length = drawn_share(pixels_of(sections[tree.base.w + of.place.x].begin.w, away), kLeastLength * least);
+      const float in_length = drawn_share(pixels_of(sections[tree.base.w + of.place.x].begin.w, away), kMinLength * least);
       growth.along.x = 1.0 / in_length;
       growth.middle.w = in_length * area_factor(in_width * in_length, of.rest[2].w);
       if (growth.middle.w <= 0.0) {

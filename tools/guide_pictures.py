@@ -31,7 +31,7 @@ from PIL import Image
 ROOT = Path(__file__).resolve().parent.parent
 DEMO = ROOT / "build" / "demo"
 IMAGES = ROOT / "docs" / "images"
-MOST_BYTES = 150_000
+MAX_BYTES = 150_000
 
 sys.path[:0] = [str(ROOT / "blend_samples"), str(ROOT / "tests" / "ui")]
 import contact_sheet  # noqa: E402
@@ -104,12 +104,12 @@ def keep(image, name):
     target = IMAGES / f"{name}.png"
     for colours in (256, 192, 128, 96, 64, 32):
         image.convert("RGB").quantize(colours, method=method).save(target, optimize=True)
-        if target.stat().st_size < MOST_BYTES:
+        if target.stat().st_size < MAX_BYTES:
             print(
                 f"{target.relative_to(ROOT)}: {image.width} x {image.height}, {target.stat().st_size} bytes"
             )
             return
-    raise SystemExit(f"{target} is larger than {MOST_BYTES} bytes: reduce its width and height")
+    raise SystemExit(f"{target} is larger than {MAX_BYTES} bytes: reduce its width and height")
 
 
 def maple():

@@ -21,9 +21,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 COPIED = ("CMakeLists.txt", "addon", "cmake", "native", "shaders", "tests", "pyproject.toml")
-# Seconds that tests may take; with a mutant at least LEAST_TIMEOUT, or this many times as long as without one.
+# Seconds that tests may take; with a mutant at least MIN_TIMEOUT, or this many times as long as without one.
 TIMEOUT = 1200
-LEAST_TIMEOUT, SLOWER = 120, 5
+MIN_TIMEOUT, SLOWER = 120, 5
 
 ADDON = "tests/python/addon"
 CACHE = tuple(f"{ADDON}/test_{name}.py" for name in ("cache", "free_bake", "sealed_files", "map_writer"))
@@ -311,7 +311,7 @@ MUTANTS = (
     bending("cantilevers", "np.where(turns_back, SLOWER, FASTER)", "FASTER"),
     bending("cantilevers", "np.add.at(first, self.parents[rows], first[rows])", "pass"),
     bending("cantilevers", "_product(_transposed(parent_turns), turns)", "turns"),
-    bending("load", "min(INTERCEPTED * depth * density, MOST_INTERCEPTED)", "INTERCEPTED * depth * density"),
+    bending("load", "min(INTERCEPTED * depth * density, MAX_INTERCEPTED)", "INTERCEPTED * depth * density"),
     bending("load", "[1.0 - second - third, second, third]", "[second, third, 1.0 - second - third]"),
     bending("load", "np.abs(mesh.heights", "(mesh.heights"),
     bending("load", "after[0] = np.searchsorted", "np.searchsorted"),
@@ -340,7 +340,7 @@ class Tree:
 
     def kills(self, mutant, seconds):
         """(whether the tests notice a mutant, seconds). seconds: how long they take without one."""
-        self.allowed = max(LEAST_TIMEOUT, SLOWER * seconds)
+        self.allowed = max(MIN_TIMEOUT, SLOWER * seconds)
         path = self.folder / mutant.file
         text = path.read_text(encoding="utf-8")
         path.write_text(text.replace(mutant.before, mutant.after), encoding="utf-8")

@@ -19,9 +19,9 @@ constexpr size_t kNicenesses = 40;
 /// Niceness of the calling thread, from 0. A new thread inherits it from its creator.
 size_t niceness() {
 #ifdef __linux__
-  constexpr int kLeast = -20;
+  constexpr int kMin = -20;
   return static_cast<size_t>(
-      std::clamp(getpriority(PRIO_PROCESS, 0) - kLeast, 0, static_cast<int>(kNicenesses) - 1));
+      std::clamp(getpriority(PRIO_PROCESS, 0) - kMin, 0, static_cast<int>(kNicenesses) - 1));
 #else
   return 0;
 #endif

@@ -18,7 +18,7 @@
 namespace snowbough::image {
 namespace {
 
-constexpr size_t kMostAtOnce = size_t{1} << 30;
+constexpr size_t kMaxAtOnce = size_t{1} << 30;
 
 std::wstring wide(const std::string& path) {
   return base::openable(base::as_path(path)).native();
@@ -59,12 +59,12 @@ uint64_t file_size(int descriptor) {
 }
 
 int64_t read_some(int descriptor, char* bytes, size_t count) {
-  return ::_read(descriptor, bytes, static_cast<unsigned>(std::min(count, kMostAtOnce)));
+  return ::_read(descriptor, bytes, static_cast<unsigned>(std::min(count, kMaxAtOnce)));
 }
 
 int64_t write_some(int descriptor, std::string_view bytes) {
   return ::_write(descriptor, bytes.data(),
-                  static_cast<unsigned>(std::min(bytes.size(), kMostAtOnce)));
+                  static_cast<unsigned>(std::min(bytes.size(), kMaxAtOnce)));
 }
 
 bool flush_file(int descriptor) {

@@ -28,6 +28,6 @@ vec3 posed_leaf(LeafRows rows, vec3 rest) {
 /// Factor of a leaf's length and width; 0: dropped. `middle`: posed.
 float leaf_growth(LeafVertex at, vec3 middle) {
   const float pixels = 2.0 * at.leaf.x * view.eye.w / max(distance(view.eye.xyz, middle), 1e-6);
-  const float share = drawn_share(pixels, kLeastLeaf * view.tessellation.w);
+  const float share = drawn_share(pixels, kMinLeaf * view.tessellation.w);
   return share < 1.0 ? sqrt(area_factor(share * share, at.leaf.y)) : 1.0;
 }

@@ -25,7 +25,7 @@ KERNEL_VIEW_RGBA32F(triangle_surface);
 KERNEL_VIEW_RGBA32F(point_normals);
 
 /// Weight of a corner whose smooth normal does not face the fall.
-KERNEL_CONSTANT float kLeastShare = 1e-4f;
+KERNEL_CONSTANT float kMinShare = 1e-4f;
 
 /// The angle with this sine and cosine, up to a common factor, 0 to pi; `sine` is not negative. Within 1e-5: M.
 /// Abramowitz, I. A. Stegun, Handbook of Mathematical Functions, 4.4.49. Written out so that every driver gives the
@@ -76,7 +76,7 @@ vec4 smooth_normal(int point) {
 /// Cosine between a point's normal, turned to the side that faces the sky, and the direction to the sky.
 float facing_of(uint point, float side) {
   const vec3 normal = vec3(texelFetch(point_normals, int(point)));
-  return max(0.0f, -side * dot(normal, vec3(projection.direction))) + kLeastShare;
+  return max(0.0f, -side * dot(normal, vec3(projection.direction))) + kMinShare;
 }
 
 /// The part of a triangle's snow that a corner gets.

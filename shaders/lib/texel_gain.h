@@ -18,8 +18,8 @@ KERNEL_UNIFORM(float, resolution);
 /// Maximum size in pixels of a fragment's sample cells, and maximum number of cells per side: larger fragments have
 /// larger cells, in which each step samples another position.
 KERNEL_CONSTANT float kCellPixels = 1.5f;
-KERNEL_CONSTANT int kMostCells = 8;
-KERNEL_CONSTANT float kLeastWindow = 1e-3f;
+KERNEL_CONSTANT int kMaxCells = 8;
+KERNEL_CONSTANT float kMinWindow = 1e-3f;
 
 /// A triangle on the grid (pixels, metres of depth) and on its map.
 struct GainTriangle {
@@ -84,7 +84,7 @@ KERNEL_MEMO(FragmentCells, last_cells)
 
 /// Number of cells along one side of a fragment that is `extent` pixels long.
 int cell_count(vec2 extent) {
-  return clamp(int(ceil(max(abs(extent.x), abs(extent.y)) / kCellPixels)), 1, kMostCells);
+  return clamp(int(ceil(max(abs(extent.x), abs(extent.y)) / kCellPixels)), 1, kMaxCells);
 }
 
 /// Position of a sample in its cell, 0 to 1.
@@ -103,7 +103,7 @@ float fragment_side(KERNEL_CONST_REF(GainTriangle) own, float share) { return sq
 /// Number of windows in a pixel's width and height, for cells of these sides: each window is half of the cell. The rest
 /// of the cell sees the same pixels or adjacent ones.
 vec2 windows_of(vec2 cell_u, vec2 cell_v) {
-  return 1.0f / clamp(0.5f * (abs(cell_u) + abs(cell_v)), kLeastWindow, 1.0f);
+  return 1.0f / clamp(0.5f * (abs(cell_u) + abs(cell_v)), kMinWindow, 1.0f);
 }
 
 FragmentCells fragment_cells(KERNEL_CONST_REF(GainTriangle) own, float share) {

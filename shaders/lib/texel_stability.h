@@ -52,10 +52,10 @@ float stable_height(float height, float deposit, float capacity, WholeStep whole
 
 /// A texel with less than this fraction of a full gain gains nothing: it removes the veil that steep faces would get
 /// from pixels at their edge.
-KERNEL_CONSTANT float kLeastGain = 0.005f;
+KERNEL_CONSTANT float kMinGain = 0.005f;
 
 /// Thickness in metres of a gain; `gain`: relative to a full gain.
-float thickness_of(float gain) { return gain < kLeastGain ? 0.0f : gain * full_gain; }
+float thickness_of(float gain) { return gain < kMinGain ? 0.0f : gain * full_gain; }
 
 /// Whether a texel gains only on its front.
 bool gains_in_front(uint gain) { return (gain & (kBackSide | kMixedSides)) == 0u; }

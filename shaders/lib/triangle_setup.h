@@ -24,7 +24,7 @@ struct TriangleSetup {
 SNOWBOUGH_SHARED_SIZE(TriangleSetup, 64)
 
 /// Lower clamp of the cosine: slopes of nearly edge-on faces are too steep to compute.
-KERNEL_CONSTANT float kLeastFacing = 1e-4f;
+KERNEL_CONSTANT float kMinFacing = 1e-4f;
 
 /// Local pixel coordinates (xy) and depth along the fall in metres (z).
 SNOWBOUGH_SHARED_FUNCTION vec3 projected(vec3 position, KERNEL_CONST_REF(ProjectionFrame) frame) {
@@ -54,7 +54,7 @@ SNOWBOUGH_SHARED_FUNCTION TriangleSetup set_up_triangle(vec3 a, vec3 b, vec3 c, 
   const float facing = -dot(normal, vec3(frame.direction));
   const float metres_a_pixel = pixel_size(frame);
   const vec2 gradient = vec2(dot(normal, vec3(frame.grid_x)), dot(normal, vec3(frame.grid_y))) *
-                        (metres_a_pixel * metres_a_pixel / max(facing, kLeastFacing));
+                        (metres_a_pixel * metres_a_pixel / max(facing, kMinFacing));
   return KERNEL_MAKE4(TriangleSetup, vec4(projected(a, frame), gradient.x),
                       vec4(projected(b, frame), gradient.y), vec4(projected(c, frame), facing),
                       vec4(facing, 0.5f * size * scale * scale, up, side));

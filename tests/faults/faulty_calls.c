@@ -19,14 +19,14 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-enum { kMostDescriptors = 4096 };
+enum { kMaxDescriptors = 4096 };
 
 static atomic_long calls;
 static long wanted;
 static int failure; /* errno, 0: kill */
 static int log_descriptor = -1;
 static const char* root;
-static char paths[kMostDescriptors][256];
+static char paths[kMaxDescriptors][256];
 
 __attribute__((constructor)) static void start(void) {
   root = getenv("SNOWBOUGH_FAULT_ROOT");
@@ -58,14 +58,14 @@ static int fails(const char* name, const char* path) {
 }
 
 static int opened(int descriptor, const char* path) {
-  if (descriptor >= 0 && descriptor < kMostDescriptors) {
+  if (descriptor >= 0 && descriptor < kMaxDescriptors) {
     snprintf(paths[descriptor], sizeof paths[descriptor], "%s", path);
   }
   return descriptor;
 }
 
 static const char* path_of(int descriptor) {
-  return descriptor >= 0 && descriptor < kMostDescriptors && paths[descriptor][0] ? paths[descriptor] : NULL;
+  return descriptor >= 0 && descriptor < kMaxDescriptors && paths[descriptor][0] ? paths[descriptor] : NULL;
 }
 
 static int open_call(int folder, const char* path, int flags, mode_t mode) {
@@ -102,7 +102,7 @@ int openat64(int folder, const char* path, int flags, ...) {
 }
 
 int close(int descriptor) {
-  if (descriptor >= 0 && descriptor < kMostDescriptors) paths[descriptor][0] = 0;
+  if (descriptor >= 0 && descriptor < kMaxDescriptors) paths[descriptor][0] = 0;
   return (int)syscall(SYS_close, descriptor);
 }
 

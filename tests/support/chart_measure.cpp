@@ -19,7 +19,7 @@ namespace {
 
 /// Fraction of a texel below which a chart does not touch it: float32 coordinates on a map of 8192
 /// texels are rounded by up to 3e-4 of a texel.
-constexpr double kLeastShare = 5e-4;
+constexpr double kMinShare = 5e-4;
 /// Coverage above which a texel is covered twice, with a margin for rounded corners.
 constexpr double kFullTexel = 1.0 + 1e-3;
 
@@ -152,7 +152,7 @@ void rasterise(const Polygon& face, int32_t chart, Coverage& coverage) {
     const int x_end = std::min(static_cast<int>(std::floor(right)), last);
     for (int x = std::max(static_cast<int>(std::floor(left)), 0); x <= x_end; ++x) {
       const double area = std::abs(signed_area(clip(clip(row, 0, x, 1.0), 0, x + 1.0, -1.0)));
-      if (area <= kLeastShare) {
+      if (area <= kMinShare) {
         continue;
       }
       const size_t texel = static_cast<size_t>(y) * coverage.resolution + x;
@@ -253,7 +253,7 @@ UvLayoutMeasure measure_uv_layout(const UvSurface& surface, int resolution) {
   for (int32_t chart = 0; chart < chart_count; ++chart) {
     const Point size = boxes[chart].high - boxes[chart].low;
     const double longest = std::max(size.x, size.y);
-    wide[chart] = std::min(size.x, size.y) > kWideChart + kLeastShare;
+    wide[chart] = std::min(size.x, size.y) > kWideChart + kMinShare;
     measure.min_chart_extent = std::min({measure.min_chart_extent, size.x, size.y});
     measure.min_chart_mean_width =
         std::min(measure.min_chart_mean_width, longest > 0.0 ? boxes[chart].area / longest : 0.0);

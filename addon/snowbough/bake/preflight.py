@@ -38,7 +38,7 @@ from .outcome import one_line
 from .simulation import driver_text, probe_engine
 
 # Names of objects in one message.
-MOST_NAMED = 5
+MAX_NAMED = 5
 # Measured: packed size of smooth float maps as a share of their raw size.
 PACKED_SHARE = 0.5
 
@@ -239,8 +239,8 @@ def _receiver(scene, entry, depsgraph):
             (receivers.hidden_members(obj), "are hidden in renders and get no snow", "INFO"),
         ):
             if names:
-                listed = ", ".join(f"'{own}'" for own in names[:MOST_NAMED])
-                more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+                listed = ", ".join(f"'{own}'" for own in names[:MAX_NAMED])
+                more = f" and {len(names) - MAX_NAMED} more" if len(names) > MAX_NAMED else ""
                 issues.append(Issue(severity, f"Members of '{name}' {text}: {listed}{more}", name))
         return issues, entry.resolution or None
     evaluated = obj.evaluated_get(depsgraph)
@@ -344,8 +344,8 @@ def _layers(shown):
         if len(names) < len(shown) and obj.snowbough.occlude and obj.type in SURFACE_TYPES:
             by_layers.setdefault(names, []).append(obj.name)
     for names, objects in by_layers.items():
-        listed = ", ".join(f"'{name}'" for name in objects[:MOST_NAMED])
-        more = f" and {len(objects) - MOST_NAMED} more" if len(objects) > MOST_NAMED else ""
+        listed = ", ".join(f"'{name}'" for name in objects[:MAX_NAMED])
+        more = f" and {len(objects) - MAX_NAMED} more" if len(objects) > MAX_NAMED else ""
         yield Issue(
             "INFO",
             f"Only in {counted(len(names), 'view layer')} of {len(shown)} ({', '.join(names)}): {listed}{more}. Snow "

@@ -21,13 +21,13 @@ import numpy as np
 GRAVITY = 9.81
 # The load grows in at least these parts. In one part, soft limbs do not converge.
 LOAD_STEPS = (0.25, 0.5, 0.75, 1.0)
-MOST_ROUNDS = 200
+MAX_ROUNDS = 200
 # Largest change of a joint in the last round, as a share of the largest angle.
 TOLERANCE = 1e-4
 # Share of a round's change that a joint applies: at first and at most, at least, and its factors where the change turns
 # back and where it does not, as in resilient propagation (M. Riedmiller, H. Braun 1993). One share for all joints does
 # not converge on overloaded trees.
-RELAXATION, LEAST_RELAXATION = 0.8, 1e-3
+RELAXATION, MIN_RELAXATION = 0.8, 1e-3
 SLOWER, FASTER = 0.5, 1.2
 THINNEST = 1e-5
 
@@ -141,7 +141,7 @@ class Cantilevers:
         kept = {0.0: vectors}
         for share in sorted({*LOAD_STEPS, *shares} - {0.0}):
             relaxation, before = np.full(len(most), RELAXATION), np.zeros_like(vectors)
-            for _ in range(MOST_ROUNDS):
+            for _ in range(MAX_ROUNDS):
                 moments = self._moments(vectors, masses * share, places, down)
                 size = np.linalg.norm(moments, axis=1)
                 moments *= np.minimum(1.0, most / np.maximum(size, 1e-30))[:, None]
@@ -151,7 +151,7 @@ class Cantilevers:
                 error /= max(np.linalg.norm(target, axis=1).max(), 1e-12)
                 turns_back = (change * before).sum(axis=1) < 0.0
                 relaxation = relaxation * np.where(turns_back, SLOWER, FASTER)
-                relaxation = np.clip(relaxation, LEAST_RELAXATION, RELAXATION)
+                relaxation = np.clip(relaxation, MIN_RELAXATION, RELAXATION)
                 vectors, before = vectors + relaxation[:, None] * change, change
                 rounds += 1
                 if error < TOLERANCE:

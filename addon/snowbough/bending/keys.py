@@ -21,7 +21,7 @@ BLEND = "COMBINE"
 REPORT = "snowbough_bend"
 BLEND_BEFORE = "snowbough_blend_before"
 # Radians; bones that turn less get no keys.
-LEAST_ANGLE = 1e-6
+MIN_ANGLE = 1e-6
 OTHER_ROTATIONS = (".rotation_quaternion", ".rotation_axis_angle")
 
 
@@ -90,7 +90,7 @@ def write(rig, frames, angles, report):
     frames[0] = np.floor(frames[0])  # strips begin at whole frames
     points = np.empty((len(frames), 2), np.float32)
     points[:, 0] = frames
-    bends = np.abs(angles).max(axis=(0, 2)) > LEAST_ANGLE
+    bends = np.abs(angles).max(axis=(0, 2)) > MIN_ANGLE
     for index in np.nonzero(bends)[0].tolist():
         bone = rig.pose.bones[rig.data.bones[index].name]
         bone.rotation_mode = "XYZ"

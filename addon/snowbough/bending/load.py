@@ -14,17 +14,17 @@ import numpy as np
 # modelling of snow interception in the boreal forest, Hydrological Processes 12, 1998, pages 1611-1625: unloading 0.68
 # times canopy cover 0.9), and the most that it holds in kg/m2: our round number for spruces.
 INTERCEPTED = 0.6
-MOST_INTERCEPTED = 15.0
+MAX_INTERCEPTED = 15.0
 # Metres: gaps in a crown that snow bridges.
 CROWN_CELL = 0.1
 # Keyframes along the depth of the snow, besides the first.
 KEYS = 8
 
 
-# A limb is at least this share of the length beyond a place thick there, and LEAST_RADIUS metres: exports draw twigs as
+# A limb is at least this share of the length beyond a place thick there, and MIN_RADIUS metres: exports draw twigs as
 # hairs, which could not stand. Real limbs have 1/100 to 1/200.
 SLENDEREST = 1.0 / 150.0
-LEAST_RADIUS = 0.001
+MIN_RADIUS = 0.001
 
 
 @dataclass
@@ -98,7 +98,7 @@ def crown_area(meshes):
 
 def intercepted(area, depth, density):
     """Mass in kg that a crown of `area` m2 keeps of snow `depth` metres deep with `density` kg/m3."""
-    return area * min(INTERCEPTED * depth * density, MOST_INTERCEPTED)
+    return area * min(INTERCEPTED * depth * density, MAX_INTERCEPTED)
 
 
 def plausible_radii(head_radii, tail_radii, lengths, limbs):
@@ -109,8 +109,8 @@ def plausible_radii(head_radii, tail_radii, lengths, limbs):
         beyond_tails[bone] = reached[limbs[bone]]
         reached[limbs[bone]] += lengths[bone]
     at_heads, at_tails = (SLENDEREST * beyond for beyond in (beyond_tails + lengths, beyond_tails))
-    return np.maximum(head_radii, np.maximum(at_heads, LEAST_RADIUS)), np.maximum(
-        tail_radii, np.maximum(at_tails, LEAST_RADIUS)
+    return np.maximum(head_radii, np.maximum(at_heads, MIN_RADIUS)), np.maximum(
+        tail_radii, np.maximum(at_tails, MIN_RADIUS)
     )
 
 

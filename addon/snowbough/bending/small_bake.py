@@ -16,7 +16,7 @@ from ..scene.tracker import Registration
 RESOLUTION = 512
 STEPS = 16
 # Occlusion pixels over the tree; more would take minutes and change loads by less than a percent.
-MOST_PIXELS = 1 << 20
+MAX_PIXELS = 1 << 20
 # The flattest snow for which shelter is looked for, in radians from the vertical.
 FLATTEST = math.radians(80.0)
 
@@ -74,7 +74,7 @@ def bake_heights(native, pose, keys, snow, texel_size, depth, seconds):
                 continue
             topology = _cut(topology, keep)
         added[key] = Registration(obj.label, "", topology, obj.positions)
-    pixel = max(min(texels), float(np.linalg.norm(high - low)) / math.sqrt(MOST_PIXELS))
+    pixel = max(min(texels), float(np.linalg.norm(high - low)) / math.sqrt(MAX_PIXELS))
     maps = {
         key: (resolution, 0.0, pose.objects[key].receiver.sides, 0.0)
         for key, resolution in resolutions.items()

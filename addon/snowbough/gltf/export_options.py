@@ -5,7 +5,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
 from ..base.options import options_class
 
-MOST_LEVELS = 8
+MAX_LEVELS = 8
 
 
 class ExportProperties:
@@ -16,7 +16,7 @@ class ExportProperties:
         description="Maximum number of levels of detail. The finest level is the tree in the scene (levels)",
         default=4,
         min=1,
-        max=MOST_LEVELS,
+        max=MAX_LEVELS,
     )
     file_per_level: BoolProperty(
         name="One File a Level",

@@ -19,7 +19,7 @@ FRESH_RELIEF = 0.6
 WAVES, AMPLITUDE, MORE_OCTAVES = 11.0, 0.0155, 2.0
 # Thinner snow than this (metres) has less relief, and at most this share of its thickness.
 FULL_DEPTH = 0.06
-MOST_OF_DEPTH = 0.3
+MAX_OF_DEPTH = 0.3
 # Gradient noise rarely comes near 0 or 1; these factors stretch it, of one or two octaves and of three.
 GAIN, GAIN_OF_THREE = 1.7, 2.4
 
@@ -38,7 +38,7 @@ def add_relief(builder, position, thickness, strength):
     """
     waves = _noise(builder, position, WAVES, MORE_OCTAVES, 2.0 * GAIN_OF_THREE * AMPLITUDE)
     faded = builder.multiply(waves, builder.smoothstep(thickness, 0.0, FULL_DEPTH))
-    bound = builder.multiply(thickness, MOST_OF_DEPTH)
+    bound = builder.multiply(thickness, MAX_OF_DEPTH)
     strong = builder.multiply(faded, strength)
     return builder.math("MAXIMUM", builder.math("MINIMUM", strong, bound), builder.multiply(bound, -1.0))
 

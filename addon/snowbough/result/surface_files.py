@@ -17,7 +17,7 @@ from ..surface.point_cache import read_point_cache
 from . import snow_surface
 
 # Surfaces in one message.
-MOST_NAMED = 3
+MAX_NAMED = 3
 
 
 def _modifiers(scene):
@@ -61,8 +61,8 @@ def require_files(scene):
     """Raises CacheError with the problems of a scene."""
     found = problems(scene)
     if found:
-        more = f"; and {len(found) - MOST_NAMED} more" if len(found) > MOST_NAMED else ""
-        raise CacheError("; ".join(found[:MOST_NAMED]) + more)
+        more = f"; and {len(found) - MAX_NAMED} more" if len(found) > MAX_NAMED else ""
+        raise CacheError("; ".join(found[:MAX_NAMED]) + more)
 
 
 def _rendered_scenes(scene):

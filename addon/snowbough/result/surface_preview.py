@@ -21,7 +21,7 @@ from ..surface.point_cache import PointCacheWriter
 from . import displacement, snow_surface
 
 # Maximum number of surfaces in memory. They are kept so that a slider's movement does not plan them again.
-MOST_KEPT = 256
+MAX_KEPT = 256
 
 
 def _kept(folder, style):
@@ -29,7 +29,7 @@ def _kept(folder, style):
     stamp = (folder / SURFACE_POINTS).stat().st_mtime_ns
     known = session.surfaces.get(folder)
     if known is None or known[0] != (stamp, style.detail):
-        while len(session.surfaces) >= MOST_KEPT:
+        while len(session.surfaces) >= MAX_KEPT:
             session.surfaces.pop(next(iter(session.surfaces)))
         known = session.surfaces[folder] = (
             (stamp, style.detail),

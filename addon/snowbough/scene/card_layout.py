@@ -9,12 +9,12 @@ first. All pieces keep their size relative to each other.
 import numpy as np
 
 # Meshes with fewer pieces, or with larger ones, are left to Blender.
-FEWEST_PIECES, MOST_FACES = 300, 16
+MIN_PIECES, MAX_FACES = 300, 16
 # Faces of a piece may be turned from its mean plane by at most this angle (cosine), as for Smart UV Project.
 FLAT = 0.41
 # Space between rectangles, as a share of the mean side of a piece.
 MARGIN = 0.15
-MOST_ROUNDS = 64
+MAX_ROUNDS = 64
 
 
 def card_layout(positions, corners, begin):
@@ -32,7 +32,7 @@ def card_layout(positions, corners, begin):
         return None
     _, of_face = np.unique(pieces[corners[begin]], return_inverse=True)
     count = of_face.max(initial=-1) + 1
-    if count < FEWEST_PIECES or len(begin) > MOST_FACES * count:
+    if count < MIN_PIECES or len(begin) > MAX_FACES * count:
         return None
     relative = positions[corners] - positions[corners[begin]][faces]
     areas = np.add.reduceat(np.cross(relative, relative[onward]), begin)
@@ -46,7 +46,7 @@ def _pieces(count, a, b):
     """A number per vertex that is equal for all vertices of a connected piece, None if pieces are long. a, b: the
     vertices of each edge."""
     label = np.arange(count)
-    for _ in range(MOST_ROUNDS):
+    for _ in range(MAX_ROUNDS):
         before = label.copy()
         low = np.minimum(label[a], label[b])
         np.minimum.at(label, a, low)

@@ -13,10 +13,10 @@ from ..base.names import UV_TOLERANCE
 GRID = 1024
 
 # Rows of triangles that are drawn at once.
-MOST_SPANS = 1 << 18
+MAX_SPANS = 1 << 18
 
 # Tiles in one message.
-MOST_TILES = 6
+MAX_TILES = 6
 
 # Smaller shares come from cells on the borders of charts that touch.
 TOLERANCE = 0.005
@@ -57,9 +57,9 @@ def tiles_text(corner_uv):
         return ""
     tiles, counts = np.unique(1001 + column + 10 * row, return_counts=True)
     shares = [f"{tile}: {count / len(uv):.0%} of the faces" for tile, count in zip(tiles, counts)]
-    more = f" and {len(shares) - MOST_TILES} more" if len(shares) > MOST_TILES else ""
+    more = f" and {len(shares) - MAX_TILES} more" if len(shares) > MAX_TILES else ""
     return (
-        f"uses UDIM tiles ({', '.join(shares[:MOST_TILES])}{more}), and a map of snow is one tile: add a UV map for "
+        f"uses UDIM tiles ({', '.join(shares[:MAX_TILES])}{more}), and a map of snow is one tile: add a UV map for "
         "the snow whose faces all lie in 0 to 1, and choose it in the receiver's settings"
     )
 
@@ -85,9 +85,9 @@ def _count_cells(points, grid, enough=1.0):
 
 
 def _batches(points, grid):
-    """Triangles (T, 3, 2) in batches of about MOST_SPANS rows."""
+    """Triangles (T, 3, 2) in batches of about MAX_SPANS rows."""
     rows = np.ptp(points[:, :, 1].clip(0, grid), axis=1) + 1.0
-    ends = np.searchsorted(np.cumsum(rows), np.arange(1, rows.sum() / MOST_SPANS) * MOST_SPANS)
+    ends = np.searchsorted(np.cumsum(rows), np.arange(1, rows.sum() / MAX_SPANS) * MAX_SPANS)
     return np.split(points, np.unique(ends))
 
 

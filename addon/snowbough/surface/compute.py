@@ -26,7 +26,7 @@ from .style import WantedPoints
 # Number of frames, besides the last, whose maps determine the snow-covered area. They are spread over the shot.
 LOOKED_AT = 8
 # These maps stay in memory for later use if they have at most this many bytes in total.
-MOST_KEPT_BYTES = 256 << 20
+MAX_KEPT_BYTES = 256 << 20
 # Number of maps that are read ahead.
 AHEAD = 3
 # Tolerance within which a matrix counts as a rotation.
@@ -110,7 +110,7 @@ class SurfaceInputs:
         with ThreadPoolExecutor(2) as pool:
             highest, dents = None, None
             for index, height in zip(looked_at, pool.map(self.height, looked_at)):
-                if height.nbytes * len(looked_at) <= MOST_KEPT_BYTES:
+                if height.nbytes * len(looked_at) <= MAX_KEPT_BYTES:
                     self._maps[index] = height
                 thickness = np.abs(height)
                 before = highest

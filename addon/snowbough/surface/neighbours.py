@@ -14,7 +14,7 @@ from .point_cache import read_point_cache
 # Distances at which receivers are near, in depths of snow: beside, and below.
 BESIDE, BELOW = 0.5, 1.6
 # Receivers whose shapes and maps stay in memory.
-MOST_KEPT = 4
+MAX_KEPT = 4
 
 
 @lru_cache(maxsize=2048)
@@ -40,7 +40,7 @@ def _standing(folder, stamp):
     )
 
 
-@lru_cache(maxsize=MOST_KEPT)
+@lru_cache(maxsize=MAX_KEPT)
 def _loaded(native, folder, stamp):
     """(triangles, uv, positions, map of its deepest frame) of a receiver."""
     shot, _, matrix = _standing(folder, stamp)

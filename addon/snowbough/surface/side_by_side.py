@@ -8,7 +8,7 @@ import os
 from concurrent.futures import ThreadPoolExecutor, wait
 
 # Maximum number of threads. Each has the maps of one receiver in memory.
-MOST_WORKERS = 4
+MAX_WORKERS = 4
 POLL_SECONDS = 0.05
 
 
@@ -39,7 +39,7 @@ def run_side_by_side(jobs, progress):
         shares[index] = 1.0
         return finished
 
-    with ThreadPoolExecutor(min(MOST_WORKERS, max(2, os.cpu_count() or 1))) as workers:
+    with ThreadPoolExecutor(min(MAX_WORKERS, max(2, os.cpu_count() or 1))) as workers:
         running = [workers.submit(run, index) for index in range(len(jobs))]
         try:
             while wait(running, POLL_SECONDS).not_done:

@@ -7,10 +7,10 @@ from dataclasses import asdict, dataclass, fields
 DETAILS = {"DRAFT": (1.7, 60_000), "DEFAULT": (1.0, 250_000), "FILM": (0.6, 1_000_000)}
 
 # Every receiver may have this many points, however few it needs.
-LEAST_POINTS = 400
+MIN_POINTS = 400
 # A mask ends snow in banks anywhere on level places: further points at hems for each level one, and their maximum.
 BANKS_OF_MASKS = 10.0
-MOST_BANKS = 40_000.0
+MAX_BANKS = 40_000.0
 
 
 @dataclass(frozen=True)
@@ -30,12 +30,12 @@ class WantedPoints:
         left = budget * scale**2 - self.all_hems
         level = min(max(left / max(self.all_level, 1.0), 0.0), 1.0)
         part = (self.hems + level * self.level) / max(self.all_hems + level * self.all_level, 1.0)
-        return max(LEAST_POINTS, int(min(part, 1.0) * budget))
+        return max(MIN_POINTS, int(min(part, 1.0) * budget))
 
 
 def masked_points(hems, level):
     """(hems, level) of a receiver with a mask, from those without it."""
-    return hems + min(BANKS_OF_MASKS * level, MOST_BANKS), level
+    return hems + min(BANKS_OF_MASKS * level, MAX_BANKS), level
 
 
 def shared_out(wanted):

@@ -23,7 +23,7 @@ MAX_CHANGES = 5
 # Width in pixels that a line of text loses: to its icon, the margins of panel and box, and a scroll bar; to the tabs
 # of the sidebar; and to a button beside it.
 MARGIN, TABS, BUTTON = 71, 20, 48
-FEWEST_LETTERS = 12
+MIN_LETTERS = 12
 UI_FONT = 0
 
 
@@ -35,7 +35,7 @@ def draw_text(column, context, text, icon, reserved=0):
     blf.size(UI_FONT, preferences.ui_styles[0].widget.points * scale)
 
     def fits(line):
-        return len(line) <= FEWEST_LETTERS or blf.dimensions(UI_FONT, line)[0] <= room
+        return len(line) <= MIN_LETTERS or blf.dimensions(UI_FONT, line)[0] <= room
 
     for index, line in enumerate(wrapped(text, fits)):
         column.label(text=line, icon=icon if index == 0 else "BLANK1")

@@ -17,10 +17,10 @@ from ..gltf.thinning import leaf_of_points
 # Maximum distance of a leaf's points from those of its prototype, as a share of the leaf's radius.
 TOLERANCE = 0.02
 # Maximum number of prototypes; leaves of further shapes are no instances.
-MOST_KINDS = 64
+MAX_KINDS = 64
 # Cosine of the largest angle between a custom normal and its prototype's. Leaves with custom normals become instances
-# in groups of at least FEWEST_ALIKE; after MOST_MISSES smaller groups, the rest of their shape is left.
-SAME_NORMAL, FEWEST_ALIKE, MOST_MISSES = np.cos(np.radians(10.0)), 4, 8
+# in groups of at least MIN_ALIKE; after MAX_MISSES smaller groups, the rest of their shape is left.
+SAME_NORMAL, MIN_ALIKE, MAX_MISSES = np.cos(np.radians(10.0)), 4, 8
 # Texture coordinates of leaves of one kind agree within 1 / UV_STEPS.
 UV_STEPS = 1024
 
@@ -99,7 +99,7 @@ def kinds_of(surface, joints):
     kinds = []
     for points, triangles in _alike(surface, leaf, own) if count else ():
         misses = 0
-        while len(points) and len(kinds) < MOST_KINDS and misses < MOST_MISSES:
+        while len(points) and len(kinds) < MAX_KINDS and misses < MAX_MISSES:
             shapes = surface.points[points].astype(np.float64)
             middles = shapes.mean(axis=1)
             centred = shapes - middles[:, None]
@@ -108,7 +108,7 @@ def kinds_of(surface, joints):
             if surface.normals is not None:
                 fits &= _turn_along(surface, triangles, rotations)
             fits[0] = True
-            if surface.normals is not None and fits.sum() < FEWEST_ALIKE:
+            if surface.normals is not None and fits.sum() < MIN_ALIKE:
                 points, triangles = points[~fits], triangles[~fits]
                 misses += 1
                 continue

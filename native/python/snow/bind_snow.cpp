@@ -207,10 +207,10 @@ snow::OutputSnapshot snapshot(SnowSimulation& simulation, const std::string& nam
 
 /// A map in use by numpy, whose memory returns to the pool afterwards.
 struct PooledArray {
-  PooledArray(std::vector<float>&& map, std::shared_ptr<snow::MapMemory> taker)
-      : heights(std::move(map)), memory(std::move(taker)) {}
+  PooledArray(std::vector<float>&& map, std::shared_ptr<snow::MapMemory> pool)
+      : heights(std::move(map)), memory(std::move(pool)) {}
   ~PooledArray() {
-    if (memory != nullptr) memory->give(std::move(heights));
+    if (memory != nullptr) memory->release(std::move(heights));
   }
   PooledArray(const PooledArray&) = delete;
   PooledArray& operator=(const PooledArray&) = delete;

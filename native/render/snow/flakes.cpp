@@ -18,7 +18,7 @@ constexpr double kLaidVolume = 4.18879 * 0.5;
 /// Frequency of a flake's flutter, in swings per second.
 constexpr float kFlutterRate = 0.7f;
 /// Least downward speed of a flake as a fraction of its speed, for slanting falls.
-constexpr double kLeastSinking = 0.01;
+constexpr double kMinSinking = 0.01;
 
 void require(bool right, const char* what) {
   if (!right) throw std::invalid_argument(what);
@@ -42,7 +42,7 @@ shared::FlakeFall flake_fall(const Snowfall& fall) {
   require(fall.metre > 0.0f && std::isfinite(fall.metre),
           "snowfall: metre must be over 0, and finite");
   const dvec3 along = glm::normalize(direction);
-  const double sinking = fall.speed * std::max(-along.z, kLeastSinking);
+  const double sinking = fall.speed * std::max(-along.z, kMinSinking);
   const double laid = kLaidVolume * std::pow(static_cast<double>(fall.radius), 3.0);
   const double flakes = fall.rate / (sinking * laid) * kBox * kBox * kBox;
   dvec3 drift = along * static_cast<double>(fall.speed) * static_cast<double>(fall.time);
@@ -56,7 +56,7 @@ shared::FlakeFall flake_fall(const Snowfall& fall) {
       fall.metre * vec4(glm::vec3(along * static_cast<double>(fall.speed)), fall.radius);
   made.flutter =
       vec4(fall.metre * static_cast<float>(aside), kFlutterRate, fall.shutter, fall.time);
-  made.counts = {fall.seed, static_cast<uint32_t>(std::min(std::ceil(flakes), double{kMostFlakes})),
+  made.counts = {fall.seed, static_cast<uint32_t>(std::min(std::ceil(flakes), double{kMaxFlakes})),
                  0, 0};
   made.scale = vec4(fall.metre, 0.0f, 0.0f, 0.0f);
   return made;

@@ -10,7 +10,7 @@
 namespace snowbough::render {
 
 /// Limit on the number of flakes drawn.
-inline constexpr int32_t kMostFlakes = 200000;
+inline constexpr int32_t kMaxFlakes = 200000;
 
 /// Shader inputs of a snowfall at its time. The number of flakes in the air follows from the depth
 /// that falls per second: rate = flakes per m3 * downward speed * volume of snow per flake.

@@ -29,14 +29,14 @@ float drop_point(const DropSize& of, float snow) {
   if (of.number >= 1.0f) return narrow;
   const float share = dropped_share(of.number);
   // The share is the product of two, of the width and of the length, each at most 1.
-  const float both = std::sqrt(share * shared::kLeastLength / std::max(width * of.length, 1e-30f));
+  const float both = std::sqrt(share * shared::kMinLength / std::max(width * of.length, 1e-30f));
   const float one = share * narrow;
-  const bool is_short = both * of.length < shared::kLeastLength;
+  const bool is_short = both * of.length < shared::kMinLength;
   return std::min(is_short ? both : one, narrow);
 }
 
 float leaf_drop_point(float size, float number) {
-  return shared::kLeastLeaf * std::sqrt(dropped_share(number)) / std::max(2.0f * size, 1e-30f);
+  return shared::kMinLeaf * std::sqrt(dropped_share(number)) / std::max(2.0f * size, 1e-30f);
 }
 
 int32_t reached(const std::vector<float>& points, float scale) {

@@ -5,7 +5,7 @@
 
 namespace snowbough::snow {
 
-std::vector<float> MapMemory::take(size_t count) {
+std::vector<float> MapMemory::acquire(size_t count) {
   {
     const std::scoped_lock lock(mutex_);
     const auto found = std::find_if(kept_.begin(), kept_.end(),
@@ -19,10 +19,10 @@ std::vector<float> MapMemory::take(size_t count) {
   return std::vector<float>(count);
 }
 
-void MapMemory::give(std::vector<float>&& map) {
+void MapMemory::release(std::vector<float>&& map) {
   std::vector<float> oldest;  // released behind the lock
   const std::scoped_lock lock(mutex_);
-  if (kept_.size() == kMostKept) {
+  if (kept_.size() == kMaxKept) {
     oldest = std::move(kept_.front());
     kept_.erase(kept_.begin());
   }

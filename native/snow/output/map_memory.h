@@ -11,13 +11,13 @@ namespace snowbough::snow {
 class MapMemory {
  public:
   /// `count` heights of undefined value.
-  std::vector<float> take(size_t count);
-  /// Keeps a map's memory; beyond kMostKept maps the oldest is freed.
-  void give(std::vector<float>&& map);
+  std::vector<float> acquire(size_t count);
+  /// Keeps a map's memory; beyond kMaxKept maps the oldest is freed.
+  void release(std::vector<float>&& map);
 
  private:
   /// Number of maps in flight: one read back, two in work, one being written.
-  static constexpr size_t kMostKept = 4;
+  static constexpr size_t kMaxKept = 4;
 
   std::mutex mutex_;
   std::vector<std::vector<float>> kept_;

@@ -61,7 +61,7 @@ class Smoother::Workspace {
   }
 
   /// Levels for a map of `size` texels per side; empty if the pool has none.
-  std::vector<Level> take(int32_t size) {
+  std::vector<Level> acquire(int32_t size) {
     const std::scoped_lock lock(mutex_);
     const auto found = std::find_if(kept_.begin(), kept_.end(),
                                     [size](const auto& work) { return work.first == size; });
@@ -71,10 +71,10 @@ class Smoother::Workspace {
     return levels;
   }
 
-  void give(int32_t size, std::vector<Level>&& levels) {
+  void release(int32_t size, std::vector<Level>&& levels) {
     std::vector<Level> oldest;  // released behind the lock
     const std::scoped_lock lock(mutex_);
-    if (kept_.size() == kMostKept) {
+    if (kept_.size() == kMaxKept) {
       oldest = std::move(kept_.front().second);
       kept_.erase(kept_.begin());
     }
@@ -83,7 +83,7 @@ class Smoother::Workspace {
 
  private:
   /// Number of maps processed at the same time.
-  static constexpr size_t kMostKept = 2;
+  static constexpr size_t kMaxKept = 2;
   std::mutex mutex_;
   std::vector<std::pair<int32_t, std::vector<Level>>> kept_;
 };
@@ -92,7 +92,7 @@ class Smoother::Workspace {
 void Smoother::make_level(size_t number) {
   const auto fit = [&](Level& level) {
     level.loose.resize(static_cast<size_t>(band_count(grid_.levels[number])));
-    level.stray_joins.resize(grid_.levels[number].strays.size());
+    level.reassigned_joins.resize(grid_.levels[number].reassigned.size());
   };
   if (number < levels_.size()) {
     fit(levels_[number]);
@@ -210,7 +210,7 @@ void Smoother::restrict_to(size_t number) {
   const float* const height = fine.height.data() + fine.margin;
   const float* const inverse = fine.inverse_weight.data() + fine.margin;
 
-  // Filled blocks of cells: those above the runs, and those that strays join.
+  // Filled blocks of cells: those above the runs, and those that reassigned cells join.
   const int32_t blocks = (grid.size + kBlock - 1) / kBlock;
   std::vector<uint8_t> filled(static_cast<size_t>(blocks) * grid.size, 0);
   const auto mark = [&](int32_t cell) {
@@ -225,8 +225,8 @@ void Smoother::restrict_to(size_t number) {
     }
     mark(y * grid.size + last);
   }
-  for (const SmoothingLevel::Stray& stray : fine_grid.strays) {
-    if (height[stray.cell] != 0.0f) mark(stray.parent);
+  for (const SmoothingLevel::Reassigned& one : fine_grid.reassigned) {
+    if (height[one.cell] != 0.0f) mark(one.parent);
   }
   const std::vector<Run> old_runs = std::exchange(level.runs, {});
   find_level_runs(
@@ -244,12 +244,12 @@ void Smoother::restrict_to(size_t number) {
                  block_rows(fine_grid, inverse, child), level.at(level.height) + run.begin,
                  level.at(level.inverse_weight) + run.begin, run.end - run.begin);
   });
-  for (size_t s = 0; s < fine_grid.strays.size(); ++s) {
-    const auto [cell, parent] = fine_grid.strays[s];
+  for (size_t s = 0; s < fine_grid.reassigned.size(); ++s) {
+    const auto [cell, parent] = fine_grid.reassigned[s];
     float& mean = level.at(level.height)[parent];
     float& weight = level.at(level.inverse_weight)[parent];
     const bool joins = height[cell] != 0.0f && (weight == 0.0f || is_open(height[cell], mean));
-    levels_[number - 1].stray_joins[s] = joins ? 1 : 0;
+    levels_[number - 1].reassigned_joins[s] = joins ? 1 : 0;
     if (!joins) continue;
     const float own = 1.0f / inverse[cell];
     const float others = weight == 0.0f ? 0.0f : 1.0f / weight;
@@ -280,9 +280,9 @@ void Smoother::prolong_from(size_t number) {
                  done_below_[number]},
                 run.end - run.begin);
   });
-  for (size_t s = 0; s < fine_grid.strays.size(); ++s) {
-    if (fine.stray_joins[s] == 0) continue;
-    const auto [cell, parent] = fine_grid.strays[s];
+  for (size_t s = 0; s < fine_grid.reassigned.size(); ++s) {
+    if (fine.reassigned_joins[s] == 0) continue;
+    const auto [cell, parent] = fine_grid.reassigned[s];
     height[cell] =
         changed(height[cell], before[parent], now[parent], damping_of_block(number, parent));
   }
@@ -321,7 +321,7 @@ void Smoother::store(std::vector<float>& map) {
 
 std::vector<uint8_t> Smoother::run(std::vector<float>& map) {
   const int32_t size = grid_.levels[0].size;
-  levels_ = Workspace::shared().take(size);
+  levels_ = Workspace::shared().acquire(size);
   make_level(0);
   find_runs(map);
   std::vector<uint8_t> filled = tiles_of_runs();
@@ -331,7 +331,7 @@ std::vector<uint8_t> Smoother::run(std::vector<float>& map) {
     cycle(0, conduct(0));
     store(map);
   }
-  Workspace::shared().give(size, std::move(levels_));
+  Workspace::shared().release(size, std::move(levels_));
   levels_.clear();
   return filled;
 }

@@ -89,7 +89,7 @@ class Smoother {
     std::vector<Run> runs;
     /// Per row, where its runs begin.
     std::vector<int32_t> run_row;
-    std::vector<uint8_t> stray_joins;
+    std::vector<uint8_t> reassigned_joins;
 
     float* at(const base::ZeroedArray<float>& values) const { return values.data() + margin; }
   };

@@ -9,10 +9,10 @@
 namespace snowbough::snow {
 namespace {
 
-constexpr int32_t kMostLevels = 7;
+constexpr int32_t kMaxLevels = 7;
 constexpr int32_t kSmallestLevel = 8;
 /// Maximum number of whole links per cell: each moves at most a fifth of a difference.
-constexpr float kMostLinks = 5.0f;
+constexpr float kMaxLinks = 5.0f;
 
 /// A link across a seam. a < b.
 struct LooseLink {
@@ -52,7 +52,7 @@ float grid_links(const SmoothingLevel& level, int32_t cell) {
                             (above[-level.size] != 0));
 }
 
-/// Scales weights down so that no cell has more than kMostLinks.
+/// Scales weights down so that no cell has more than kMaxLinks.
 void limit_weights(const SmoothingLevel& level, std::vector<LooseLink>& links) {
   const auto size = static_cast<size_t>(level.size);
   const base::ZeroedArray<float> sums(size * size);
@@ -62,7 +62,7 @@ void limit_weights(const SmoothingLevel& level, std::vector<LooseLink>& links) {
     loose[link.b] += link.weight;
   }
   const auto room = [&](int32_t cell) {
-    return std::min(1.0f, (kMostLinks - grid_links(level, cell)) / std::max(loose[cell], 1e-6f));
+    return std::min(1.0f, (kMaxLinks - grid_links(level, cell)) / std::max(loose[cell], 1e-6f));
   };
   for (LooseLink& link : links) {
     const float part = std::min(room(link.a), room(link.b));
@@ -213,7 +213,7 @@ std::vector<int32_t> join_blocks(SmoothingLevel& level, const Cells& cells, Cell
     const bool is_own = x / 2 < half && y / 2 < half && blocks.chart[own] == chart;
     parent[i] = is_own ? own : block_beside(x, y, half, chart, blocks.chart);
     if (is_own) level.joins[i] = 1;
-    if (!is_own && parent[i] >= 0) level.strays.push_back({i, parent[i]});
+    if (!is_own && parent[i] >= 0) level.reassigned.push_back({i, parent[i]});
     if (parent[i] >= 0) blocks.area[parent[i]] += cells.area[i];
   }
   return parent;
@@ -274,7 +274,7 @@ SmoothingGrid build_smoothing_grid(const TexelTable& table, const SeamTable& sea
   link_texels(table, seams, 0, first, cells.loose);
   link_texels(table, seams, 1, first, cells.loose);
   lay_links(first, cells.loose);
-  while (grid.levels.size() < kMostLevels && grid.levels.back().size >= 2 * kSmallestLevel) {
+  while (grid.levels.size() < kMaxLevels && grid.levels.back().size >= 2 * kSmallestLevel) {
     Cells blocks;
     SmoothingLevel next = coarsened(grid.levels.back(), cells, blocks);
     lay_links(next, blocks.loose);

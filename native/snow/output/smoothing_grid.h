@@ -44,11 +44,11 @@ struct SmoothingLevel {
   std::vector<uint8_t> joins;
   /// Cells of other charts than their block's, and the cell of the next level that they belong to
   /// instead.
-  struct Stray {
+  struct Reassigned {
     int32_t cell;
     int32_t parent;
   };
-  std::vector<Stray> strays;
+  std::vector<Reassigned> reassigned;
 };
 
 /// The graph over which snow moves on a map's surface: texels, and blocks of texels, with links

@@ -18,7 +18,7 @@ inline constexpr int32_t kStagesUp = 1;
 inline constexpr int32_t kStagesDown = 3;
 inline constexpr auto kStages = static_cast<float>(kStagesUp + kStagesDown);
 /// A link to a cell with less than this fraction of the snow is closed.
-inline constexpr float kLeastPart = 0.02f;
+inline constexpr float kMinPart = 0.02f;
 inline float third_squared(float height) {
   return height * height * (1.0f / 9.0f);
 }
@@ -29,7 +29,7 @@ inline bool is_open(float a, float b) {
   const float other = std::fabs(b);
   const float less = one < other ? one : other;
   const float more = one < other ? other : one;
-  return (a * b > 0.0f) & (less > kLeastPart * more);
+  return (a * b > 0.0f) & (less > kMinPart * more);
 }
 
 /// Least variance in m2; variance that finer levels provide; number of stages.

@@ -13,7 +13,7 @@ namespace {
 
 constexpr LayerTerms kFlat{1.0f, 0.0f, 0.0f};
 /// Minimum cosine between normal and face: beyond about 80 degrees heights would explode.
-constexpr float kLeastCosine = 0.2f;
+constexpr float kMinCosine = 0.2f;
 
 glm::vec3 unit(const glm::vec3& v) {
   const float length = glm::length(v);
@@ -68,7 +68,7 @@ LayerTerms prism_terms(const Face& face, const glm::vec3 (&normal)[3]) {
     sum += terms_at(p_u, p_v, normal, at / 6.0f);
   }
   sum /= 3.0f * area;
-  return {std::max(kLeastCosine, sum.x), sum.y, sum.z};
+  return {std::max(kMinCosine, sum.x), sum.y, sum.z};
 }
 
 }  // namespace

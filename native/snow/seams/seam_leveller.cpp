@@ -10,14 +10,14 @@ namespace {
 /// Weight of a change of the map relative to a remaining difference, both in metres.
 constexpr float kDamping = 0.05f;
 /// Maximum work for the factor, in multiplications (about two seconds).
-constexpr int64_t kMostWork = int64_t{1} << 29;
+constexpr int64_t kMaxWork = int64_t{1} << 29;
 /// Rounds of conjugate gradients if there is no factor.
 constexpr int32_t kRounds = 20;
 /// Changes below this fraction of least_height are not propagated.
 constexpr float kNegligible = 1e-5f;
 /// Maximum number of repeats of the second problem for points that still differ too much: the fit
 /// for the thinnest snow moves thicker snow beside it apart again.
-constexpr int32_t kMostRepeats = 3;
+constexpr int32_t kMaxRepeats = 3;
 /// Fraction of the texels that may remain for another repeat: where snow ends on a seam, no heights
 /// make the sides equal, and repeats do not help.
 constexpr double kWorthRepeating = 0.95;
@@ -37,7 +37,7 @@ SeamLeveller::SeamLeveller(const SeamLevelling& levelling)
   factor_.begin(all, kDamping);
   const std::vector<SeamRow>& points = layout_->points();
   for (size_t p = 0; p < points.size(); ++p) factor_.add(static_cast<int32_t>(p), points[p]);
-  factorised_ = factor_.factorise(kMostWork);
+  factorised_ = factor_.factorise(kMaxWork);
   factor_.shrink();
 }
 
@@ -102,7 +102,7 @@ void SeamLeveller::run(std::vector<float>& map) {
   collect_points();
   level_all();
   size_t left = 0;
-  for (int32_t repeat = 0; repeat <= kMostRepeats; ++repeat) {
+  for (int32_t repeat = 0; repeat <= kMaxRepeats; ++repeat) {
     layout_->refresh_foreign(heights_.height);
     marks_.update(heights_.height);
     const size_t before = std::exchange(left, refinement_.run(marks_, heights_));

@@ -50,7 +50,7 @@ SeamPattern::SeamPattern(const std::vector<SeamRow>& rows, int32_t unknowns) {
       }
     }
     begin_.push_back(static_cast<int32_t>(row_.size()));
-    if (begin_.back() - first > kMostOffset) is_complete_ = false;
+    if (begin_.back() - first > kMaxOffset) is_complete_ = false;
   }
   row_.shrink_to_fit();
 }

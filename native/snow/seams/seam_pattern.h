@@ -35,7 +35,7 @@ class SeamPattern {
 
  private:
   static constexpr size_t kPairs = size_t{kSeamTerms} * (kSeamTerms - 1) / 2;
-  static constexpr int32_t kMostOffset = std::numeric_limits<uint16_t>::max();
+  static constexpr int32_t kMaxOffset = std::numeric_limits<uint16_t>::max();
 
   std::vector<int32_t> begin_{0};
   std::vector<int32_t> row_;

@@ -9,9 +9,9 @@ namespace {
 /// Weight of a change of the map relative to a remaining difference, both relative to the height.
 constexpr float kFineDamping = 0.0005f;
 /// Maximum work for a factor, in multiplications.
-constexpr int64_t kMostFineWork = int64_t{1} << 26;
+constexpr int64_t kMaxFineWork = int64_t{1} << 26;
 /// Maximum number of repeats for unknowns connected to texels at their limits.
-constexpr int32_t kMostLimited = 2;
+constexpr int32_t kMaxLimited = 2;
 /// Rounds of conjugate gradients if there is no factor.
 constexpr int32_t kFineRounds = 30;
 
@@ -62,7 +62,7 @@ void SeamRefinement::for_each_row(const SeamMarks& marks, const SeamHeights& hei
 bool SeamRefinement::solve(const SeamMarks& marks, const SeamHeights& heights) {
   factor_.begin(texels_, kFineDamping);
   for_each_row(marks, heights, [&](int32_t point, const SeamRow& row) { factor_.add(point, row); });
-  if (factor_.factorise(kMostFineWork)) {
+  if (factor_.factorise(kMaxFineWork)) {
     factor_.solve(values_, 0.0f);
     return true;
   }
@@ -116,7 +116,7 @@ size_t SeamRefinement::run(SeamMarks& marks, SeamHeights& heights) {
   const size_t count = texels_.size();
   if (count == 0) return 0;
   if (solve(marks, heights)) {
-    for (int32_t trial = 0; trial < kMostLimited; ++trial) {
+    for (int32_t trial = 0; trial < kMaxLimited; ++trial) {
       if (!accept_within_limits(marks, heights)) return count;
       solve_remaining(marks, heights);
       if (texels_.empty()) return count;

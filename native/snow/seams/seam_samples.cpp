@@ -12,9 +12,9 @@ namespace {
 
 /// With four samples per texel, the curve between two samples is negligible.
 constexpr double kPointsPerTexel = 4.0;
-constexpr float kLeastHeight = 0.025f;
+constexpr float kMinHeight = 0.025f;
 /// Metres; texels of a mesh that is scaled to nothing have no size.
-constexpr float kLeastHeightOfAll = 1e-6f;
+constexpr float kMinHeightOfAll = 1e-6f;
 
 /// A point of one side of a seam, in texels.
 glm::dvec2 edge_point(const MapTopology& topology, TriangleEdge side, double part) {
@@ -119,7 +119,7 @@ SeamLevelling find_seam_gaps(const MapTopology& topology, const TexelTable& tabl
   const int32_t resolution = topology.resolution;
   const int32_t none = resolution * resolution;
   SeamLevelling levelling;
-  levelling.least_height = std::max(kLeastHeight * texel_size, kLeastHeightOfAll);
+  levelling.least_height = std::max(kMinHeight * texel_size, kMinHeightOfAll);
   for (const Seam& seam : charts.seams) {
     const double length = std::max(edge_length(topology, seam.a), edge_length(topology, seam.b));
     const auto count = static_cast<int32_t>(std::ceil(kPointsPerTexel * length));

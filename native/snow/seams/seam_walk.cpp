@@ -11,10 +11,10 @@ namespace snowbough::snow {
 namespace {
 
 /// More crossings on one walk of a few texels mean charts far smaller than a texel.
-constexpr int kMostCrossings = 16;
+constexpr int kMaxCrossings = 16;
 /// Cells of four texels hold few sides, and their table fits the cache.
 constexpr int32_t kCellTexels = 4;
-constexpr int32_t kMostCells = 1024;
+constexpr int32_t kMaxCells = 1024;
 
 /// A triangle at an edge: the edge's ends and the third corner, on the map and in space.
 struct Flank {
@@ -107,7 +107,7 @@ void SeamWalk::add_side(const Side& side) {
 }
 
 void SeamWalk::sort_into_cells(int32_t resolution) {
-  cells_ = std::clamp(resolution / kCellTexels, 1, kMostCells);
+  cells_ = std::clamp(resolution / kCellTexels, 1, kMaxCells);
   cells_per_texel_ = static_cast<double>(cells_) / resolution;
   const auto for_each_cell = [&](const Side& side, const auto& visit) {
     const glm::dvec2 end = side.begin + side.along;
@@ -170,7 +170,7 @@ const SeamWalk::Side* SeamWalk::first_crossing(int32_t chart, const glm::dvec2& 
 
 bool SeamWalk::go(SurfacePoint& point, const glm::dvec2& target, glm::dvec2& direction) const {
   glm::dvec2 to = target;
-  for (int crossing = 0; crossing < kMostCrossings; ++crossing) {
+  for (int crossing = 0; crossing < kMaxCrossings; ++crossing) {
     double part = 1.0;
     const Side* side = first_crossing(point.chart, point.at, to, part);
     if (side == nullptr) {

@@ -10,7 +10,7 @@ bool overlap(const PixelRect& a, const PixelRect& b) {
   return a.low.x < b.high.x && b.low.x < a.high.x && a.low.y < b.high.y && b.low.y < a.high.y;
 }
 
-void hand_over_moved(Engine& engine, Movement& movement, const std::vector<SceneObject*>& objects) {
+void update_moved(Engine& engine, Movement& movement, const std::vector<SceneObject*>& objects) {
   for (size_t i = 0; i < objects.size(); ++i) {
     if (objects[i]->moved) {
       const std::vector<glm::vec3>& points = objects[i]->positions;
@@ -137,7 +137,7 @@ void find_light(Engine& engine, const std::vector<SceneObject*>& objects, const 
 
 void run_step(Engine& engine, Movement& movement, const std::vector<SceneObject*>& objects,
               const FrameStep& step, std::vector<PassHash>* hashes) {
-  hand_over_moved(engine, movement, objects);
+  update_moved(engine, movement, objects);
   // Extents and grid come from all objects, so that leaving out a receiver changes nothing.
   Bounds bounds;
   for (const SceneObject* object : objects) {

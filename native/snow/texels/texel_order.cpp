@@ -50,15 +50,15 @@ std::vector<Run> sorted_by(const std::vector<Run>& runs, int32_t keys, const Key
 }
 
 /// Numbers of fragments from this on count as equal.
-constexpr int32_t kMostParts = 16;
+constexpr int32_t kMaxParts = 16;
 
 /// Stable sort of a work group's texels by their number of fragments.
 void sort_group(const TexelTable& table, std::span<int32_t> group) {
   const auto parts = [&](int32_t i) {
     const int32_t* begin = &table.fragment_begin[static_cast<size_t>(i)];
-    return static_cast<size_t>(std::min(begin[1] - begin[0], kMostParts - 1));
+    return static_cast<size_t>(std::min(begin[1] - begin[0], kMaxParts - 1));
   };
-  std::array<size_t, kMostParts + 1> begin{};
+  std::array<size_t, kMaxParts + 1> begin{};
   for (const int32_t i : group) ++begin[parts(i) + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::array<int32_t, shared::kTexelGroup> sorted;

@@ -115,7 +115,7 @@ def many_shapes(count):
 
 
 def test_leaves_beyond_the_limit_of_shapes_are_left():
-    most = instances.MOST_KINDS
+    most = instances.MAX_KINDS
     kinds, left = instances.kinds_of(quads_surface(many_shapes(most + 1)), JOINTS)
     assert len(kinds) == most and left.sum() == 10 and left[10 * most :].all()
 
@@ -250,12 +250,12 @@ def test_leaves_that_are_no_instances_are_skinned(tmp_path):
     from pxr import Usd, UsdGeom
 
     tree = some_tree()
-    tree.parts[1].levels[0] = quads_surface(many_shapes(instances.MOST_KINDS + 1))
+    tree.parts[1].levels[0] = quads_surface(many_shapes(instances.MAX_KINDS + 1))
     stage.write(tree, tmp_path / "t.usda")
     opened = Usd.Stage.Open(str(tmp_path / "t.usda"))
     counts = len(UsdGeom.PointInstancer.Get(opened, "/a_tree/leaves").GetPositionsAttr().Get())
     skinned = np.array(UsdGeom.Mesh.Get(opened, "/a_tree/Skin/leaves").GetPointsAttr().Get())
-    assert (counts, len(skinned)) == (5 * instances.MOST_KINDS, 5 * 4)
+    assert (counts, len(skinned)) == (5 * instances.MAX_KINDS, 5 * 4)
     assert complaints(pxr, tmp_path / "t.usda") == []
 
 

@@ -66,6 +66,6 @@ def test_batches_of_triangles_count_the_same_cells(monkeypatch):
     numbers = np.random.default_rng(3)
     points = numbers.uniform(-4.0, 68.0, (200, 3, 2))
     whole = uv_overlap._count_cells(points, 64)
-    monkeypatch.setattr(uv_overlap, "MOST_SPANS", 100)
+    monkeypatch.setattr(uv_overlap, "MAX_SPANS", 100)
     assert len(uv_overlap._batches(points, 64)) > 20
     assert uv_overlap._count_cells(points, 64) == whole

@@ -10,7 +10,7 @@ namespace {
 /// Variance of one round in texels^2: twice the weighted squares of the taps in smooth_lines.comp.
 constexpr double kRoundVariance =
     2.0 * (0.1945945946 * 1.0 + 0.1216216216 * 4.0 + 0.0540540541 * 9.0 + 0.0162162162 * 16.0);
-constexpr int32_t kMostRounds = 64;
+constexpr int32_t kMaxRounds = 64;
 constexpr int32_t kTextureGroup = 16;
 
 /// Mean edge of a texel on the surface, metres.
@@ -25,7 +25,7 @@ int32_t rounds_for(double blur_radius, const SeamTable& seams) {
   if (!(blur_radius > 0.0) || !(edge > 0.0)) return 0;
   const double texels = blur_radius / edge;
   const double rounds = std::round(texels * texels / kRoundVariance);
-  return static_cast<int32_t>(std::clamp(rounds, 1.0, static_cast<double>(kMostRounds)));
+  return static_cast<int32_t>(std::clamp(rounds, 1.0, static_cast<double>(kMaxRounds)));
 }
 
 }  // namespace

@@ -16,11 +16,11 @@ struct Gain {
 };
 
 using cpu::FragmentRuns;
-using cpu::kMostInRun;
+using cpu::kMaxInRun;
 using Run = FragmentRuns::Run;
 
 /// Values of a run's fragments.
-using RunFloats = std::array<float, kMostInRun>;
+using RunFloats = std::array<float, kMaxInRun>;
 
 /// Sides of a texel that face the fall, as bits.
 constexpr uint8_t kFront = 1;
@@ -328,18 +328,18 @@ class GroupGather {
   vec2 reach_{0.0f};
   RunFloats most_;
   RunFloats plane_depth_;
-  std::array<int, kMostInRun> pixel_;
+  std::array<int, kMaxInRun> pixel_;
   RunFloats clearance_;
-  std::array<uint, kMostInRun> gained_;
+  std::array<uint, kMaxInRun> gained_;
   RunFloats seen_;
   /// Fragments of the run that may see only a part of the sky.
-  std::array<uint32_t, kMostInRun + 1> others_;
+  std::array<uint32_t, kMaxInRun + 1> others_;
   RunFloats other_b_;
   RunFloats other_c_;
   RunFloats other_share_;
   struct Points {
     RunFloats x, y, depth, plane_depth, reach_x, reach_y;
-    std::array<int, kMostInRun> pixel_x, pixel_y;
+    std::array<int, kMaxInRun> pixel_x, pixel_y;
   } points_;
 };
 

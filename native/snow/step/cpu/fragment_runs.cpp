@@ -148,7 +148,7 @@ void write_group(const SceneObject& object, std::span<const Entry> entries, uint
     const auto f = static_cast<size_t>(entry.fragment);
     const glm::vec2 weights = object.table->fragment_barycentric[f];
     if (last == nullptr || entry.triangle != last->triangle || entry.square != last->square ||
-        at - runs.back().begin == kMostInRun) {
+        at - runs.back().begin == kMaxInRun) {
       const float sum = weights.x + weights.y;
       runs.push_back({static_cast<uint32_t>(entry.triangle) + first_triangle,
                       static_cast<uint32_t>(at), weights.x, weights.x, weights.y, weights.y, sum,

@@ -55,12 +55,12 @@ struct FragmentRuns {
 
 inline constexpr int32_t kRunSquare = 16;
 /// Maximum number of fragments of a run: TexelTable has one fragment per triangle and texel.
-inline constexpr size_t kMostInRun = size_t{kRunSquare} * kRunSquare;
+inline constexpr size_t kMaxInRun = size_t{kRunSquare} * kRunSquare;
 
 /// Vector length of the loops over a run's fragments. They overrun to a full vector: handling the
 /// remainder one by one would take as long as the rest.
 inline constexpr uint32_t kRunLanes = 8;
-static_assert(kMostInRun % kRunLanes == 0);
+static_assert(kMaxInRun % kRunLanes == 0);
 
 /// Number of fragments that such a loop visits.
 inline uint32_t whole_lanes(uint32_t count) {

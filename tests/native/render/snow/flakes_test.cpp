@@ -30,7 +30,7 @@ TEST(Flakes, aSlantingFallOfTheSameDepthNeedsMore) {
 }
 
 TEST(Flakes, areNoMoreThanCanBeDrawn) {
-  EXPECT_EQ(flake_fall(fall(1.0f)).counts.y, static_cast<uint32_t>(kMostFlakes));
+  EXPECT_EQ(flake_fall(fall(1.0f)).counts.y, static_cast<uint32_t>(kMaxFlakes));
   EXPECT_EQ(flake_fall(fall(0.0f)).counts.y, 0u);
 }
 

@@ -15,7 +15,7 @@ bool is_dropped(const DropSize& of, float snow, float scale) {
   const float width = shared::drawn_share(shared::kDrawnWidth * (of.reach + snow) * scale, 1.0f);
   if (width >= 1.0f) return false;
   if (of.number >= 1.0f) return true;
-  const float length = shared::drawn_share(of.length * scale, shared::kLeastLength);
+  const float length = shared::drawn_share(of.length * scale, shared::kMinLength);
   return shared::area_factor(width * length, of.number) <= 0.0f;
 }
 
@@ -63,7 +63,7 @@ TEST(DropOrder, theTessellatedStay) {
 TEST(DropOrder, aLeafIsDroppedAtItsPoint) {
   const float point = leaf_drop_point(0.04f, 0.6f);
   const auto factor = [](float scale) {
-    const float share = shared::drawn_share(2.0f * 0.04f * scale, shared::kLeastLeaf);
+    const float share = shared::drawn_share(2.0f * 0.04f * scale, shared::kMinLeaf);
     return shared::area_factor(share * share, 0.6f);
   };
   EXPECT_EQ(factor(0.999f * point), 0.0f);

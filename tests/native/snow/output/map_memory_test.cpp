@@ -7,15 +7,15 @@ namespace {
 
 TEST(MapMemory, HandsOutWhatWasGivenBack) {
   MapMemory memory;
-  std::vector<float> map = memory.take(100);
+  std::vector<float> map = memory.acquire(100);
   EXPECT_EQ(map.size(), 100u);
   const float* const place = map.data();
-  memory.give(std::move(map));
-  EXPECT_NE(memory.take(50).data(), place);
-  const std::vector<float> again = memory.take(100);
+  memory.release(std::move(map));
+  EXPECT_NE(memory.acquire(50).data(), place);
+  const std::vector<float> again = memory.acquire(100);
   EXPECT_EQ(again.data(), place);
   // The memory is in use again, so the next map gets other memory.
-  EXPECT_NE(memory.take(100).data(), place);
+  EXPECT_NE(memory.acquire(100).data(), place);
 }
 
 TEST(MapMemory, KeepsTheLastFourOnly) {
@@ -23,13 +23,13 @@ TEST(MapMemory, KeepsTheLastFourOnly) {
   std::vector<const float*> places;
   std::vector<std::vector<float>> maps;
   for (int i = 0; i < 5; ++i) {
-    maps.push_back(memory.take(100));
+    maps.push_back(memory.acquire(100));
     places.push_back(maps.back().data());
   }
-  for (std::vector<float>& map : maps) memory.give(std::move(map));
+  for (std::vector<float>& map : maps) memory.release(std::move(map));
   std::vector<std::vector<float>> again;
   for (int i = 1; i < 5; ++i) {
-    again.push_back(memory.take(100));
+    again.push_back(memory.acquire(100));
     EXPECT_EQ(again.back().data(), places[static_cast<size_t>(i)]);
   }
 }

@@ -16,7 +16,7 @@ namespace {
 
 /// Chunks per thread: some take longer than others.
 constexpr int32_t kChunksAThread = 4;
-constexpr int32_t kMostBins = 255;
+constexpr int32_t kMaxBins = 255;
 
 /// The line through two corners, positive on the triangle's side.
 class EdgeLine {
@@ -149,10 +149,10 @@ SNOWBOUGH_KERNEL void TriangleBins::fill_chunk(const Input& input, size_t chunk)
 
 bool TriangleBins::sort(const Input& input) {
   size_ = (input.pixels.size() + kBinSize - 1) / kBinSize;
-  if (size_.x > kMostBins || size_.y > kMostBins) {
+  if (size_.x > kMaxBins || size_.y > kMaxBins) {
     throw std::invalid_argument("a tile of " + std::to_string(input.pixels.size().x) + " x " +
                                 std::to_string(input.pixels.size().y) + " pixels: draw at most " +
-                                std::to_string(kMostBins * kBinSize) + " per side at once");
+                                std::to_string(kMaxBins * kBinSize) + " per side at once");
   }
   if (input.end - input.first > std::max<int64_t>(input.most_entries, 1)) return false;
   const size_t chunks = chunks_of(input);

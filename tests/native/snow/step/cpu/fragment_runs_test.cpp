@@ -62,7 +62,7 @@ TEST(FragmentRuns, StayWithinOneSquareOfTexels) {
       const uint32_t begin = all.runs[r].begin;
       const uint32_t end = all.runs[r + 1].begin;
       ASSERT_LT(begin, end);
-      ASSERT_LE(end - begin, kMostInRun);
+      ASSERT_LE(end - begin, kMaxInRun);
       const int32_t first = texel_of(object, order, all, group, begin);
       for (uint32_t f = begin + 1; f < end; ++f) {
         const int32_t texel = texel_of(object, order, all, group, f);
