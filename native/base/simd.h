@@ -37,7 +37,8 @@ using Int4 = int32_t __attribute__((vector_size(16)));
 // Intrinsics: the compiler's code for the portable form takes several times as long.
 
 /// The lanes rotated by one: b, c, d, a.
-inline Int4 rotated(const Int4& v) {
+template <typename Four>
+Four rotated(const Four& v) {
   return __builtin_shufflevector(v, v, 1, 2, 3, 0);
 }
 

@@ -267,6 +267,8 @@ std::vector<std::pair<int32_t, int32_t>> crossing_quads(std::span<const glm::dve
   in_blocks(only.size(), kFaces, threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) faces[i] = make_crossing_face(vertices, quads, only[i]);
   });
+  // For few faces that changed, as many tests are left.
+  if (changed.empty()) find_spread_corners(vertices.size(), faces);
   return PairFinder(std::move(faces), changed).find(threads);
 }
 
