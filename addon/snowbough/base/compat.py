@@ -63,9 +63,8 @@ def assign_bone_level_groups(armature, levels, names):
         for bone, level in zip(bones, levels):
             groups[level].assign(bone)
         return
-    for bone, level in zip(bones, levels):
-        layer = min(level, 31)
-        bone.layers = [index == layer for index in range(32)]
+    of_layers = np.arange(32) == np.minimum(levels, 31)[:, None]
+    bones.foreach_set("layers", of_layers.reshape(-1))
     armature.layers = [index <= min(max(levels, default=0), 31) for index in range(32)]
 
 

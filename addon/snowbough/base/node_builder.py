@@ -67,6 +67,10 @@ class NodeBuilder:
     def divide(self, a, b):
         return self.math("DIVIDE", a, b)
 
+    def multiply_add(self, a, b, c):
+        """a times b, plus c."""
+        return self.math("MULTIPLY_ADD", a, b, c)
+
     def absolute(self, a):
         return self.math("ABSOLUTE", a)
 

@@ -30,9 +30,7 @@ DEPTH, YOUNGER = 0.025, 0.5
 def _place(builder):
     """The point's position on the rolled-up limb."""
     uv = builder.node("ShaderNodeUVMap", uv_map=BARK_UV)
-    u, v, _ = builder.components(uv.outputs["UV"])
-    angle = builder.multiply(u, 2.0 * math.pi)
-    along = builder.multiply(v, 2.0 * math.pi)
+    angle, along, _ = builder.components(builder.scale(uv.outputs["UV"], 2.0 * math.pi))
     return builder.combine(builder.math("COSINE", angle), builder.math("SINE", angle), along)
 
 
@@ -46,7 +44,7 @@ def _moved(builder, place, scale, reach):
     noise = _noise(builder, place, scale, 4.0)
     colour = next(output for output in noise.outputs if output.type == "RGBA")
     away = builder.vector("SUBTRACT", colour, (0.5, 0.5, 0.5))
-    return builder.vector("ADD", place, builder.scale(away, 2.0 * reach))
+    return builder.vector("MULTIPLY_ADD", away, (2.0 * reach,) * 3, place)
 
 
 def _open(builder, place, scale, width, depth):
@@ -55,7 +53,7 @@ def _open(builder, place, scale, width, depth):
     builder.feed(cells, Vector=place, Scale=scale * PLATES)
     inside = builder.math("DIVIDE", cells.outputs["Distance"], width, clamp=True)
     # Steep at the wall, flat on the plate.
-    return builder.add(builder.multiply(builder.math("POWER", inside, 0.6), depth), 1.0 - depth)
+    return builder.multiply_add(builder.math("POWER", inside, 0.6), depth, 1.0 - depth)
 
 
 def add_bark(tree, surface, ridge=None):
@@ -71,15 +69,15 @@ def add_bark(tree, surface, ridge=None):
     age = builder.math("POWER", YOUNGER, level)
 
     place = _place(builder)
-    x, y, z = builder.components(_moved(builder, _moved(builder, place, *BENT), *RAGGED))
-    long = builder.combine(x, y, builder.divide(z, LENGTH_TO_WIDTH))
+    moved = _moved(builder, _moved(builder, place, *BENT), *RAGGED)
+    long = builder.vector("MULTIPLY", moved, (1.0, 1.0, 1.0 / LENGTH_TO_WIDTH))
     plates = builder.multiply(_open(builder, long, *FURROWS), _open(builder, long, *CRACKS))
     # Young limbs have hardly any plates.
     hollow = builder.multiply(builder.subtract(1.0, plates), builder.math("POWER", age, 0.5))
     grain = compat_nodes.noise_value(_noise(builder, long, GRAIN_SCALE, 9.0, 0.65))
-    height = builder.add(builder.subtract(1.0, hollow), builder.multiply(builder.subtract(grain, 0.5), GRAIN))
+    height = builder.subtract(builder.multiply_add(grain, GRAIN, 1.0 - 0.5 * GRAIN), hollow)
     patches = compat_nodes.noise_value(_noise(builder, place, 0.55, 3.0))
-    bright = builder.add(builder.multiply(height, 0.8), builder.multiply(builder.subtract(patches, 0.5), 0.7))
+    bright = builder.multiply_add(height, 0.8, builder.multiply_add(patches, 0.7, -0.35))
 
     ramp = builder.node("ShaderNodeValToRGB")
     builder.set(ramp.inputs[0], bright)
