@@ -2,13 +2,19 @@
 """Bend under Snow: the pose of the keys, what they add to, and what they leave alone."""
 
 import math
+import sys
 from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
+from conftest import ROOT
+from exported_tree import import_tree
 from snow_scene import manifest_of, receive, settings, square
 from synthetic_tree import build_synthetic, evaluated_vertices
+
+sys.path.insert(0, str(ROOT / "tests" / "support"))
+import tube_tree  # noqa: E402
 
 MAPLE = Path(__file__).resolve().parent.parent / "data" / "small_maple.obj"
 
@@ -83,6 +89,35 @@ def test_blenders_pose_is_the_computed_one(addon, monkeypatch, maple):
         posed = np.array([head for head, _ in pose_at(maple, frame)])
         assert np.abs(posed - heads).max() < 1e-5
     assert np.abs(heads - chain.heads).max() > 0.01
+
+
+def test_several_stems_bend_each_by_its_own_load_and_their_root_stays(addon, monkeypatch, tmp_path):
+    """The left of three stems leans to the left, the right to the right, and the middle one stands upright."""
+    limbs = [((x, 0, 0), (lean, 0, 1), 5.0, 0.08) for x, lean in ((-1, -0.5), (0, 0), (1, 0.5))]
+    path = tmp_path / "stems.obj"
+    path.write_text(tube_tree.obj_text(limbs, groups=("trunk1", "trunk2", "trunk3")))
+    rig, bark = import_tree(path)
+    receive(bark)
+    settings(tmp_path, frames=(1, 9), repose=math.radians(80.0))
+    seen = spy_on_the_bend(addon, monkeypatch)
+    bend(rig, weight=120.0)
+    [(chain, _arguments, bent)] = seen
+    posed = pose_at(rig, 9)
+    _turns, heads = chain.pose(bent.vectors[-1])
+    assert np.abs(np.array([head for head, _ in posed]) - heads).max() < 1e-5
+
+    bones = rig.evaluated_get(bpy.context.evaluated_depsgraph_get()).pose.bones
+    moved = {bone.name: np.array(bone.tail - bone.bone.tail_local) for bone in bones}
+    assert np.linalg.norm(moved["root"]) < 1e-3
+    left, middle, right = (
+        max((name for name in moved if name.startswith(stem)), key=lambda name: bones[name].tail[2])
+        for stem in ("trunk1", "trunk2", "trunk3")
+    )
+    # Each bends outwards and down, the middle one hardly.
+    assert moved[left][0] < -0.02 and moved[right][0] > 0.02
+    assert moved[left][2] < -0.01 and moved[right][2] < -0.01
+    assert moved[left] == pytest.approx(moved[right] * (-1, 1, 1), abs=0.3 * np.linalg.norm(moved[right]))
+    assert np.linalg.norm(moved[middle]) < 0.2 * np.linalg.norm(moved[right])
 
 
 def test_a_turned_small_tree_in_centimetres_bends_towards_the_ground(addon, monkeypatch, tree):
