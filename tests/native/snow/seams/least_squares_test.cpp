@@ -51,26 +51,6 @@ TEST(SeamFactor, findsWhatEliminationFinds) {
   }
 }
 
-TEST(SeamFactor, keepsAPartOfTheProblem) {
-  for (uint32_t seed = 1; seed <= 5; ++seed) {
-    const Problem problem = random_problem(seed);
-    const std::vector<int32_t> kept{1, 5, 6, 10};
-    SeamFactor part = begun(problem.rows, problem.unknowns, kept, 0.1f);
-    SeamFactor whole = begun(problem.rows, problem.unknowns, 0.1f);
-    ASSERT_TRUE(part.factorise(kAnyWork));
-    ASSERT_TRUE(whole.factorise(kAnyWork));
-    // In two steps: the second starts from the result of the first.
-    ASSERT_TRUE(whole.keep({1, 2, 5, 6, 7, 10}));
-    ASSERT_TRUE(whole.keep(kept));
-    std::vector<float> expected(static_cast<size_t>(problem.unknowns), 0.0f);
-    for (const int32_t k : kept) expected[static_cast<size_t>(k)] = static_cast<float>(k) - 4.0f;
-    std::vector<float> values = expected;
-    part.solve(expected, 0.0f);
-    whole.solve(values, 0.0f);
-    EXPECT_THAT(values, Pointwise(FloatNear(1e-4f), expected)) << "seed " << seed;
-  }
-}
-
 TEST(SeamFactor, leavesOthersAlone) {
   const Problem problem = random_problem(2);
   SeamFactor factor = begun(problem.rows, problem.unknowns, {2, 3, 7}, 0.1f);

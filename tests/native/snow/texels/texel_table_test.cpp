@@ -114,6 +114,15 @@ TEST(TexelTable, chartsThatShareOneTexelAreCountedAsUnmappedAndLoseNothing) {
   EXPECT_THAT(share_sums(table, 6), Each(testing::DoubleNear(1.0, 1e-6)));
 }
 
+TEST(TexelTable, twoSmallChartsDoNotTakeTheSameTexel) {
+  MapTopology topology = quad_map(0, 0, 4.6f / 64, 1.0f / 64, 64);
+  add_quad(topology, 4.7f / 64, 0.2f / 64, 4.9f / 64, 0.4f / 64);
+  add_quad(topology, 4.7f / 64, 0.6f / 64, 4.9f / 64, 0.9f / 64);
+  const TexelTable table = build_texel_table(topology);
+  EXPECT_THAT(table.chart, ElementsAre(0, 0, 0, 0, 1));
+  EXPECT_EQ(table.unmapped_charts, 1);
+}
+
 TEST(TexelTable, trianglesWithoutUvAreaAreCounted) {
   MapTopology topology = quad_map(0, 0, 0.5f, 0.5f, 64);
   const int32_t v = topology.vertex_count;
