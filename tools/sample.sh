@@ -3,7 +3,7 @@
 #
 #   ./tools/sample.sh NAME [ARGUMENTS]     a script of blend_samples/scenes: bench, bunny, monkey, ball, cart, maple,
 #                                          broad_leaf, spruce, laden, wind, flag, street, tracks, shedding,
-#                                          thaw, drifts, sand, dust
+#                                          thaw, drifts, sand, dust, bough
 #
 # Writes to build/samples/NAME: the .blend, the cache, and the picture. ARGUMENTS are those of the script. Takes one to
 # five minutes. tools/demo.sh and tools/windy_shot.sh are the full shots.
