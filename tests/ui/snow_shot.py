@@ -38,16 +38,26 @@ def wait_for_heights(folder, count, timeout=180):
     wait_for(lambda: len(heights(folder)) >= count, f"{count} maps in {folder}", timeout)
 
 
-def make_long_shot(window, folder):
-    """Sets up a shot whose bake is still running when a test has gone through the whole sidebar. A frame takes long,
-    but its maps and surfaces are small, so that it takes little time to end the bake and to resume it."""
+# A bake that leaves the processor to the window: each frame takes its time, and is small.
+SLOW_FRAMES = """
+import time
+bpy.app.handlers.frame_change_pre.append(lambda *_: time.sleep(0.15))
+result = True
+"""
+
+
+def make_long_shot(window, folder, substeps=1):
+    """Sets up a shot of 1500 frames, whose maps and surfaces are small: it takes little time to end its bake and to
+    resume it. substeps above 1: a bake that computes all the time."""
     window.run(SNOW_SCENE.format(frames=1500, resolution=256, path=str(folder / "shot.blend")))
-    window.run("scene.snowbough.substeps = 16\nbpy.ops.wm.save_mainfile()\nresult = True")
+    window.run(f"scene.snowbough.substeps = {substeps}\nbpy.ops.wm.save_mainfile()\nresult = True")
+    if substeps == 1:
+        window.run(SLOW_FRAMES)
 
 
-def bake_in_the_background(window, folder):
+def bake_in_the_background(window, folder, substeps=1):
     """Starts a bake as its button does and comes back when the first frames are written."""
-    make_long_shot(window, folder)
+    make_long_shot(window, folder, substeps)
     window.run(START)
     wait_for_heights(folder, 6)
     assert window.run("result = bpy.app.is_job_running('RENDER')")

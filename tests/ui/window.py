@@ -223,12 +223,12 @@ result = [region.x, region.y, region.width, region.height]
         """
         x, top, width, height = self.sidebar()
         self.run("bpy.context.window_manager.clipboard = ''\nresult = True")
-        # Most buttons are as wide as the sidebar; then where two stand side by side.
+        # Most buttons are as wide as the sidebar; then where two stand side by side. Each is 20 pixels high.
         for share in (0.25, 0.7):
-            for y in range(top + 8, top + height, 9):
+            for y in range(top + 8, top + height, 15):
                 at = x + width * share, y
-                self.move(*at)
-                self.key("ctrl+c")
+                self.xdotool("mousemove", str(int(at[0])), str(y), "key", "ctrl+c")
+                self.run("result = True")  # the keys are handled at the end of this turn
                 if f"bpy.ops.{operator}(" in self.run("result = bpy.context.window_manager.clipboard"):
                     return at
         return None
