@@ -3,10 +3,10 @@
 
     python3 benchmarks/snow/reacting.py [--steps 9] [--only tyre,blade]
 
-Each row is the median of its steps, less two that set up, beside a plain step of the same moment, without snowfall where
-none falls; `adds` is what it takes more than that, as a part of a plain step while 3 mm fall, as in most shots. The rows
-take turns with plain steps, so that a change of load affects all. 15 cm of snow lie there first; where it snows, 3 mm
-fall a step.
+Each row is the median of its steps, less two that set up, beside a plain step of the same moment, without snowfall
+where none falls; `adds` is what it takes more than that, as a part of a plain step while 3 mm fall, as in most shots.
+The rows take turns with plain steps, so that a change of load affects all. 15 cm of snow lie there first; where it
+snows, 3 mm fall a step.
 """
 
 import argparse

@@ -187,7 +187,9 @@ def test_snow_does_not_lean_over_a_gap_that_stays_open():
             at = positions * (width, width, 1.0) + (x, 0.0, low)
             faces += [at[[*triangles[k], triangles[k + 1][2]]] for k in range(0, 12, 2)]
     *mesh, resolution = unfolded([np.array(face, np.float64) for face in faces], 0.004)
-    snow = map_of(mesh, resolution, lambda points, up: np.where((up > 0.7) & (points[:, 2] > 0.303), 0.02, 0.0))
+    snow = map_of(
+        mesh, resolution, lambda points, up: np.where((up > 0.7) & (points[:, 2] > 0.303), 0.02, 0.0)
+    )
     positions, triangles, uv = mesh
     surface = native.SnowSurface(triangles, uv, positions, snow, snow, depth)
     drawn = surface.points(snow, depth)
