@@ -44,6 +44,8 @@ constexpr float kLeastPart = 0.05f;
 /// the depth.
 constexpr double kOffFace = 0.01;
 constexpr float kOnRim = 0.02f;
+/// Height above a rim within which another piece covers it, likewise.
+constexpr float kCovered = 0.25f;
 /// Least upward component of the normal where snow lies below a rim.
 constexpr float kCarriesBelow = 0.3f;
 
@@ -258,7 +260,7 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
                    const std::vector<RimZones::Zone>& zone, const Rims& rims,
                    const SurfaceMesh& receiver, const base::TriangleTree& tree,
                    const Beyond& beyond, const glm::vec2& wind, const glm::vec3& noise_shift,
-                   float depth) {
+                   float depth, bool needles) {
   Fronts fronts;
   const std::vector<uint8_t> sheltered = sheltered_points(points, tree, depth);
   std::vector<int32_t> behind_rims, lie;
@@ -320,13 +322,15 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
     front.half_step = 0.5f * opposite.step;
 
     // The tip of a needle counts as a rim but is too small for a front.
-    front.presence = eased(here.room / depth, 0.03f, 0.09f);
+    // Under another piece there is no room for one either: a table's leg, a stone under a stone.
+    const RimPlace::Part& first = here.place.parts[0];
+    const glm::vec3 on_rim = first.foot - rims.all()[first.rim].out * (kOnRim * depth);
+    const bool is_covered = !needles && is_sheltered(tree, on_rim, kCovered * depth);
+    front.presence = is_covered ? 0.0f : eased(here.room / depth, 0.03f, 0.09f);
     const float farthest = front.presence > 0.0f ? 3.0f * depth : 0.0f;
     const auto own = static_cast<int32_t>(p);
     // A rim below another surface has the snow of its own shelter behind it.
-    const RimPlace::Part& first = here.place.parts[0];
-    const glm::vec3 on_rim = first.foot - rims.all()[first.rim].out * (kOnRim * depth);
-    const bool shelter = is_sheltered(tree, on_rim, depth);
+    const bool shelter = is_covered || is_sheltered(tree, on_rim, depth);
     const glm::vec3 behind = here.place.foot - here.place.out * (here.support * 1.02f);
     fronts.inland[f] = inland.at(behind, own, farthest, shelter);
     if (front.presence > 0.0f) {

@@ -74,11 +74,12 @@ struct Fronts {
 /// @param beyond the other receivers.
 /// @param wind as in SurfacePlan.
 /// @param noise_shift offset of positions in noise space, in depths.
+/// @param needles see are_needles: they cover each other, and have snow all the same.
 Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
                    const std::vector<RimZones::Zone>& zone, const Rims& rims,
                    const SurfaceMesh& receiver, const base::TriangleTree& tree,
                    const Beyond& beyond, const glm::vec2& wind, const glm::vec3& noise_shift,
-                   float depth);
+                   float depth, bool needles);
 
 /// Sets where snow ends in fronts, from the heights in the last frame.
 /// @param thickness thickness of the snow at the points, in metres.

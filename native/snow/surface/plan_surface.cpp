@@ -220,7 +220,7 @@ SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& 
   surface.volume = KeptVolume(points.mesh.position, kKept * depth);
   find_normals(points, surface.samples, kCrease * depth);
   surface.fronts = find_fronts(points, surface.samples.area, zone, rims, receiver, tree,
-                               Beyond(neighbours), plan.wind, shift, depth);
+                               Beyond(neighbours), plan.wind, shift, depth, needles);
   // Cushions join the snow of needles.
   if (needles) surface.fronts.blanket = {};
   if (!surface.fronts.blanket.empty()) {

@@ -216,3 +216,21 @@ def test_snow_goes_on_from_a_slab_onto_a_kerb_that_stands_in_its_edge():
     drawn = shown_over(mesh, snow, depth, places, style=plain)[0].reshape(across.shape)
     assert drawn.min() > 0.8 * 0.37
     assert drawn.max() < 1.1 * 0.37
+
+
+def test_snow_on_slats_lifts_no_side_of_the_leg_below_them():
+    """The leg's top lies within the slats."""
+    faces = []
+    boxes = [((-0.5, y, 0.7), (0.5, y + 0.095, 0.73)) for y in (-0.165, -0.055, 0.055)]
+    for low, high in [*boxes, ((-0.03, -0.03, 0.0), (0.03, 0.03, 0.71))]:
+        positions, triangles, _ = box(1.0, 1.0)
+        at = (positions + (0.5, 0.5, 0.0)) * (np.array(high) - low) + low
+        faces += [at[[*triangles[k], triangles[k + 1][2]]] for k in range(0, 12, 2)]
+    *mesh, resolution = unfolded([np.array(face, np.float64) for face in faces], 0.01)
+    snow = map_of(mesh, resolution, lambda points, up: np.where((up > 0.7) & (points[:, 2] > 0.72), 0.25, 0.0))
+    positions, triangles, uv = mesh
+    surface = native.SnowSurface(triangles, uv, positions, snow, snow, 0.3)
+    carrier, drawn = surface.points(0.0 * snow, 1e-4), surface.points(snow, 0.3)
+    is_leg = (np.abs(carrier[:, :2]).max(axis=1) < 0.04) & (carrier[:, 2] < 0.69)
+    assert is_leg.any()
+    assert np.abs(drawn - carrier)[is_leg].max() < 0.02
