@@ -35,7 +35,7 @@ from ..cache.migration import is_of_before, migrate
 from ..cache.versions import is_finished
 from ..scene.tracker import SceneTracker
 from ..surface.side_by_side import run_side_by_side
-from ..surface.style import WantedPoints, masked_points, shared_out
+from ..surface.style import WantedPoints, patchy_points, shared_out
 from . import continuing, memory, plan, resuming, simulation
 from .choice import choose_receivers, complete_pose
 from .frames import FrameBaker, FrameWork
@@ -255,15 +255,19 @@ class BakeJob:
             self.others = choice.others
         self.pixel_size = simulation.pixel_size(pose, choice.texels, self.request.pixel_size)
         # Computed from all receivers, even if only some are baked, so that machines that share a shot agree.
+        depth = max(self.request.start_depth, self.request.end_depth, 1e-4)
         wanted = {
             key: self.native.wanted_surface_points(
-                obj.topology.triangles, obj.positions, max(self.request.end_depth, 1e-4), obj.topology.shading
+                obj.topology.triangles, obj.positions, depth, obj.topology.shading
             )
             for key, obj in pose.known.items()
             if obj.receives and obj.receiver.surface is not None
         }
+        thaws = self.request.end_depth < self.request.start_depth
         wanted.update(
-            (key, masked_points(*wanted[key])) for key in wanted if pose.known[key].receiver.mask is not None
+            (key, patchy_points(*wanted[key]))
+            for key in wanted
+            if thaws or pose.known[key].receiver.mask is not None
         )
         shares = shared_out(wanted)
         for receiver in self.receivers:

@@ -8,9 +8,10 @@ DETAILS = {"DRAFT": (1.7, 60_000), "DEFAULT": (1.0, 250_000), "FILM": (0.6, 1_00
 
 # Every receiver may have this many points, however few it needs.
 MIN_POINTS = 400
-# A mask ends snow in banks anywhere on level places: further points at hems for each level one, and their maximum.
-BANKS_OF_MASKS = 10.0
-MAX_BANKS = 40_000.0
+# Under masks and where it thaws, snow ends anywhere on level places: further points at hems for each level one, and
+# their maximum.
+BORDERS_OF_PATCHES = 10.0
+MAX_BORDERS = 40_000.0
 
 
 @dataclass(frozen=True)
@@ -33,9 +34,9 @@ class WantedPoints:
         return max(MIN_POINTS, int(min(part, 1.0) * budget))
 
 
-def masked_points(hems, level):
-    """(hems, level) of a receiver with a mask, from those without it."""
-    return hems + min(BANKS_OF_MASKS * level, MAX_BANKS), level
+def patchy_points(hems, level):
+    """(hems, level) of a receiver under a mask or a thaw, from those of a whole cover."""
+    return hems + min(BORDERS_OF_PATCHES * level, MAX_BORDERS), level
 
 
 def shared_out(wanted):

@@ -13,7 +13,7 @@ from cache_files import write_bake, written
 from snowbough.cache import files
 from snowbough.cache.errors import CacheError
 from snowbough.surface import compute, mesh_file, neighbours, point_cache, recording
-from snowbough.surface.style import SurfaceStyle, WantedPoints, masked_points, shared_out
+from snowbough.surface.style import SurfaceStyle, WantedPoints, patchy_points, shared_out
 
 SIZE = 64
 DEPTHS = (0.02, 0.05, 0.1)
@@ -439,9 +439,9 @@ def test_hems_come_before_level_places():
 def test_the_banks_of_a_mask_get_points_beside_a_large_ground():
     wanted = {"yard": (4_000.0, 2_000.0), "ground": (0.0, 270_000.0)}
     bare = shared_out(wanted)["yard"].most("DEFAULT")
-    masked = shared_out({**wanted, "yard": masked_points(*wanted["yard"])})["yard"].most("DEFAULT")
+    masked = shared_out({**wanted, "yard": patchy_points(*wanted["yard"])})["yard"].most("DEFAULT")
     assert bare < 7_000 and masked > 20_000
-    assert masked_points(0.0, 1e6) == (40_000.0, 1e6)
+    assert patchy_points(0.0, 1e6) == (40_000.0, 1e6)
 
 
 def test_with_too_few_points_for_hems_all_receivers_have_the_same_share_of_them():
