@@ -60,7 +60,7 @@ LINES = {
     "addon/snowbough/result": 2300,
     "addon/snowbough/scene": 2650,
     "addon/snowbough/settings": 1000,
-    "addon/snowbough/surface": 800,
+    "addon/snowbough/surface": 850,
     "addon/snowbough/tree": 2700,
     "addon/snowbough/ui": 2550,
     "addon/snowbough/usd": 600,

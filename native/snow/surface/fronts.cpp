@@ -44,7 +44,8 @@ constexpr float kLeastPart = 0.05f;
 /// the depth.
 constexpr double kOffFace = 0.01;
 constexpr float kOnRim = 0.02f;
-/// Height above a rim within which another piece covers it, likewise.
+/// Height above a rim within which another piece covers it, likewise, and the least height of such
+/// a rim: tiles cover each other's sides.
 constexpr float kCovered = 0.25f;
 /// Least upward component of the normal where snow lies below a rim.
 constexpr float kCarriesBelow = 0.3f;
@@ -325,7 +326,8 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
     // Under another piece there is no room for one either: a table's leg, a stone under a stone.
     const RimPlace::Part& first = here.place.parts[0];
     const glm::vec3 on_rim = first.foot - rims.all()[first.rim].out * (kOnRim * depth);
-    const bool is_covered = !needles && is_sheltered(tree, on_rim, kCovered * depth);
+    const bool is_high = rims.all()[first.rim].far_extent > kCovered * depth;
+    const bool is_covered = is_high && !needles && is_sheltered(tree, on_rim, kCovered * depth);
     front.presence = is_covered ? 0.0f : eased(here.room / depth, 0.03f, 0.09f);
     const float farthest = front.presence > 0.0f ? 3.0f * depth : 0.0f;
     const auto own = static_cast<int32_t>(p);

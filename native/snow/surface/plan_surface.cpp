@@ -22,6 +22,9 @@ constexpr float kKeptWide = 3.0f;
 /// Two neighbours with dents that differ by more than this fraction of the depth lie at a print's
 /// wall.
 constexpr float kWall = 0.1f;
+/// Length of the edges of needles for which their cushions need a point, as a fraction of the
+/// depth.
+constexpr float kCushions = 0.07f;
 /// The look that decides where snow ends.
 const shared::SnowStyle kUsualStyle = shared::usual_style();
 
@@ -170,9 +173,15 @@ PointCounts wanted_points(const SurfaceSource& source, float depth) {
                                 {0, static_cast<int32_t>(receiver.triangle.size())});
   const Rims rims(receiver, tree, source.shading, rim_zone(depth), far_zone(depth),
                   rim_strip(depth));
-  const RimZones zones(receiver, rims, depth, are_needles(receiver, depth));
-  return wanted_points(receiver, rims, zones, {cover.data(), cover.data(), nullptr, kSlopes},
-                       depth);
+  const bool needles = are_needles(receiver, depth);
+  const RimZones zones(receiver, rims, depth, needles);
+  PointCounts counts =
+      wanted_points(receiver, rims, zones, {cover.data(), cover.data(), nullptr, kSlopes}, depth);
+  // The cushions on needles, which have no hems.
+  for (const Rim& rim : rims.all()) {
+    if (needles) counts.hems += glm::distance(rim.from, rim.to) / (kCushions * depth);
+  }
+  return counts;
 }
 
 SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& last,

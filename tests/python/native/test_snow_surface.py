@@ -115,6 +115,13 @@ def test_many_needles_and_their_cushions_keep_within_their_points():
         assert surface.coarsened > 1.0
 
 
+def test_needles_want_points_for_their_cushions():
+    mesh = needles()
+    hems, _ = native.wanted_surface_points(mesh[1], mesh[0], DEPTH)
+    # 176 m of edges, and a point of a cushion for each 7 mm of them.
+    assert hems > 176.0 / (0.07 * DEPTH)
+
+
 def test_receivers_of_other_seeds_have_other_hems():
     assert not np.array_equal(make(seed=1).points(level(), DEPTH), make(seed=2).points(level(), DEPTH))
 
