@@ -66,7 +66,7 @@ LINES = {
     "addon/snowbough/usd": 600,
     "shaders": 5050,
     "benchmarks": 5450,
-    "tests": 58450,
+    "tests": 58500,
 }
 SOURCES = {".h", ".cpp", ".glsl", ".py"}
 

@@ -227,10 +227,30 @@ def test_snow_on_slats_lifts_no_side_of_the_leg_below_them():
         at = (positions + (0.5, 0.5, 0.0)) * (np.array(high) - low) + low
         faces += [at[[*triangles[k], triangles[k + 1][2]]] for k in range(0, 12, 2)]
     *mesh, resolution = unfolded([np.array(face, np.float64) for face in faces], 0.01)
-    snow = map_of(mesh, resolution, lambda points, up: np.where((up > 0.7) & (points[:, 2] > 0.72), 0.25, 0.0))
+    snow = map_of(
+        mesh, resolution, lambda points, up: np.where((up > 0.7) & (points[:, 2] > 0.72), 0.25, 0.0)
+    )
     positions, triangles, uv = mesh
     surface = native.SnowSurface(triangles, uv, positions, snow, snow, 0.3)
     carrier, drawn = surface.points(0.0 * snow, 1e-4), surface.points(snow, 0.3)
     is_leg = (np.abs(carrier[:, :2]).max(axis=1) < 0.04) & (carrier[:, 2] < 0.69)
     assert is_leg.any()
     assert np.abs(drawn - carrier)[is_leg].max() < 0.02
+
+
+def test_the_middle_of_a_slat_is_as_smooth_as_its_sides():
+    """The snow slopes down to the outer edges of the outer slats."""
+    mesh, resolution = plates(gap=0.031, width=0.096, count=3, length=1.4)
+
+    def sloping(points, up):
+        aside = np.abs(points[:, 0])
+        snow = np.where(aside < 0.05, 0.28, np.clip((0.175 - aside) * 2.0, 0.0, 0.2))
+        return np.where(up > 0.7, snow, 0.0)
+
+    across, along = np.meshgrid(np.linspace(-0.04, 0.04, 17), np.linspace(-0.5, 0.5, 101))
+    places = np.stack([across.ravel(), along.ravel()], axis=1)
+    plain = {"overhang": 0.0, "hem_variation": 0.0, "bridging": 1.0, "relief": 0.0}
+    drawn = shown_over(mesh, map_of(mesh, resolution, sloping), 0.3, places, style=plain)[0].reshape(
+        across.shape
+    )
+    assert np.abs(np.diff(drawn, axis=0)).max() < 0.025
