@@ -28,9 +28,9 @@ constexpr float kBareBevel = 0.3f;
 constexpr float kCoveredBevel = 1.2f;
 
 /// What lies below a rim is looked for at these distances outwards, from this far above the rim
-/// down to this depth, as fractions of the depth; within a body, for a top that is no higher than
-/// the third. The first one that is hit says how far below it
-/// lies; the snow there has the thickness at the last distance, off the foot of the step.
+/// down to this depth, as fractions of the depth; within a body, up to the height that follows. The
+/// first one that is hit says how far below it lies; the snow there has the thickness at the last
+/// distance, off the foot of the step.
 constexpr std::array<float, 3> kBeyond{0.03f, 0.15f, 0.35f};
 constexpr float kAbove = 0.05f;
 constexpr float kDeepest = 1.5f;

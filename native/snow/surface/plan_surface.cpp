@@ -178,8 +178,10 @@ PointCounts wanted_points(const SurfaceSource& source, float depth) {
   PointCounts counts =
       wanted_points(receiver, rims, zones, {cover.data(), cover.data(), nullptr, kSlopes}, depth);
   // The cushions on needles, which have no hems.
-  for (const Rim& rim : rims.all()) {
-    if (needles) counts.hems += glm::distance(rim.from, rim.to) / (kCushions * depth);
+  if (needles) {
+    for (const Rim& rim : rims.all()) {
+      counts.hems += glm::distance(rim.from, rim.to) / (kCushions * depth);
+    }
   }
   return counts;
 }

@@ -42,7 +42,7 @@ constexpr float kLeastOfStrip = 0.75f;
 /// The same for open edges that are shaded smooth.
 constexpr float kLeastEdges = 24.0f;
 /// Metres within which the other side of a body is looked for.
-constexpr double kFarthest = 1e3;
+constexpr double kOtherSide = 1e3;
 /// Cosine of the least angle at which the surface behind a rim turns down from the supporting face.
 constexpr float kSameSide = 0.5f;
 /// Greatest number of triangles across a strip.
@@ -130,7 +130,7 @@ class RimFinder {
 
   bool is_inside(const glm::vec3& place) const {
     const auto normal_up = [&](double z) {
-      const auto hit = tree_.first_along(0, glm::dvec3(place), {0.0, 0.0, z}, 1e-4, kFarthest);
+      const auto hit = tree_.first_along(0, glm::dvec3(place), {0.0, 0.0, z}, 1e-4, kOtherSide);
       return hit.triangle < 0 ? 0.0f : normals_[static_cast<size_t>(hit.triangle)].z;
     };
     return normal_up(1.0) > 0.0f && normal_up(-1.0) < 0.0f;
