@@ -59,12 +59,10 @@ constexpr float kNearBelow = 0.2f;
 constexpr float kSteepBank = 0.12f;
 
 /// A blanket reaches outwards by the first fraction of the snow's height, beyond half the gap. It
-/// does so over the second part of the zone, and dips by the third, as a fraction of that way. On
-/// the far face it dives by the fraction of the height that is given last.
+/// does so over the second part of the zone, and dips by the third, as a fraction of that way.
 constexpr float kBlanketOver = 0.08f;
 constexpr float kBlanketRun = 0.2f;
 constexpr float kBlanketDip = 0.25f;
-constexpr float kBlanketDive = 0.3f;
 /// Distances from a rim at which its step counts fully and not at all, as fractions of the depth.
 constexpr float kNearStep = 0.6f;
 constexpr float kFarStep = 1.2f;
@@ -83,29 +81,6 @@ constexpr float kMoreSnow = 0.24f;
 constexpr float kMoreOnWide = 0.7f;
 constexpr float kNarrowFront = 0.9f;
 constexpr float kWideFront = 2.0f;
-
-void smooth_presence(Fronts& fronts, const HeightSamples& samples) {
-  std::vector<int32_t> front_of(samples.count(), -1);
-  for (size_t f = 0; f < fronts.front.size(); ++f)
-    front_of[fronts.point[f]] = static_cast<int32_t>(f);
-  constexpr int kRounds = 8;
-  std::vector<float> before(fronts.front.size());
-  for (int round = 0; round < kRounds; ++round) {
-    for (size_t f = 0; f < fronts.front.size(); ++f) before[f] = fronts.front[f].presence;
-    base::for_each_item(fronts.front.size(), 256, [&](size_t f) {
-      const auto p = static_cast<size_t>(fronts.point[f]);
-      float sum = before[f];
-      float count = 1.0f;
-      for (int32_t i = samples.neighbour_begin[p]; i < samples.neighbour_begin[p + 1]; ++i) {
-        const int32_t other = front_of[samples.neighbour[i]];
-        if (other < 0) continue;
-        sum += before[other];
-        count += 1.0f;
-      }
-      fronts.front[f].presence = sum / count;
-    });
-  }
-}
 
 /// True if another surface lies less than a depth above a place.
 bool is_sheltered(const base::TriangleTree& tree, const glm::vec3& place, float depth) {
@@ -204,6 +179,34 @@ Fronts::Fall fall_beyond(const RimPlace& place, const Rims& rims, const SurfaceM
   return found;
 }
 
+/// A front's constants but for its presence and what lies beyond the rim.
+SnowFront front_in(const RimZones::Zone& here, const glm::vec2& wind, const glm::vec3& noise_shift,
+                   float depth) {
+  SnowFront front;
+  front.distance = here.place.distance;
+  front.below = here.place.below;
+  front.bevel = here.place.strip;
+  front.zone = here.support;
+  front.far_zone = here.far;
+  front.has_far = here.place.has_far ? 1.0f : 0.0f;
+  front.support = here.place.support;
+  front.full = 1.0f;
+  front.outward = here.place.out;
+  front.level_out = here.place.level_out;
+  front.down = here.place.down;
+  front.eave = std::clamp(-here.place.out.z, 0.0f, 1.0f) * front.has_far;
+  const glm::vec3 support = here.place.distance >= 0.0f ? here.place.support : glm::vec3(0, 0, 1);
+  const glm::vec3 lift = unit(0.7f * glm::vec3(0, 0, 1) + 0.3f * support);
+  front.lift = lift / std::max(glm::dot(lift, support), 0.5f);
+  const glm::vec3 at = here.place.foot / depth + noise_shift;
+  front.noise_slow = std::clamp(layered_noise(at + 9.0f, {3.0f, 1.4f, 0.6f}, 0.75f), -1.3f, 1.3f);
+  front.noise_fast = std::clamp(layered_noise(at + 31.0f, {2.4f, 1.2f, 0.7f}, 0.65f), -1.3f, 1.3f);
+  front.noise_shoulder = layered_noise(at + 77.0f, {3.0f, 1.2f, 0.0f}, 0.6f);
+  const float lee = glm::dot(glm::vec2(here.place.level_out), wind);
+  front.lee = kLee * std::max(lee, 0.0f);
+  return front;
+}
+
 }  // namespace
 
 shared::SnowBehind Fronts::behind(size_t number, const std::vector<float>& height,
@@ -238,6 +241,46 @@ float Fronts::goes_on(size_t number, const shared::SnowJoin& join, float depth) 
   return join.joined * eased(std::abs(at.distance), kFarStep * depth, kNearStep * depth);
 }
 
+void Fronts::smooth(std::vector<float>& values) const {
+  constexpr int kRounds = 8;
+  std::vector<float> before(values.size());
+  for (int round = 0; round < kRounds; ++round) {
+    before.swap(values);
+    base::for_each_item(values.size(), 256, [&](size_t f) {
+      float sum = before[f];
+      for (int32_t i = beside_begin[f]; i < beside_begin[f + 1]; ++i) sum += before[beside[i]];
+      values[f] = sum / static_cast<float>(1 + beside_begin[f + 1] - beside_begin[f]);
+    });
+  }
+}
+
+void smooth_joins(Fronts& fronts, const HeightSamples& samples) {
+  std::vector<int32_t> front_of(samples.count(), -1);
+  for (size_t f = 0; f < fronts.count(); ++f) front_of[fronts.point[f]] = static_cast<int32_t>(f);
+  fronts.beside_begin.push_back(0);
+  for (const int32_t p : fronts.point) {
+    for (int32_t i = samples.neighbour_begin[p]; i < samples.neighbour_begin[p + 1]; ++i) {
+      const int32_t other = front_of[samples.neighbour[i]];
+      if (other >= 0) fronts.beside.push_back(other);
+    }
+    fronts.beside_begin.push_back(static_cast<int32_t>(fronts.beside.size()));
+  }
+  std::vector<float> bridged, gap, step;
+  for (const SnowFront& front : fronts.front) {
+    bridged.push_back(front.bridged);
+    gap.push_back(front.bridged * front.half_gap);
+    step.push_back(front.bridged * front.half_step);
+  }
+  for (std::vector<float>* values : {&bridged, &gap, &step}) fronts.smooth(*values);
+  for (size_t f = 0; f < fronts.count(); ++f) {
+    SnowFront& front = fronts.front[f];
+    front.bridged = bridged[f];
+    if (bridged[f] <= 0.0f) continue;
+    front.half_gap = gap[f] / bridged[f];
+    front.half_step = step[f] / bridged[f];
+  }
+}
+
 glm::vec3 Fronts::blanket_offset(size_t number, const shared::SnowJoin& join,
                                  const std::vector<float>& shown, const glm::vec3& offset,
                                  const glm::vec3& up) const {
@@ -251,10 +294,10 @@ glm::vec3 Fronts::blanket_offset(size_t number, const shared::SnowJoin& join,
   const float slope = glm::dot(at.outward, up) / std::max(glm::dot(at.support, up), kCarriesBelow);
   const float dip = (kBlanketDip * near + slope) * out;
   if (!is_far) return offset + at.outward * out - at.support * dip;
-  const float dive =
-      kBlanketDive * height * eased(-at.distance, 0.0f, shared::kTucked * at.far_zone);
+  // Down to the far face: whatever the snow beyond leaves open, this closes.
+  const float dive = eased(-at.distance, 0.0f, shared::kTucked * at.far_zone);
   const glm::vec3 to_rim = at.outward * (at.distance + at.below) - at.down * at.below;
-  return to_rim + at.outward * out + at.support * (height - dip - dive);
+  return glm::mix(to_rim + at.outward * out + at.support * (height - dip), offset, dive);
 }
 
 Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
@@ -295,28 +338,7 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
     const auto p = static_cast<size_t>(fronts.point[f]);
     const RimZones::Zone& here = zone[p];
     shared::SnowFront& front = fronts.front[f];
-    front.distance = here.place.distance;
-    front.below = here.place.below;
-    front.bevel = here.place.strip;
-    front.zone = here.support;
-    front.far_zone = here.far;
-    front.has_far = here.place.has_far ? 1.0f : 0.0f;
-    front.support = here.place.support;
-    front.full = 1.0f;
-    front.outward = here.place.out;
-    front.level_out = here.place.level_out;
-    front.down = here.place.down;
-    front.eave = std::clamp(-here.place.out.z, 0.0f, 1.0f) * front.has_far;
-    const glm::vec3 support = here.place.distance >= 0.0f ? here.place.support : glm::vec3(0, 0, 1);
-    const glm::vec3 lift = unit(0.7f * glm::vec3(0, 0, 1) + 0.3f * support);
-    front.lift = lift / std::max(glm::dot(lift, support), 0.5f);
-    const glm::vec3 at = here.place.foot / depth + noise_shift;
-    front.noise_slow = std::clamp(layered_noise(at + 9.0f, {3.0f, 1.4f, 0.6f}, 0.75f), -1.3f, 1.3f);
-    front.noise_fast =
-        std::clamp(layered_noise(at + 31.0f, {2.4f, 1.2f, 0.7f}, 0.65f), -1.3f, 1.3f);
-    front.noise_shoulder = layered_noise(at + 77.0f, {3.0f, 1.2f, 0.0f}, 0.6f);
-    const float lee = glm::dot(glm::vec2(here.place.level_out), wind);
-    front.lee = kLee * std::max(lee, 0.0f);
+    front = front_in(here, wind, noise_shift, depth);
     const Rims::Opposite opposite = rims.opposite(here.place, shared::kBridgedGap * depth);
     front.bridged = opposite.nearness;
     front.half_gap = 0.5f * opposite.gap + 0.0005f;
@@ -453,7 +475,10 @@ void find_presence(Fronts& fronts, const SurfacePoints& points, const HeightSamp
     const float more = glm::mix(kMoreSnow, kMoreOnWide, wide);
     front.presence *= std::min(more * fullness / (1.0f - fullness), 1.0f);
   });
-  smooth_presence(fronts, samples);
+  std::vector<float> presence;
+  for (const SnowFront& front : fronts.front) presence.push_back(front.presence);
+  fronts.smooth(presence);
+  for (size_t f = 0; f < fronts.count(); ++f) fronts.front[f].presence = presence[f];
 }
 
 }  // namespace snowbough::snow

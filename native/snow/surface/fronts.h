@@ -49,7 +49,12 @@ struct Fronts {
   /// other pieces, else 1.
   std::vector<float> counted;
 
+  /// The fronts of the points beside that of front f, from beside_begin[f] on.
+  std::vector<int32_t> beside_begin, beside;
+
   size_t count() const { return point.size(); }
+  /// Averages values per front with those of the points beside.
+  void smooth(std::vector<float>& values) const;
   /// Mean heights behind the rims; bare points count as 0. `open_depth`: as in SurfaceFrame.
   shared::SnowBehind behind(size_t number, const std::vector<float>& height,
                             float open_depth) const;
@@ -80,6 +85,10 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
                    const SurfaceMesh& receiver, const base::TriangleTree& tree,
                    const Beyond& beyond, const glm::vec2& wind, const glm::vec3& noise_shift,
                    float depth, bool needles);
+
+/// Finds which fronts lie beside each other, and smooths how they join those across gaps: whether a
+/// rim finds one across must not tear the snow.
+void smooth_joins(Fronts& fronts, const HeightSamples& samples);
 
 /// Sets where snow ends in fronts, from the heights in the last frame.
 /// @param thickness thickness of the snow at the points, in metres.

@@ -232,6 +232,7 @@ SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& 
   find_normals(points, surface.samples, kCrease * depth);
   surface.fronts = find_fronts(points, surface.samples.area, zone, rims, receiver, tree,
                                Beyond(neighbours), plan.wind, shift, depth, needles);
+  smooth_joins(surface.fronts, surface.samples);
   // Cushions join the snow of needles.
   if (needles) surface.fronts.blanket = {};
   if (!surface.fronts.blanket.empty()) {

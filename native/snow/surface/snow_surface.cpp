@@ -104,6 +104,7 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
     heights.blanket[f] =
         fronts.goes_on(f, snow_join(fronts.front[f], style, behind), frame.open_depth);
   });
+  fronts.smooth(heights.blanket);
   const std::vector<float> sampled = heights.thickness;
   smooth(samples, heights.thickness, kRoundsBefore);
   const std::vector<float> held = heights.thickness;

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The snow surface over gaps between pieces of one receiver: one blanket with soft furrows."""
 
+import math
+
 import numpy as np
 import pytest
 import snowbough_native as native
-from shown_snow import map_of, shown_over
+from shown_snow import faces_of, map_of, shown_over
 from snow_meshes import box, unfolded
+from snow_rays import first_hits
 
 # Metres.
 DEPTH = 0.2
@@ -100,6 +103,54 @@ def test_snow_runs_over_courses_of_tiles():
     above = drawn + down * np.tan(np.radians(32.0))
     assert above.mean() > 0.9 * DEPTH
     assert above.std() < 0.15 * DEPTH
+
+
+def loose_tiles(random, rows=5, columns=5, slope=38.0):
+    """Tiles of 22 x 29 x 1.8 cm, as if laid by hand: each rests on those of the course below it."""
+    corners, triangles, _ = box()
+
+    def turned(points, angle, a, b):
+        points[:, a], points[:, b] = (
+            math.cos(angle) * points[:, a] - math.sin(angle) * points[:, b],
+            math.sin(angle) * points[:, a] + math.cos(angle) * points[:, b],
+        )
+
+    faces, up = [], math.radians(slope)
+    for row in range(rows):
+        for column in range(columns):
+            tile = (corners - (0, 0, 0.5)) * (0.22, 0.29, 0.018)
+            turned(tile, up - math.radians(5.2), 1, 2)
+            turned(tile, math.radians(random.uniform(-0.8, 0.8)), 0, 1)
+            tile += (
+                (column + 0.5 * (row % 2)) * 0.225 + random.uniform(-0.003, 0.003),
+                row * 0.24 * math.cos(up),
+                row * 0.24 * math.sin(up) + random.uniform(-0.003, 0.003),
+            )
+            faces += [tile[[*triangles[k], triangles[k + 1][2]]] for k in range(0, 12, 2)]
+    *mesh, resolution = unfolded(faces, 0.01)
+    return mesh, resolution
+
+
+def test_no_tile_is_seen_between_the_courses_of_a_roof():
+    """From the ground, with few points."""
+    seed, depth = 3, 0.1
+    print("seed", seed)
+    (positions, triangles, uv), resolution = loose_tiles(np.random.default_rng(seed))
+    positions = positions.astype(np.float32)
+    sim = native.SnowSimulation(
+        pixel_size=0.01, max_depth=1.0, repose=math.radians(65.0), cohesion=0.005, engine="CPU"
+    )
+    sim.add_object("roof", triangles, uv, resolution=resolution)
+    for step in range(32):
+        sim.step({"roof": positions} if step == 0 else {}, depth / 32, (0.0, 0.0, -1.0), 1.0 / 24.0)
+    snow = sim.height("roof").astype(np.float32)
+    surface = native.SnowSurface(triangles, uv, positions, snow, snow, depth, most_points=13000)
+    drawn = surface.points(snow, depth)[faces_of(surface)]
+    x, y = np.meshgrid(np.linspace(0.3, 0.9, 401), np.linspace(0.15, 0.75, 401))
+    places = np.stack([x, y, y * math.tan(math.radians(38.0))], axis=2).reshape(-1, 3)
+    for view in ((-0.45, 0.86, -0.22), (0.45, 0.86, -0.22), (0.0, 0.97, -0.2)):
+        tiles = first_hits(places, positions[triangles], view)
+        assert not (tiles < first_hits(places, drawn, view) - 1e-4).any()
 
 
 def test_snow_does_not_dip_at_the_foot_of_a_low_step():

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "native/snow/surface/shapes.h"
 
 namespace snowbough::snow {
@@ -124,6 +126,21 @@ TEST(Rims, ABevelIsOneWhereItsFacesWouldMeet) {
     EXPECT_LT(glm::distance(rim.far_normal, glm::vec3(1, 0, 0)), 1e-6f);
   }
   EXPECT_EQ(found, 1);
+}
+
+TEST(Rims, ABevelOfAnUnevenStoneIsOne) {
+  for (const size_t corner : {1, 2, 4, 5}) {
+    for (const float lift : {-2e-3f, 2e-3f}) {
+      SurfaceSource stone = bevel(0.02f);
+      stone.positions[corner].z += lift;
+      const RimmedMesh mesh(stone);
+      const auto is_bevel = [](const Rim& rim) {
+        return rim.out.x > 0.9f && rim.strip_out > 0.01f;
+      };
+      EXPECT_TRUE(std::any_of(mesh.rims.all().begin(), mesh.rims.all().end(), is_bevel))
+          << corner << " " << lift;
+    }
+  }
 }
 
 TEST(Rims, AStripThatIsTooWideIsNone) {
