@@ -22,6 +22,8 @@ using shared::SnowFront;
 constexpr float kLee = 0.4f;
 /// Points at least this fraction into their zone give the height of the snow behind a rim.
 constexpr float kInland = 0.6f;
+/// Where the snow behind a rim is looked for, as a fraction of the zone.
+constexpr float kBehind = 1.02f;
 
 /// Heights of snow, in widths of a bevel, at which the bevel begins to vanish and has vanished.
 constexpr float kBareBevel = 0.3f;
@@ -40,9 +42,13 @@ constexpr float kBeside = 0.06f;
 /// Greatest slope of what lies below, and least part of a rim in a place that counts.
 constexpr float kSlopeBelow = 1.2f;
 constexpr float kLeastPart = 0.05f;
+/// Presence below which a front hardly shows, whatever it joins.
+constexpr float kHardly = 0.1f;
 /// Rays for shelter start this far above a face, and this far inwards from a rim, as fractions of
 /// the depth.
 constexpr double kOffFace = 0.01;
+/// Metres within which the other side of a piece is looked for.
+constexpr double kPiece = 1e3;
 constexpr float kOnRim = 0.02f;
 /// Height above a rim within which another piece covers it, likewise, and the least height of such
 /// a rim: tiles cover each other's sides.
@@ -86,6 +92,18 @@ constexpr float kWideFront = 2.0f;
 bool is_sheltered(const base::TriangleTree& tree, const glm::vec3& place, float depth) {
   const glm::dvec3 from = glm::dvec3(place) + glm::dvec3(0.0, 0.0, kOffFace * depth);
   return std::isfinite(tree.first_along(0, from, {0.0, 0.0, 1.0}, 1e-5, depth).distance);
+}
+
+/// True if a place lies within another piece that stands on the surface, as seen towards the rim.
+bool is_within(const SurfaceMesh& receiver, const base::TriangleTree& tree, const glm::vec3& place,
+               const glm::vec3& out, float depth) {
+  const glm::dvec3 from = glm::dvec3(place) + glm::dvec3(0.0, 0.0, kOffFace * depth);
+  const auto leaves = [&](const glm::dvec3& way) {
+    const auto hit = tree.first_along(0, from, way, 1e-5, kPiece);
+    return hit.triangle >= 0 &&
+           glm::dot(triangle_cross(receiver, hit.triangle), glm::vec3(way)) > 0.0f;
+  };
+  return leaves({0.0, 0.0, 1.0}) && leaves(glm::dvec3(out));
 }
 
 /// Unit normals of the faces at each point, those of the most level ones above all.
@@ -232,7 +250,7 @@ float Fronts::presence(size_t number, const shared::SnowBehind& behind,
                            ? eased(behind.inland, kBareBevel * at.bevel, kCoveredBevel * at.bevel)
                            : 1.0f;
   const float own = at.presence * covers;
-  return own > 0.0f ? std::max(own, join.joined) : 0.0f;
+  return std::max(own, join.joined * std::min(own / kHardly, 1.0f));
 }
 
 float Fronts::goes_on(size_t number, const shared::SnowJoin& join, float depth) const {
@@ -310,11 +328,19 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
   std::vector<int32_t> behind_rims, lie;
   for (size_t p = 0; p < points.count(); ++p) {
     const bool is_near = !zone[p].place.is_far_off;
-    if (is_near && zone[p].share > kInland) behind_rims.push_back(static_cast<int32_t>(p));
     const bool is_far = is_near && zone[p].share < -1e-3f;
-    if (!is_far && points.normal[p].z >= kCarriesBelow) lie.push_back(static_cast<int32_t>(p));
+    if (is_far || points.normal[p].z < kCarriesBelow) continue;
+    lie.push_back(static_cast<int32_t>(p));
+    if (is_near && zone[p].share > kInland) behind_rims.push_back(static_cast<int32_t>(p));
   }
   const std::vector<glm::vec3>& position = points.mesh.position;
+  std::vector<uint8_t> within(behind_rims.size());
+  base::for_each_item(within.size(), 256, [&](size_t i) {
+    const int32_t p = behind_rims[i];
+    within[i] = is_within(receiver, tree, position[p], zone[p].place.level_out, depth) ? 1 : 0;
+  });
+  size_t next = 0;
+  std::erase_if(behind_rims, [&](int32_t) { return within[next++] != 0; });
   const NearestPoints inland(position, std::move(behind_rims), sheltered, depth);
   const NearestPoints lying(position, std::move(lie), sheltered, depth);
   fronts.banks = find_banks(points, receiver, tree, lying, depth);
@@ -355,7 +381,13 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
     const auto own = static_cast<int32_t>(p);
     // A rim below another surface has the snow of its own shelter behind it.
     const bool shelter = is_covered || is_sheltered(tree, on_rim, depth);
-    const glm::vec3 behind = here.place.foot - here.place.out * (here.support * 1.02f);
+    // Off the foot of a piece that stands on the top.
+    float inwards = kBehind;
+    glm::vec3 behind = here.place.foot - here.place.out * (here.support * inwards);
+    while (inwards > 0.5f && is_within(receiver, tree, behind, here.place.level_out, depth)) {
+      inwards -= 0.2f;
+      behind = here.place.foot - here.place.out * (here.support * (inwards - 0.2f));
+    }
     fronts.inland[f] = inland.at(behind, own, farthest, shelter);
     if (front.presence > 0.0f) {
       const bool may_bridge = front.bridged > 0.0f;
@@ -378,7 +410,7 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
     }
     if (opposite.nearness > 0.0f) {
       const glm::vec3 across = here.place.foot + glm::vec3(0.0f, 0.0f, opposite.step) +
-                               here.place.level_out * (opposite.gap + here.support * 1.02f);
+                               here.place.level_out * (opposite.gap + here.support * kBehind);
       fronts.across[f] = inland.at(across, own, farthest, shelter);
     }
   });

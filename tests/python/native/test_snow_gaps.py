@@ -305,3 +305,37 @@ def test_the_middle_of_a_slat_is_as_smooth_as_its_sides():
         across.shape
     )
     assert np.abs(np.diff(drawn, axis=0)).max() < 0.025
+
+
+def turned(profile, sides=20):
+    """Faces of a body around the z axis. profile: radius and height of each ring."""
+    rings = [
+        [(r * math.cos(t), r * math.sin(t), z) for t in np.linspace(0, 2 * math.pi, sides + 1)]
+        for r, z in profile
+    ]
+    return [
+        np.array([low[k], low[k + 1], high[k + 1], high[k]])
+        for low, high in zip(rings, rings[1:])
+        for k in range(sides)
+    ]
+
+
+def test_snow_is_smooth_around_a_vase_on_a_pillar():
+    """The middle of the pillar's top has no snow, nor has the vase's waist."""
+    corners, triangles, _ = box(0.54, 0.1)
+    faces = [corners[[*triangles[k], triangles[k + 1][2]]].astype(np.float64) for k in range(0, 12, 2)]
+    faces += turned([(0.1, 0.095), (0.07, 0.145), (0.13, 0.215), (0.16, 0.295), (0.001, 0.455)])
+    *mesh, resolution = unfolded(faces, 0.01)
+    depth = 0.3
+
+    def snow(points, up):
+        to_rim = 0.27 - abs(points[:, :2]).max(axis=1)
+        lies = (up > 0.7) & (abs(points[:, 2] - 0.1) < 1e-3) & (np.hypot(*points[:, :2].T) > 0.1)
+        return np.where(lies, np.minimum(0.15, 0.03 + 1.2 * to_rim), 0.0)
+
+    along = np.linspace(-0.12, 0.12, 25)
+    for out in (0.18, 0.2, 0.22, 0.24):
+        places = np.stack([np.full_like(along, out), along], axis=1)
+        drawn = shown_over(mesh, map_of(mesh, resolution, snow), depth, places)[0] - 0.1
+        assert drawn.min() > 0.5 * 0.03
+        assert abs(np.diff(drawn)).max() < 0.01
