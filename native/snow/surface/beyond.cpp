@@ -14,6 +14,8 @@ namespace {
 
 /// Least upward component of the normal of a face that gives the thickness of its snow.
 constexpr float kCarriesSnow = 0.3f;
+/// Metres within which the other side of a piece is looked for.
+constexpr double kOtherFace = 1e3;
 
 }  // namespace
 
@@ -31,6 +33,16 @@ base::TriangleTree::Hit ground_at(const base::TriangleTree& tree,
   if (above.triangle < 0 || !faces_up(above.triangle)) return below;
   if (above.distance > highest) return {};
   return {above.triangle, -above.distance};
+}
+
+bool is_within(const SurfaceMesh& receiver, const base::TriangleTree& tree, const glm::dvec3& place,
+               const glm::dvec3& out) {
+  const auto leaves = [&](const glm::dvec3& way) {
+    const auto hit = tree.first_along(0, place, way, 1e-5, kOtherFace);
+    return hit.triangle >= 0 &&
+           glm::dot(triangle_cross(receiver, hit.triangle), glm::vec3(way)) > 0.0f;
+  };
+  return leaves({0.0, 0.0, 1.0}) && leaves(out);
 }
 
 Beyond::Beyond(const std::vector<Neighbour>& neighbours) : neighbours_(neighbours) {

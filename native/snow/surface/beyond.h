@@ -26,6 +26,11 @@ base::TriangleTree::Hit ground_at(const base::TriangleTree& tree,
                                   const std::vector<std::array<int32_t, 3>>& triangle,
                                   const glm::dvec3& place, double most, double highest);
 
+/// True if a place lies within a piece that stands there, as seen upwards and along the level
+/// direction `out`. Faces that are seen from behind alone, as those of a sheet above, are no piece.
+bool is_within(const SurfaceMesh& receiver, const base::TriangleTree& tree, const glm::dvec3& place,
+               const glm::dvec3& out);
+
 /// The faces of the other receivers, for what lies beyond the rims of one.
 class Beyond {
  public:

@@ -46,9 +46,7 @@ constexpr float kLeastPart = 0.05f;
 constexpr float kHardly = 0.1f;
 /// Rays for shelter start this far above a face, and this far inwards from a rim, as fractions of
 /// the depth.
-constexpr double kOffFace = 0.01;
-/// Metres within which the other side of a piece is looked for.
-constexpr double kPiece = 1e3;
+constexpr float kOffFace = 0.01f;
 constexpr float kOnRim = 0.02f;
 /// Height above a rim within which another piece covers it, likewise, and the least height of such
 /// a rim: tiles cover each other's sides.
@@ -90,20 +88,8 @@ constexpr float kWideFront = 2.0f;
 
 /// True if another surface lies less than a depth above a place.
 bool is_sheltered(const base::TriangleTree& tree, const glm::vec3& place, float depth) {
-  const glm::dvec3 from = glm::dvec3(place) + glm::dvec3(0.0, 0.0, kOffFace * depth);
+  const glm::dvec3 from = place + glm::vec3(0.0f, 0.0f, kOffFace * depth);
   return std::isfinite(tree.first_along(0, from, {0.0, 0.0, 1.0}, 1e-5, depth).distance);
-}
-
-/// True if a place lies within another piece that stands on the surface, as seen towards the rim.
-bool is_within(const SurfaceMesh& receiver, const base::TriangleTree& tree, const glm::vec3& place,
-               const glm::vec3& out, float depth) {
-  const glm::dvec3 from = glm::dvec3(place) + glm::dvec3(0.0, 0.0, kOffFace * depth);
-  const auto leaves = [&](const glm::dvec3& way) {
-    const auto hit = tree.first_along(0, from, way, 1e-5, kPiece);
-    return hit.triangle >= 0 &&
-           glm::dot(triangle_cross(receiver, hit.triangle), glm::vec3(way)) > 0.0f;
-  };
-  return leaves({0.0, 0.0, 1.0}) && leaves(glm::dvec3(out));
 }
 
 /// Unit normals of the faces at each point, those of the most level ones above all.
@@ -334,10 +320,13 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
     if (is_near && zone[p].share > kInland) behind_rims.push_back(static_cast<int32_t>(p));
   }
   const std::vector<glm::vec3>& position = points.mesh.position;
+  const auto within_piece = [&](const glm::vec3& place, const glm::vec3& out) {
+    return is_within(receiver, tree, place + glm::vec3(0.0f, 0.0f, kOffFace * depth), out);
+  };
   std::vector<uint8_t> within(behind_rims.size());
   base::for_each_item(within.size(), 256, [&](size_t i) {
     const int32_t p = behind_rims[i];
-    within[i] = is_within(receiver, tree, position[p], zone[p].place.level_out, depth) ? 1 : 0;
+    within[i] = within_piece(position[p], zone[p].place.level_out) ? 1 : 0;
   });
   size_t next = 0;
   std::erase_if(behind_rims, [&](int32_t) { return within[next++] != 0; });
@@ -345,10 +334,15 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
   const NearestPoints lying(position, std::move(lie), sheltered, depth);
   fronts.banks = find_banks(points, receiver, tree, lying, depth);
   // Below a rim over an upright face, the front has the shape.
-  std::erase_if(fronts.banks, [&](const Bank& bank) {
+  for (Bank& bank : fronts.banks) {
     const RimPlace& place = zone[bank.point].place;
-    return !place.is_far_off && rims.all()[place.parts[0].rim].far_normal.z < kSteepBank;
-  });
+    if (place.is_far_off) continue;
+    if (rims.all()[place.parts[0].rim].far_normal.z < kSteepBank) bank.above = 0.0f;
+    // A joint is no hollow.
+    if (rims.opposite(place, shared::kBridgedGap * depth).nearness > 0.0f) {
+      bank.across = std::numeric_limits<float>::infinity();
+    }
+  }
   if (rims.all().empty()) return fronts;
   for (size_t p = 0; p < points.count(); ++p) {
     if (zone[p].place.is_far_off || zone[p].share < -1.6f) continue;
@@ -375,7 +369,8 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
     const RimPlace::Part& first = here.place.parts[0];
     const glm::vec3 on_rim = first.foot - rims.all()[first.rim].out * (kOnRim * depth);
     const bool is_high = rims.all()[first.rim].far_extent > kCovered * depth;
-    const bool is_covered = is_high && !needles && is_sheltered(tree, on_rim, kCovered * depth);
+    const bool is_covered = (is_high && !needles && is_sheltered(tree, on_rim, kCovered * depth)) ||
+                            within_piece(on_rim, here.place.level_out);
     front.presence = is_covered ? 0.0f : eased(here.room / depth, 0.03f, 0.09f);
     const float farthest = front.presence > 0.0f ? 3.0f * depth : 0.0f;
     const auto own = static_cast<int32_t>(p);
@@ -384,7 +379,7 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
     // Off the foot of a piece that stands on the top.
     float inwards = kBehind;
     glm::vec3 behind = here.place.foot - here.place.out * (here.support * inwards);
-    while (inwards > 0.5f && is_within(receiver, tree, behind, here.place.level_out, depth)) {
+    while (inwards > 0.5f && within_piece(behind, here.place.level_out)) {
       inwards -= 0.2f;
       behind = here.place.foot - here.place.out * (here.support * (inwards - 0.2f));
     }

@@ -9,6 +9,7 @@
 
 #include "base/parallel_for.h"
 #include "base/union_find.h"
+#include "snow/surface/beyond.h"
 #include "snow/surface/flip_edges.h"
 #include "snow/surface/vectors.h"
 
@@ -45,6 +46,8 @@ constexpr float kLeastWidths = 2.5f;
 constexpr float kLeastOfStrip = 0.75f;
 /// The same for open edges that are shaded smooth.
 constexpr float kLeastEdges = 24.0f;
+/// Distance off a rim at which it may lie within another piece, in greatest widths of a strip.
+constexpr float kOnRim = 0.05f;
 /// Metres within which the other side of a body is looked for.
 constexpr double kOtherSide = 1e3;
 /// Cosine of the least angle at which the surface behind a rim turns down from the supporting face.
@@ -323,6 +326,23 @@ void drop_short_rims(std::vector<Rim>& rims, size_t points, float least) {
   });
 }
 
+/// Removes rims within other pieces, such as the back edge of a stair's tread: `off`: metres off a
+/// rim, inwards and upwards, at which it is looked at.
+void drop_hidden_rims(std::vector<Rim>& rims, const SurfaceMesh& mesh,
+                      const base::TriangleTree& tree, float off) {
+  std::vector<uint8_t> hidden(rims.size());
+  base::for_each_item(rims.size(), 64, [&](size_t r) {
+    const Rim& rim = rims[r];
+    hidden[r] = 1;
+    for (const float share : {0.02f, 0.5f, 0.98f}) {
+      const glm::vec3 place = glm::mix(rim.from, rim.to, share) - rim.out * off;
+      if (!is_within(mesh, tree, place + glm::vec3(0.0f, 0.0f, off), rim.out)) hidden[r] = 0;
+    }
+  });
+  size_t next = 0;
+  std::erase_if(rims, [&](const Rim&) { return hidden[next++] != 0; });
+}
+
 /// Moves rims from the upper edges of their strips to the lines at which the planes of both faces
 /// meet. Rims with a common end still meet.
 void move_out(std::vector<Rim>& rims, size_t points) {
@@ -378,6 +398,7 @@ std::vector<Rim> find_rims(const SurfaceMesh& mesh, const base::TriangleTree& tr
   // Leaves end as the map says.
   drop_short_rims(edges, mesh.position.size(), kLeastEdges * reach.strip);
   rims.insert(rims.end(), edges.begin(), edges.end());
+  drop_hidden_rims(rims, mesh, tree, kOnRim * reach.strip);
   move_out(rims, mesh.position.size());
   base::for_each_item(rims.size(), 64,
                       [&](size_t r) { rims[r].far_extent = far_extent(rims[r], tree, reach.far); });

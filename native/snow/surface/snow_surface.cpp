@@ -106,6 +106,7 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
   });
   fronts.smooth(heights.blanket);
   const std::vector<float> sampled = heights.thickness;
+  fronts.blanket.fill_below(heights.thickness);
   smooth(samples, heights.thickness, kRoundsBefore);
   const std::vector<float> held = heights.thickness;
   const std::vector<float> laid =
@@ -150,7 +151,7 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
         heights.shown[p] +=
             surface_relief(looks.point[p], style, heights.shown[p], frame.open_depth);
       }
-      const float in_map = samples.area[p] * held[p];
+      const float in_map = counted_area(p) * held[p];
       const float now = glm::mix(in_map, counted_area(p) * heights.thickness[p], laid[p]);
       volumes[p] = {now, counted_area(p) * std::max(heights.shown[p], 0.0f)};
       laid_volumes[p] = {in_map, now};

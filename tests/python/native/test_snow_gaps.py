@@ -131,19 +131,26 @@ def loose_tiles(random, rows=5, columns=5, slope=38.0):
     return mesh, resolution
 
 
+def fallen(mesh, resolution, depth):
+    """The map of a mesh after a fall of that depth."""
+    positions, triangles, uv = mesh
+    sim = native.SnowSimulation(
+        pixel_size=0.01, max_depth=1.0, repose=math.radians(65.0), cohesion=0.005, engine="CPU"
+    )
+    sim.add_object("mesh", triangles, uv, resolution=resolution)
+    for step in range(32):
+        pose = {"mesh": positions.astype(np.float32)} if step == 0 else {}
+        sim.step(pose, depth / 32, (0.0, 0.0, -1.0), 1.0 / 24.0)
+    return sim.height("mesh").astype(np.float32)
+
+
 def test_no_tile_is_seen_between_the_courses_of_a_roof():
     """From the ground, with few points."""
     seed, depth = 3, 0.1
     print("seed", seed)
-    (positions, triangles, uv), resolution = loose_tiles(np.random.default_rng(seed))
-    positions = positions.astype(np.float32)
-    sim = native.SnowSimulation(
-        pixel_size=0.01, max_depth=1.0, repose=math.radians(65.0), cohesion=0.005, engine="CPU"
-    )
-    sim.add_object("roof", triangles, uv, resolution=resolution)
-    for step in range(32):
-        sim.step({"roof": positions} if step == 0 else {}, depth / 32, (0.0, 0.0, -1.0), 1.0 / 24.0)
-    snow = sim.height("roof").astype(np.float32)
+    mesh, resolution = loose_tiles(np.random.default_rng(seed))
+    positions, triangles, uv = mesh
+    snow = fallen(mesh, resolution, depth)
     surface = native.SnowSurface(triangles, uv, positions, snow, snow, depth, most_points=13000)
     drawn = surface.points(snow, depth)[faces_of(surface)]
     x, y = np.meshgrid(np.linspace(0.3, 0.9, 401), np.linspace(0.15, 0.75, 401))
@@ -283,10 +290,15 @@ def test_snow_on_slats_lifts_no_side_of_the_leg_below_them():
     )
     positions, triangles, uv = mesh
     surface = native.SnowSurface(triangles, uv, positions, snow, snow, 0.3)
-    carrier, drawn = surface.points(0.0 * snow, 1e-4), surface.points(snow, 0.3)
-    is_leg = (np.abs(carrier[:, :2]).max(axis=1) < 0.04) & (carrier[:, 2] < 0.69)
-    assert is_leg.any()
-    assert np.abs(drawn - carrier)[is_leg].max() < 0.02
+    drawn = surface.points(snow, 0.3)[faces_of(surface)]
+    aside, z = np.meshgrid(np.linspace(-0.02, 0.02, 5), np.linspace(0.1, 0.66, 57))
+    for axis in (0, 1):
+        inside = np.zeros((aside.size, 3))
+        inside[:, 1 - axis], inside[:, 2] = aside.ravel(), z.ravel()
+        for side in (-1.0, 1.0):
+            direction = np.zeros(3)
+            direction[axis] = side
+            assert first_hits(inside, drawn, direction).min() > -0.05
 
 
 def test_the_middle_of_a_slat_is_as_smooth_as_its_sides():
@@ -339,3 +351,25 @@ def test_snow_is_smooth_around_a_vase_on_a_pillar():
         drawn = shown_over(mesh, map_of(mesh, resolution, snow), depth, places)[0] - 0.1
         assert drawn.min() > 0.5 * 0.03
         assert abs(np.diff(drawn)).max() < 0.01
+
+
+def stair(width=1.0, tread=0.34, rise=0.16, count=4):
+    """Blocks, each 6 cm under the next one: the back edges of the treads lie within the next blocks."""
+    faces = []
+    for k in range(count):
+        corners, triangles, _ = box()
+        at = corners * (width, tread + 0.06, rise) + (0.0, k * tread, k * rise)
+        faces += [at[[*triangles[i], triangles[i + 1][2]]] for i in range(0, 12, 2)]
+    return unfolded(faces, 0.01)
+
+
+def test_snow_on_a_stair_has_no_slit_before_the_risers():
+    *mesh, resolution = stair()
+    depth, along = 0.3, np.linspace(0.2, 0.9, 141)
+    snow = fallen(mesh, resolution, depth)
+    places = np.stack(np.meshgrid(np.linspace(-0.2, 0.2, 9), along), axis=2).reshape(-1, 2)
+    drawn = shown_over(mesh, snow, depth, places)[0].reshape(141, 9)
+    # Over the line through the edges of the treads.
+    above = drawn - (0.16 + (along[:, None] + 0.2) * 0.16 / 0.34)
+    assert above.min() > 0.5 * depth
+    assert abs(np.diff(drawn, axis=0)).max() < 0.03
