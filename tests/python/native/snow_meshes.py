@@ -150,6 +150,18 @@ def bevelled_box(bevel, segments, size=1.0, height=1.0, texel=0.01):
     return unfolded(faces, texel)
 
 
+def lathe(profile, sides=20):
+    """Faces of a body around the z axis. profile: radius and height of each ring."""
+    rings = [
+        [(r * np.cos(t), r * np.sin(t), z) for t in np.linspace(0, 2 * np.pi, sides + 1)] for r, z in profile
+    ]
+    return [
+        np.array([low[k], low[k + 1], high[k + 1], high[k]])
+        for low, high in zip(rings, rings[1:])
+        for k in range(sides)
+    ]
+
+
 def unfolded(faces, texel):
     """Positions, triangles, uv and the resolution of flat polygons, each with a chart of its own, side by side in
     rows."""

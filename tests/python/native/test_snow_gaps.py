@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import snowbough_native as native
 from shown_snow import faces_of, map_of, shown_over
-from snow_meshes import box, unfolded
+from snow_meshes import box, lathe, unfolded
 from snow_rays import first_hits
 
 # Metres.
@@ -319,24 +319,11 @@ def test_the_middle_of_a_slat_is_as_smooth_as_its_sides():
     assert np.abs(np.diff(drawn, axis=0)).max() < 0.025
 
 
-def turned(profile, sides=20):
-    """Faces of a body around the z axis. profile: radius and height of each ring."""
-    rings = [
-        [(r * math.cos(t), r * math.sin(t), z) for t in np.linspace(0, 2 * math.pi, sides + 1)]
-        for r, z in profile
-    ]
-    return [
-        np.array([low[k], low[k + 1], high[k + 1], high[k]])
-        for low, high in zip(rings, rings[1:])
-        for k in range(sides)
-    ]
-
-
 def test_snow_is_smooth_around_a_vase_on_a_pillar():
     """The middle of the pillar's top has no snow, nor has the vase's waist."""
     corners, triangles, _ = box(0.54, 0.1)
     faces = [corners[[*triangles[k], triangles[k + 1][2]]].astype(np.float64) for k in range(0, 12, 2)]
-    faces += turned([(0.1, 0.095), (0.07, 0.145), (0.13, 0.215), (0.16, 0.295), (0.001, 0.455)])
+    faces += lathe([(0.1, 0.095), (0.07, 0.145), (0.13, 0.215), (0.16, 0.295), (0.001, 0.455)])
     *mesh, resolution = unfolded(faces, 0.01)
     depth = 0.3
 
