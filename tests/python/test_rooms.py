@@ -48,7 +48,7 @@ LINES = {
     "native/snow/seams": 2550,
     "native/snow/state": 550,
     "native/snow/step": 5350,
-    "native/snow/surface": 6250,
+    "native/snow/surface": 6400,
     "native/snow/texels": 2100,
     "addon/snowbough/bake": 4300,
     "addon/snowbough/base": 1150,
@@ -66,7 +66,7 @@ LINES = {
     "addon/snowbough/usd": 600,
     "shaders": 5050,
     "benchmarks": 5450,
-    "tests": 58500,
+    "tests": 58650,
 }
 SOURCES = {".h", ".cpp", ".glsl", ".py"}
 
