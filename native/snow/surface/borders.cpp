@@ -44,6 +44,8 @@ constexpr float kTurnsDownBy = 0.25f;
 constexpr float kGoesOn = 0.08f;
 /// Points with a greater presence of a front have its shape, not that of a border.
 constexpr float kInFront = 0.9f;
+/// Thinner snow, in metres, is none, also where there is no snow around that says so.
+constexpr float kNothing = 1e-5f;
 /// Distance from the border over which snow gets its height: in heights, and at most in depths.
 constexpr float kRoundOff = 1.2f;
 constexpr float kMostRoundOff = 0.4f;
@@ -193,7 +195,7 @@ Borders find_borders(const SurfacePoints& points, const HeightSamples& samples,
     const float noisy =
         std::clamp(threshold[p], kOfCrest * spread * crest[p], kMostOfCrest * crest[p]);
     const float veil = kVeil * depth * shared::steepness(up[p]);
-    ratio[p] = ratio_of(thickness[p], std::max(noisy, veil));
+    ratio[p] = ratio_of(thickness[p], std::max({noisy, veil, kNothing}));
   }
   rounds(kBorderRounds, ratio, [&](size_t p) { return mean(ratio, p); });
 

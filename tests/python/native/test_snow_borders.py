@@ -126,3 +126,21 @@ def test_the_foot_of_a_heap_of_sand_shows():
     assert (in_map > 0.03).sum() > 100
     assert (shown[in_map > 0.03] > 0.005).all()
     assert (shown[in_map <= 0.0] < 0.004).all()
+
+
+def test_where_snow_has_melted_the_surface_lies_below_the_receiver():
+    """In the receiver's own plane its faces would black out the ground."""
+    ground = positions, triangles, uv = grid(2.0, 2.0, cells=32)
+
+    def patch(points, _up):
+        return np.where(np.hypot(points[:, 0], points[:, 1]) < 0.3, 0.02, 0.0)
+
+    before, now = (
+        map_of(ground, 256, lambda points, _up: np.full(len(points), 0.1)),
+        map_of(ground, 256, patch),
+    )
+    surface = native.SnowSurface(triangles, uv, positions, before, before, 0.1)
+    points = surface.points(now, 0.015)
+    bare = np.hypot(points[:, 0], points[:, 1]) > 0.35
+    assert bare.sum() > 500
+    assert points[bare, 2].max() < -2e-4
