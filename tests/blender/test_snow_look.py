@@ -272,3 +272,13 @@ def test_soaked_snow_is_darker_and_mirrors_the_sun(smooth, tmp_path):
         sun.append(float(np.quantile(shot(tmp_path, SUN, 4.0)[..., 1], 0.99)))
     assert 0.75 * sky[0] < sky[1] < 0.97 * sky[0]
     assert sun[1] > 1.2 * sun[0]
+
+
+@pytest.mark.parametrize("cover, wet, light", [(0.0, 0.0, 1.0), (0.0, 1.0, 1.0), (1000.0, 1.0, 0.47)])
+def test_water_darkens_bare_ground_once(group, tmp_path, cover, wet, light):
+    """In gaps of a snow surface the ground is dark already. In the ground's own material it loses half of its light,
+    and 6 % of the rest to the film of water, which mirrors the white sun as much at 60 degrees."""
+    for name, value in (("Height", 0.0), ("Cover", cover), ("Wet", wet)):
+        group.inputs[name].default_value = value
+    picture = shot(tmp_path, SUN, 0.15, 16)
+    assert float(np.median(picture[..., 0] - picture[..., 1])) == pytest.approx(light, rel=0.02)

@@ -40,6 +40,8 @@ CRYSTAL, CRYSTAL_ANGLE = 0.0015, 0.0012
 TILT, MIRROR, REFLECTANCE = 1.8, 0.25, 0.18
 # Size of a crystal in its cell.
 FACET = 0.55
+# Cover of materials that show snow on the object itself.
+NO_SURFACE = 1000.0
 
 # name, socket type, default, minimum, maximum, tooltip
 INPUTS = (
@@ -59,8 +61,8 @@ INPUTS = (
     ("Wind", "NodeSocketVector", (0.0, 0.0, 0.0), None, None, "Level direction of the wind on the object. Its length "
      "is the strength of ripples (0 to 1)"),
     ("Wet", "NodeSocketFloat", 0.0, 0.0, 1.0, "Water in the surface: 0 is dry, 1 is soaked, dark and glossy"),
-    ("Cover", "NodeSocketFloat", 1000.0, 0.0, 1000.0, "Height of the snow surface above the object. Where it is lower "
-     "than Dusting, it shows as grains (metres)"),
+    ("Cover", "NodeSocketFloat", NO_SURFACE, 0.0, NO_SURFACE, "Height of the snow surface above the object. Where it "
+     "is lower than Dusting, it shows as grains (metres)"),
 )  # fmt: skip
 OUTPUTS = (
     ("Shader", "NodeSocketShader", "The material with snow on it"),
@@ -145,7 +147,8 @@ def _fill(tree):
     is_plain = builder.math("MAXIMUM", is_shadow, is_diffuse)
     shaded = builder.mixed(is_plain, glittering.outputs[0], plain)
     mixed = builder.mixed(coverage, inputs["Shader"], shaded)
-    mixed = add_wet(builder, mixed, inputs["Wet"], coverage)
+    is_surface = builder.math("LESS_THAN", inputs["Cover"], NO_SURFACE)
+    mixed = add_wet(builder, mixed, inputs["Wet"], coverage, is_surface)
     relief = add_relief(builder, inputs["Position"], thickness, inputs["Relief"])
     sign = builder.math("SIGN", inputs["Height"])
     displaced = builder.add(inputs["Height"], builder.multiply(relief, sign))

@@ -12,10 +12,13 @@ WATER, FILM = 1.33, 0.12
 SHINES = 0.35
 
 
-def add_wet(builder, shader, wet, coverage):
-    """The shader under water. wet: 0 (dry) to 1 (soaked); coverage: of the surface by snow, 0 to 1."""
+def add_wet(builder, shader, wet, coverage, is_surface):
+    """The shader under water. wet: 0 (dry) to 1 (soaked); coverage: of the surface by snow, 0 to 1. is_surface: 1 for
+    snow above its receiver, whose gaps show what the receiver's own material has made wet, else 0."""
+    wet = builder.multiply(wet, builder.math("MAXIMUM", coverage, builder.subtract(1.0, is_surface)))
     black = builder.feed(builder.node("ShaderNodeBsdfDiffuse"), Color=(0.0, 0.0, 0.0, 1.0)).outputs[0]
-    loss = builder.math("MULTIPLY_ADD", coverage, DARK_SNOW - DARK, DARK)
+    snow = builder.math("MAXIMUM", coverage, is_surface)
+    loss = builder.math("MULTIPLY_ADD", snow, DARK_SNOW - DARK, DARK)
     dark = builder.mixed(builder.multiply(wet, loss), shader, black)
     mirror = compat_nodes.glossy(builder)
     builder.feed(mirror, Roughness=FILM, Color=(1.0, 1.0, 1.0, 1.0))
