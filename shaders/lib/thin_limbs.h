@@ -12,7 +12,7 @@ namespace snowbough::shared {
 /// Width of a patch of a limb in distances of its corners from the middle line.
 KERNEL_CONSTANT float kDrawnWidth = 1.4142136f;
 /// Least length of a drawn section in least widths.
-KERNEL_CONSTANT float kMinLength = 4.0f;
+KERNEL_CONSTANT float kMinLength = 2.0f;
 /// Least length of a drawn leaf in least widths of limbs.
 KERNEL_CONSTANT float kMinLeaf = 1.5f;
 /// Fraction of the drawn patches that are fading out.

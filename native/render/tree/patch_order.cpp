@@ -1,6 +1,8 @@
 #include "render/tree/patch_order.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -27,25 +29,46 @@ DropSize size_of(const TreePatches& tree, const shared::TreePatch& patch) {
   return size;
 }
 
+/// Index of the first number of the van der Corput sequence (0, 1/2, 1/4, 3/4, 1/8, 5/8, ...) from
+/// `begin` to before `end`, both from 0 to 1: its bits are those of the number, reversed.
+uint64_t first_within(double begin, double end) {
+  uint64_t index = 0;
+  for (int bits = 0; bits < 52; ++bits) {
+    const double step = std::ldexp(1.0, -bits);
+    const auto multiple = static_cast<uint64_t>(std::ceil(begin / step));
+    if (static_cast<double>(multiple) * step >= end) continue;
+    for (int b = 0; b < bits; ++b) index |= (multiple >> b & 1) << (bits - 1 - b);
+    return index;
+  }
+  return ~uint64_t{0};
+}
+
 /// Numbers of patches with which the patches drawn from far away cover what all do, whatever their
-/// sizes: systematic sampling with chances in proportion to the areas. Patches are ordered by
-/// patch_number over area; the k-th gets the number at which k areas' worth of patches are drawn.
+/// sizes: systematic sampling with chances in proportion to the areas. The areas lie side by side
+/// from 0 to 1 in the order of the limbs, and the patches are ordered by the first number of the
+/// van der Corput sequence in their part: the first ones of any count are spread evenly over all
+/// limbs, so that even a dozen lie and face as all do. The k-th gets the number at which k areas'
+/// worth of patches are drawn.
 void number_patches(std::vector<DropSize>& sizes) {
   const auto area = [&](size_t f) { return sizes[f].reach * sizes[f].length; };
   std::vector<size_t> by_area, order;
   for (size_t f = 0; f < sizes.size(); ++f) {
     if (sizes[f].number >= 1.0f || !(area(f) > 0.0f)) continue;
     by_area.push_back(f);
-    sizes[f].number = shared::patch_number(static_cast<int32_t>(f));
   }
   order = by_area;
   std::stable_sort(by_area.begin(), by_area.end(),
                    [&](size_t f, size_t g) { return area(f) > area(g); });
-  std::stable_sort(order.begin(), order.end(), [&](size_t f, size_t g) {
-    return sizes[f].number * area(g) < sizes[g].number * area(f);
-  });
   double smaller = 0.0;
   for (const size_t f : by_area) smaller += area(f);
+  std::vector<uint64_t> turns(sizes.size());
+  double before = 0.0;
+  for (const size_t f : order) {
+    turns[f] = first_within(before / smaller, (before + area(f)) / smaller);
+    before += area(f);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t f, size_t g) { return turns[f] < turns[g]; });
   // Of the largest patches all are drawn.
   size_t all = 0;
   for (size_t k = 0; k < order.size(); ++k) {

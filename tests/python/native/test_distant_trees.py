@@ -10,7 +10,7 @@ import pytest
 import snowbough_native as native
 
 ROOT = Path(__file__).resolve().parents[3]
-ACER = ROOT / ".." / "shared" / "data" / "trees" / "levels" / "Acer_saccharum_y1.obj"
+LEVELS = ROOT / ".." / "shared" / "data" / "trees" / "levels"
 SIZE = (1280, 720)
 LIGHT = {"shadow_resolution": 0, "background": (4.0, 4.0, 4.0)}
 #: All patches, tessellated so finely that limbs are round.
@@ -67,10 +67,12 @@ def mean_share(renderer, mesh, away):
 
 
 @pytest.mark.parametrize("away", [80, 160])
-def test_a_small_tree_far_away_covers_as_much_in_the_mean_over_views(away):
-    if not ACER.is_file():
-        pytest.skip(f"{ACER.name} is not in shared/data/trees")
-    mesh = native.build_tree_mesh(native.read_tree(ACER))
+@pytest.mark.parametrize("name", ["Acer_saccharum_y1", "sapling_tree1"])
+def test_a_small_tree_far_away_covers_as_much_in_the_mean_over_views(name, away):
+    path = LEVELS / f"{name}.obj"
+    if not path.is_file():
+        pytest.skip(f"{path.name} is not in shared/data/trees")
+    mesh = native.build_tree_mesh(native.read_tree(path))
     with native.Renderer() as made:
         made.add_tree("tree", mesh)
         assert mean_share(made, mesh, away) == pytest.approx(1.0, abs=0.1)
