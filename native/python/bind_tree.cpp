@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 #include "bindings.h"
@@ -13,6 +14,7 @@
 #include "tree/mesh/bones.h"
 #include "tree/mesh/bones_reduce.h"
 #include "tree/mesh/mesh_check.h"
+#include "tree/original/base_uvs.h"
 #include "tree/original/original_uvs.h"
 
 namespace snowbough::python {
@@ -38,6 +40,13 @@ py::dict check_dict(const MeshCheck& check) {
   dict["closed"] = check.closed();
   dict["volume"] = check.volume;
   return dict;
+}
+
+py::tuple uvs_to_numpy(OriginalUvs found) {
+  const py::ssize_t faces = size(found.material.size());
+  py::object uv = py::none();
+  if (!found.uv.empty()) uv = to_numpy<float>(std::move(found.uv), {faces, 4, 2});
+  return py::make_tuple(uv, to_numpy<int32_t>(std::move(found.material), {faces}));
 }
 
 void bind_mesh_class(py::module_& module) {
@@ -107,14 +116,6 @@ Metres, Z up.)")
       .def_property_readonly("face_side", origins([](const FaceOrigin& o) { return o.side; }))
       .def_property_readonly("face_part", origins([](const FaceOrigin& o) { return o.part; }),
                              "0 wall, 1 inset around a child's hole, 2 tip cap, 3 root cap")
-      .def_property_readonly(
-          "base",
-          [](const BoundMesh& m) -> object {
-            if (!m.mesh.base) return py::none();
-            return py::cast(BoundMesh{*m.mesh.base, m.report, {}});
-          },
-          "With a detail: the four-sided base from which it was refined, with all bones; else "
-          "None.")
       .def_property_readonly("warnings", [](const BoundMesh& m) { return m.mesh.warnings; })
       .def_property_readonly(
           "report",
@@ -208,10 +209,7 @@ ancestors receive their weights. Its bone_map holds the new bone of each old one
         OriginalUvs found = run_cancellable(progress, [&](const base::Progress& asked) {
           return original_uvs(skeleton, mesh.mesh, {threads, asked});
         });
-        const py::ssize_t faces = size(found.material.size());
-        py::object uv = py::none();
-        if (!found.uv.empty()) uv = to_numpy<float>(std::move(found.uv), {faces, 4, 2});
-        return py::make_tuple(uv, to_numpy<int32_t>(std::move(found.material), {faces}));
+        return uvs_to_numpy(std::move(found));
       },
       py::arg("skeleton"), py::arg("mesh"), py::arg("threads") = 0,
       py::arg("progress") = py::none(),
@@ -219,6 +217,30 @@ ancestors receive their weights. Its bone_map holds the new bone of each old one
 for a mesh that was built from `skeleton`, looked up on each branch's own polygons. Faces of pieces
 without coordinates have those of uv_bark; None: no piece has any. material: index into
 skeleton.wood_materials, -1 = none.)");
+
+  module.def(
+      "base_uvs",
+      [](const BoundMesh& mesh, const std::optional<InputArray<float>>& uv,
+         const InputArray<int32_t>& material) {
+        OriginalUvs fine;
+        if (uv) {
+          if (uv->ndim() != 3 || uv->shape(1) != 4 || uv->shape(2) != 2) {
+            throw std::invalid_argument("uv must have shape (F, 4, 2)");
+          }
+          const auto* begin = reinterpret_cast<const QuadUv*>(uv->data());
+          fine.uv.assign(begin, begin + uv->shape(0));
+        }
+        fine.material.assign(material.data(), material.data() + material.size());
+        OriginalUvs found;
+        {
+          ReleasedGil release;
+          found = base_uvs(mesh.mesh, fine);
+        }
+        return uvs_to_numpy(std::move(found));
+      },
+      py::arg("mesh"), py::arg("uv"), py::arg("material"),
+      R"(The same (uv, material) for the quads of the four-sided base from which `mesh` was refined.
+uv, material: those of `mesh`, from original_uvs.)");
 
   module.def(
       "check_mesh",

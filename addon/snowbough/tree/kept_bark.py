@@ -22,8 +22,8 @@ class KeptBark(NamedTuple):
 
 
 def keep(armature, base, finest):
-    """Stores a four-sided native_tree.BarkMesh on a new armature. finest: the mesh whose object has the slots. Stores
-    nothing if the export has no coordinates: base is None then."""
+    """Stores a native_tree.BaseBark on a new armature. finest: the BarkMesh whose object has the slots. Stores nothing
+    if the export has no coordinates: base is None then."""
     if base is None:
         return
     count = 1 + max(int(made.face_material.max(initial=-1)) for made in (base, finest))

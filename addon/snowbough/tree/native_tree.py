@@ -29,6 +29,13 @@ class BarkMesh(NamedTuple):
     face_material: object  # int32 (F,): index into the skeleton's wood_materials, -1 for none
 
 
+class BaseBark(NamedTuple):
+    """The last two of BarkMesh, of the four-sided base."""
+
+    original_uv: object
+    face_material: object
+
+
 class KeptBark(NamedTuple):
     """What a kept surface, skeleton.kept, gets: the native results of kept_weights and layout_kept_uvs."""
 
@@ -43,7 +50,7 @@ class NativeTree:
 
     skeleton: object
     meshes: list  # of BarkMesh, the coarsest first
-    base: BarkMesh | None  # the four-sided base, which may be the coarsest of them; None without original_uv
+    base: BaseBark | None  # None without original_uv
     leaf_bones: object
     leaf_layout: dict  # the leaves' UV map `snow` and its resolution; None without leaves
     report: dict
@@ -95,14 +102,12 @@ def _build_meshes(module, skeleton, options, progress):
     return built[meshes[0]][0], [built[detail][1] for detail in meshes]
 
 
-def _base_of(module, skeleton, meshes):
-    """The BarkMesh of the four-sided base; None if the export has no coordinates."""
-    if meshes[0].original_uv is None:
+def _base_of(module, mesh):
+    """The BaseBark of a BarkMesh; None if the export has no coordinates."""
+    if mesh.original_uv is None:
         return None
-    if meshes[0].detail == BASE:
-        return meshes[0]
-    base = meshes[0].native.base
-    return BarkMesh(BASE, base, *module.original_uvs(skeleton, base))
+    of_mesh = mesh.original_uv, mesh.face_material
+    return BaseBark(*of_mesh if mesh.detail == BASE else module.base_uvs(mesh.native, *of_mesh))
 
 
 def _keep_surface(module, skeleton, whole, reduced, options, progress):
@@ -195,7 +200,7 @@ def _build(name, read, options, progress, units_per_metre):
             if options.keep_surface:
                 reduced = meshes[0].native
                 kept = _keep_surface(module, skeleton, whole, reduced, options, part(built, 0.95))
-            base = _base_of(module, skeleton, meshes)
+            base = _base_of(module, meshes[0])
             leaf_layout = leaf_charts.result()
         except BaseException:
             stopped = True

@@ -43,6 +43,8 @@ struct FaceOrigin {
   /// For kInset 0..3: the edge of the knuckle's side along which it lies; otherwise 0.
   int32_t inset = 0;
   FacePart part = FacePart::kWall;
+
+  bool operator==(const FaceOrigin&) const = default;
 };
 
 /// The section of a limb between two rings, as a round cone on an infinite line. Metres.

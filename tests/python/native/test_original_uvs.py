@@ -46,12 +46,16 @@ def tube(
     return "\n".join(lines) + "\n"
 
 
-def rebuilt(tmp_path, text, **settings):
+def rebuilt(tmp_path, text, detail="DEFAULT"):
+    """detail "BASE of DEFAULT": the base, looked up on the mesh that was refined from it."""
     path = tmp_path / "tree.obj"
     path.write_text("g trunk\n" + text)
     skeleton = native.read_tree(path, up_axis="Z")
-    mesh = native.build_tree_mesh(skeleton, **(settings or {"detail": "DEFAULT"}))
-    return skeleton, mesh, *native.original_uvs(skeleton, mesh)
+    mesh = native.build_tree_mesh(skeleton, detail=detail.split()[-1])
+    found = native.original_uvs(skeleton, mesh)
+    if detail.split()[-1] != detail:
+        mesh, found = native.build_tree_mesh(skeleton), native.base_uvs(mesh, *found)
+    return skeleton, mesh, *found
 
 
 def walls(mesh):
@@ -65,9 +69,9 @@ def angles(points, lean=0.0):
 
 
 @pytest.mark.parametrize("sides", [3, 4, 8])
-@pytest.mark.parametrize("settings", [{"detail": "BASE"}, {"detail": "DEFAULT"}, {"detail": "FILM"}], ids=str)
-def test_coordinates_are_those_of_the_same_direction_and_height(tmp_path, sides, settings):
-    _, mesh, uv, _ = rebuilt(tmp_path, tube(sides), **settings)
+@pytest.mark.parametrize("detail", ["BASE", "DEFAULT", "FILM", "BASE of DEFAULT", "BASE of FILM"])
+def test_coordinates_are_those_of_the_same_direction_and_height(tmp_path, sides, detail):
+    _, mesh, uv, _ = rebuilt(tmp_path, tube(sides), detail)
     points = mesh.vertices[mesh.quads]
     side = walls(mesh)
     off = (uv[..., 0] - angles(points) + 0.5) % 1.0 - 0.5
@@ -86,10 +90,10 @@ def test_a_limb_that_leans_keeps_its_texture_upright(tmp_path):
 
 
 @pytest.mark.parametrize("sides", [3, 8])
-@pytest.mark.parametrize("settings", [{"detail": "BASE"}, {"detail": "DEFAULT"}], ids=str)
+@pytest.mark.parametrize("detail", ["BASE", "DEFAULT", "BASE of DEFAULT"])
 @pytest.mark.parametrize("turns", [1.0, 3.0, 0.7, 3.33])
-def test_no_face_runs_back_over_the_whole_texture_at_the_seam(tmp_path, sides, settings, turns):
-    _, mesh, uv, _ = rebuilt(tmp_path, tube(sides, turns), **settings)
+def test_no_face_runs_back_over_the_whole_texture_at_the_seam(tmp_path, sides, detail, turns):
+    _, mesh, uv, _ = rebuilt(tmp_path, tube(sides, turns), detail)
     side = walls(mesh)
     across = np.ptp(uv[..., 0], axis=1)[side]
     around = np.ptp(np.unwrap(2 * np.pi * angles(mesh.vertices[mesh.quads]), axis=1), axis=1)[side]
@@ -100,8 +104,9 @@ def test_no_face_runs_back_over_the_whole_texture_at_the_seam(tmp_path, sides, s
         assert uv[side][..., 0].min() >= -1e-4 and uv[side][..., 0].max() <= turns + 1e-4
 
 
-def test_each_face_has_the_material_of_its_place(tmp_path):
-    skeleton, mesh, _, material = rebuilt(tmp_path, tube(6, materials=("rough", "smooth")))
+@pytest.mark.parametrize("detail", ["DEFAULT", "BASE of DEFAULT"])
+def test_each_face_has_the_material_of_its_place(tmp_path, detail):
+    skeleton, mesh, _, material = rebuilt(tmp_path, tube(6, materials=("rough", "smooth")), detail)
     names = np.array([m.name for m in skeleton.wood_materials])
     assert list(names) == ["rough", "smooth"]
     z = mesh.vertices[mesh.quads][..., 2].mean(1)
@@ -177,7 +182,7 @@ def test_a_skeleton_from_no_file_has_neither():
 
 
 def test_coordinates_do_not_depend_on_threads(tmp_path):
-    skeleton, mesh, uv, material = rebuilt(tmp_path, tube(5, materials=("a", "b")), detail="FILM")
+    skeleton, mesh, uv, material = rebuilt(tmp_path, tube(5, materials=("a", "b")), "FILM")
     again = native.original_uvs(skeleton, mesh, threads=1)
     assert np.array_equal(uv, again[0]) and np.array_equal(material, again[1])
 
