@@ -236,14 +236,15 @@ def test_the_list_of_files_names_what_is_missing(packed_shot):
 # -- progress and time ------------------------------------------------------------------------------------------
 
 
-def test_one_progress_covers_maps_and_surfaces(addon):
+@pytest.fixture
+def common_processor(monkeypatch, addon):
+    monkeypatch.setattr(addon("base.session"), "surface_pace", 1.0)
+
+
+def test_one_progress_covers_maps_and_surfaces(addon, common_processor):
     """Four frames of 2 s each: surfaces are expected to take as long, and then took 1 s for a quarter."""
-    request = types.SimpleNamespace(frame_start=1)
-    job = types.SimpleNamespace(results=[], request=request)
-    spec = addon("scene.pose").ReceiverSpec(
-        "Ground", "", surface=addon("surface.style").SurfaceStyle("DRAFT")
-    )
-    running = addon("bake.engine").RunningBake(job, (spec,), 1.0)
+    job = types.SimpleNamespace(results=[], surface_seconds=8.0)
+    running = addon("bake.engine").RunningBake(job, (), 1.0)
     assert (running.fraction, running.status()) == (0.0, "preparing the bake")
     seen = []
     for frame in range(1, 5):
@@ -266,6 +267,44 @@ def test_one_progress_covers_maps_and_surfaces(addon):
         (0.625, "making snow surfaces, 0:04 left"),
         (1.0, "making snow surfaces, 0:01 left"),
     ]
+
+
+def test_surfaces_that_take_longer_than_expected_are_not_nearly_done(addon, common_processor):
+    running = addon("bake.engine").RunningBake(
+        types.SimpleNamespace(results=[], surface_seconds=8.0), (), 1.0
+    )
+    running.shape(0.0)
+    running._shaping_begun -= 40.0
+    assert running.status() == "making snow surfaces, 0:11 left"
+
+
+def test_a_bake_tells_the_next_one_how_long_surfaces_take(addon, common_processor):
+    """Those of the first took twice as long as expected."""
+    engine, session = addon("bake.engine"), addon("base.session")
+    first, second = (
+        engine.RunningBake(types.SimpleNamespace(results=[], surface_seconds=seconds), (), 1.0)
+        for seconds in (10.0, 30.0)
+    )
+    first.shape(0.0)
+    first._shaping_begun -= 20.0
+    first.shape(1.0)
+    assert session.surface_pace == pytest.approx(2.0, rel=0.01)
+    second.shape(0.0)
+    assert second.seconds_left() == pytest.approx(60.0, rel=0.01)
+
+
+def test_a_bake_knows_how_long_its_surfaces_take(tmp_path, addon):
+    """In proportion to their points."""
+    small, large = box("Small", 0.5), box("Large", 2.0)
+    small.location.x = 4.0
+    surfaces = bake_surfaces(tmp_path, small, large)
+    points = {surface.name: len(surface.data.vertices) for surface in surfaces}
+    job = s.bake_part(addon).job
+    seconds = {f"{own.label} Snow": own.surface_seconds for own in job.baked}
+    assert seconds["Large Snow"] / seconds["Small Snow"] == pytest.approx(
+        points["Large Snow"] / points["Small Snow"], rel=0.3
+    )
+    assert job.surface_seconds == pytest.approx(sum(seconds.values()) / 2.0)
 
 
 def test_the_time_of_a_bake_is_that_of_the_whole_button(tmp_path, addon):

@@ -65,6 +65,8 @@ class BakedReceiver:
     covered: Coverage = None
     wanted: WantedPoints = WantedPoints()
     """Its part in the surface points of the scene."""
+    surface_seconds: float = 0.0
+    """Rough time that its surface takes."""
     kept: object = None
     """bake.continuing.KeptFrames of the bake that this one continues."""
     recorder: ReceiverRecorder = None

@@ -43,8 +43,10 @@ SWITCH_SECONDS = 5.0
 # Seconds between redraws of the progress, which take time from the bake.
 REDRAW_SECONDS = 0.5
 
-# Time of the snow surfaces of a frame as a share of the time of its maps, until the first surfaces are made.
-SURFACES = 1.0
+# While surfaces take longer than expected, the rest is at least this share of the time that they have taken.
+OVERDUE = 0.25
+# Expected seconds of surfaces from which on their real time tells how fast the machine is.
+MEASURABLE = 1.0
 
 # Loading a file waits at most this long for the last frame of a bake; even with huge maps a frame takes less.
 STOPPING_SECONDS = 120.0
@@ -88,40 +90,45 @@ class RunningBake:
         self.shaping = None
         """Progress of the surfaces, 0 to 1, while they are made."""
         self._shaping_begun = 0.0
-        self._has_surfaces = any(spec.enabled and spec.surface is not None for spec in specs)
+        self._fraction = 0.0
 
     def shape(self, share):
         """Notes the progress of the surfaces, 0 to 1."""
         if self.shaping is None:
             self._shaping_begun = time.monotonic()
         self.shaping = share
+        if share >= 1.0 and self.job.surface_seconds > MEASURABLE:
+            session.surface_pace = (time.monotonic() - self._shaping_begun) / self.job.surface_seconds
+
+    def _seconds(self):
+        """Estimates (of a frame's maps, of all surfaces)."""
+        results = self.job.results
+        pace = sum(result.seconds["total"] for result in results) / max(len(results), 1)
+        return pace, self.job.surface_seconds * session.surface_pace
 
     @property
     def fraction(self):
-        """Progress of maps and surfaces together, 0 to 1."""
-        result, maps = self.last_result, 0.0
-        if self.shaping is not None:
-            maps = 1.0
-        elif result is not None:
-            maps = (result.frame - result.first + 1) / (result.last - result.first + 1)
-        return (maps + SURFACES * (self.shaping or 0.0)) / (1.0 + SURFACES) if self._has_surfaces else maps
+        """Progress of maps and surfaces together by the time that they take, 0 to 1. It never falls."""
+        result, done, work = self.last_result, 0.0, 0.0
+        pace, surfaces = self._seconds()
+        if result is not None:
+            frames = result.last - result.first + 1
+            done = pace * (frames if self.shaping is not None else result.frame - result.first + 1)
+            work = pace * frames
+        done, work = done + surfaces * (self.shaping or 0.0), work + surfaces
+        self._fraction = max(self._fraction, done / work if work > 0.0 else 0.0)
+        return self._fraction
 
     def seconds_left(self):
         """An estimate for maps and surfaces; None before the first frame."""
-        results = self.job.results
-        if not results:
-            return None
-        last = results[-1]
-        pace = sum(result.seconds["total"] for result in results) / len(results)
-        surfaces = 0.0
-        if self._has_surfaces:
-            surfaces = SURFACES * pace * (last.last - self.job.request.frame_start + 1)
+        pace, surfaces = self._seconds()
         if self.shaping is None:
-            return pace * (last.last - last.frame) + surfaces
+            last = self.last_result
+            return None if last is None else pace * (last.last - last.frame) + surfaces
         spent = time.monotonic() - self._shaping_begun
         if self.shaping > 0.0:
             return spent * (1.0 / self.shaping - 1.0)
-        return max(0.0, surfaces - spent)
+        return max(surfaces, (1.0 + OVERDUE) * spent) - spent
 
     def status(self):
         """One line for the user: ``frame 12 of 1-48, 0:34 left``. The time is at least a second until all is done."""
@@ -134,10 +141,7 @@ class RunningBake:
             return "preparing the bake"
         else:
             text = f"frame {result.frame} of {result.first}-{result.last}"
-        left = self.seconds_left()
-        if left is None:  # a resumed bake had only surfaces left
-            return f"{text}, {self.shaping:.0%}"
-        seconds = max(1, math.ceil(left))
+        seconds = max(1, math.ceil(self.seconds_left()))
         return f"{text}, {seconds // 60}:{seconds % 60:02d} left"
 
 

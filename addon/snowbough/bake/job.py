@@ -34,8 +34,9 @@ from ..cache.lock import drop_dead_locks, lock_receivers
 from ..cache.migration import is_of_before, migrate
 from ..cache.versions import is_finished
 from ..scene.tracker import SceneTracker
-from ..surface.side_by_side import run_side_by_side
-from ..surface.style import WantedPoints, patchy_points, shared_out
+from ..surface.compute import expected_seconds
+from ..surface.side_by_side import run_side_by_side, workers
+from ..surface.style import patchy_points, shared_out
 from . import continuing, memory, plan, resuming, simulation
 from .choice import choose_receivers, complete_pose
 from .frames import FrameBaker, FrameWork
@@ -204,8 +205,16 @@ class BakeJob:
         for receiver in self.receivers:
             receiver.finish_recording()
         jobs = [partial(receiver.make_surface, self.native) for receiver in self.receivers]
-        if not run_side_by_side(jobs, progress):
+        weights = [receiver.surface_seconds for receiver in self.receivers]
+        if not run_side_by_side(jobs, progress, weights):
             raise BakeCancelled
+        shaping(1.0)
+
+    @property
+    def surface_seconds(self):
+        """Rough time that the surfaces of this bake take, in seconds of a common processor."""
+        each = [receiver.surface_seconds for receiver in self.receivers]
+        return sum(each) / max(1, min(len(each), workers()))
 
     def _plan(self, evaluate):
         request = self.request
@@ -271,7 +280,11 @@ class BakeJob:
         )
         shares = shared_out(wanted)
         for receiver in self.receivers:
-            receiver.wanted = shares.get(receiver.key, WantedPoints())
+            if receiver.key in shares:
+                receiver.wanted = shares[receiver.key]
+                points = receiver.wanted.expected(receiver.spec.surface.detail)
+                frames = self.request.last - self.request.frame_start + 1
+                receiver.surface_seconds = expected_seconds(points, frames)
         sizes = [
             memory.MapSize(own.resolution, len(pose.known[own.key].topology.triangles))
             for own in [*self.receivers, *self.others]

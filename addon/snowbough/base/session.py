@@ -25,6 +25,9 @@ NO_OUTCOME = ("INFO", "")
 # (severity, text): the result of the last bake in this Blender, for the panel.
 last_outcome = _persistent("last_outcome", NO_OUTCOME)
 
+# Measured time of the surfaces of the last bake as a multiple of the expected one.
+surface_pace = _persistent("surface_pace", 1.0)
+
 # Scene name -> findings of the last check (bake.preflight.Issue), for the panel.
 issues = _persistent("issues", {})
 

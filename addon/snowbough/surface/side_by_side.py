@@ -4,6 +4,7 @@
 A small receiver uses only one core, because most of its work cannot be parallelised.
 """
 
+import operator
 import os
 from concurrent.futures import ThreadPoolExecutor, wait
 
@@ -12,14 +13,20 @@ MAX_WORKERS = 4
 POLL_SECONDS = 0.05
 
 
-def run_side_by_side(jobs, progress):
+def workers():
+    """Number of threads that work on the surfaces of many receivers."""
+    return min(MAX_WORKERS, max(2, os.cpu_count() or 1))
+
+
+def run_side_by_side(jobs, progress, weights=None):
     """Calls each job(own_progress) in a worker thread. A job returns False if its own_progress returned False.
 
-    progress(share of all jobs, 0 to 1) is called on the calling thread and returns whether to continue. Returns False
-    if a job was stopped. If jobs fail, raises the error of the first one in the order of the list; jobs that have not
-    started are skipped.
+    progress(share of all jobs, 0 to 1) is called on the calling thread and returns whether to continue. weights: of the
+    jobs in that share; None for equal ones. Returns False if a job was stopped. If jobs fail, raises the error of the
+    first one in the order of the list; jobs that have not started are skipped.
     """
     shares = [0.0] * len(jobs)
+    weights = weights if weights is not None and sum(weights) > 0.0 else [1.0] * len(jobs)
     stopped = False
 
     def run(index):
@@ -39,11 +46,11 @@ def run_side_by_side(jobs, progress):
         shares[index] = 1.0
         return finished
 
-    with ThreadPoolExecutor(min(MAX_WORKERS, max(2, os.cpu_count() or 1))) as workers:
-        running = [workers.submit(run, index) for index in range(len(jobs))]
+    with ThreadPoolExecutor(workers()) as pool:
+        running = [pool.submit(run, index) for index in range(len(jobs))]
         try:
             while wait(running, POLL_SECONDS).not_done:
-                if not progress(sum(shares) / len(jobs)):
+                if not progress(sum(map(operator.mul, weights, shares)) / sum(weights)):
                     stopped = True
         finally:
             stopped = True

@@ -33,6 +33,10 @@ class WantedPoints:
         part = (self.hems + level * self.level) / max(self.all_hems + level * self.all_level, 1.0)
         return max(MIN_POINTS, int(min(part, 1.0) * budget))
 
+    def expected(self, detail):
+        """The number of points that its surface will have, roughly."""
+        return min((self.hems + self.level) / DETAILS[detail][0] ** 2, self.most(detail))
+
 
 def patchy_points(hems, level):
     """(hems, level) of a receiver under a mask or a thaw, from those of a whole cover."""

@@ -27,6 +27,20 @@ def test_all_jobs_run_and_progress_is_reported_on_the_calling_thread():
     assert threads == {threading.current_thread()}
 
 
+def test_large_jobs_count_more():
+    """One of two jobs is done, which is a tenth of the work."""
+    seen, wait = [], threading.Event()
+
+    def progress(share):
+        seen.append(share)
+        if share >= 0.1:
+            wait.set()
+        return True
+
+    assert run_side_by_side([lambda own: True, lambda own: wait.wait(30.0)], progress, [1.0, 9.0])
+    assert max(seen) == pytest.approx(0.1)
+
+
 def test_a_stop_reaches_running_jobs_and_begins_no_other():
     begun = []
 

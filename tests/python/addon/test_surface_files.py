@@ -354,7 +354,8 @@ def test_an_update_that_is_stopped_half_way_leaves_files_as_before(folder):
         return len(asked) < 2
 
     assert compute.update(native, folder, SurfaceStyle(overhang=0.0), stop) is False
-    assert asked == pytest.approx([1 / 3, 2 / 3])
+    plan = compute.PLAN
+    assert asked == pytest.approx([plan / (plan + 3), (plan + 1) / (plan + 3)])
     assert content(folder) == before
 
 
@@ -448,6 +449,15 @@ def test_with_too_few_points_for_hems_all_receivers_have_the_same_share_of_them(
     shares = shared_out({"bench": (300_000.0, 0.0), "yard": (100_000.0, 1_900_000.0)})
     assert shares["bench"].most("DEFAULT") == 187_500
     assert shares["yard"].most("DEFAULT") == 62_500
+
+
+def test_a_surface_has_as_many_points_as_it_wants_and_may_have():
+    shares = shared_out({"bench": (10_000.0, 2_000.0), "yard": (0.0, 900_000.0)})
+    assert shares["bench"].expected("DEFAULT") == shares["bench"].most("DEFAULT") < 12_000
+    assert shares["yard"].expected("DEFAULT") == shares["yard"].most("DEFAULT") < 250_000
+    assert shared_out({"bench": (10_000.0, 2_000.0)})["bench"].expected("FILM") == pytest.approx(
+        12_000 / 0.36
+    )
 
 
 def test_a_finer_detail_wants_more_points():
