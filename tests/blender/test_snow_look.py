@@ -130,6 +130,14 @@ def test_open_ground_has_drifts_in_proportion_to_the_depth(smooth, tmp_path):
     assert contrast(shot(tmp_path, SUN, 120.0), 8) < 0.5 * open_ground
 
 
+def test_crowns_have_slow_waves(smooth, tmp_path):
+    """Half as deep as open ground: waves of 1.4 and 0.7 m, of which blocks of 30 cm show more than of shorter ones."""
+    smooth.inputs["Height"].default_value = 0.07
+    slow = contrast(shot(tmp_path, SUN, 30.0), 4)
+    smooth.inputs["Depth"].default_value = 0.01
+    assert contrast(shot(tmp_path, SUN, 30.0), 4) < 0.5 * slow
+
+
 def test_ripples_lie_across_the_wind(smooth, tmp_path):
     calm = shot(tmp_path, SUN, 4.0)[..., 1]
 
@@ -209,6 +217,18 @@ def test_a_surface_knows_its_points_without_snow(tmp_path):
         "snow_position",
         "snow_bare",
     ]
+
+
+def is_dithered(material):
+    if hasattr(material, "surface_render_method"):  # from 4.2 on
+        return material.surface_render_method == "DITHERED"
+    return (material.blend_method, material.shadow_method) == ("HASHED", "HASHED")
+
+
+def test_eevee_shows_gaps_between_grains(tmp_path):
+    """Blended materials would be sorted by their distance as a whole."""
+    (surface,) = bake_surfaces(tmp_path, s.square("Ground"))
+    assert is_dithered(surface.data.materials[0])
 
 
 def test_a_surface_of_a_receiver_that_bends_is_opaque(addon, tmp_path):

@@ -208,7 +208,8 @@ class BakeJob:
         weights = [receiver.surface_seconds for receiver in self.receivers]
         if not run_side_by_side(jobs, progress, weights):
             raise BakeCancelled
-        shaping(1.0)
+        if any(weights):
+            shaping(1.0)
 
     @property
     def surface_seconds(self):

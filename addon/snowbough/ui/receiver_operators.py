@@ -36,9 +36,13 @@ class SNOWBOUGH_OT_add_receivers(NotWhileBaking, bpy.types.Operator):
     def execute(self, context):
         added, refused, objects = 0, [], list(context.selected_objects)
         progress = context.window_manager
-        progress.progress_begin(0, len(objects))
-        for index, obj in enumerate(objects):
-            progress.progress_update(index)
+        # Most of the time goes into unwrapping, which takes as long as there are faces.
+        done = [0]
+        for obj in objects:
+            done.append(done[-1] + 1 + (len(obj.data.polygons) if obj.type == "MESH" else 0))
+        progress.progress_begin(0, done[-1])
+        for number, obj in zip(done, objects):
+            progress.progress_update(number)
             try:
                 entry = receivers.add(context, obj)
                 added += 1

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 import snowbough_native as native
-from snow_meshes import grid
+from snow_meshes import grid, wind
 from snow_pieces import bevelled_slats, paving, pieces, slab, slats, tile_courses, top_chart
 
 DOWN = (0.0, 0.0, -1.0)
@@ -27,10 +27,10 @@ def simulation(meshes, shade=(), **settings):
     return sim
 
 
-def fall(sim, meshes, depth=0.2, steps=32):
+def fall(sim, meshes, depth=0.2, steps=32, direction=DOWN):
     for step in range(steps):
         positions = {name: mesh[0] for name, mesh in meshes.items()} if step == 0 else {}
-        sim.step(positions, depth / steps, DOWN, FRAME)
+        sim.step(positions, depth / steps, direction, FRAME)
 
 
 def snow_on(meshes, depth=0.2, steps=32, shade=()):
@@ -183,6 +183,23 @@ def test_gaps_between_objects_close_too():
     places = {f"slat {i}": pieces(slats([y])) for i, y in enumerate(PLACES)}
     sim = snow_on({"ground": ground()} | places)
     assert top_chart(places["slat 2"], 0, sim.height("slat 2"))[:, 30:70].mean() > 0.75 * 0.2
+
+
+@pytest.mark.parametrize("angle", [0.0, 40.0])
+@pytest.mark.parametrize(
+    "least, boxes",
+    [
+        (0.010, [((x, 0.0, 0.45), (0.04, 0.02, 0.9), 0.0) for x in (-0.2, -0.1, 0.0, 0.1, 0.2)]),
+        (0.015, [((0.0, 0.0, 0.9), (1.0, 0.03, 0.03), 0.0)]),
+    ],
+    ids=["pickets", "a rail"],
+)
+def test_thin_things_hold_snow_in_a_wind_too(least, boxes, angle):
+    meshes = {"ground": ground(), "fence": pieces(boxes)}
+    sim = simulation(meshes)
+    fall(sim, meshes, direction=wind(angle))
+    tops = [top_chart(meshes["fence"], piece, sim.height("fence")) for piece in range(len(boxes))]
+    assert min(top.mean() for top in tops) > least
 
 
 def test_without_landing_neighbours_make_no_difference():

@@ -236,6 +236,13 @@ def test_the_gpus_passes_are_measured_where_that_is_asked_for(mapping):
         assert sim.pass_costs() == {}
 
 
+@pytest.mark.parametrize("repose", [STAYS, math.radians(65.0)])
+def test_heights_leave_the_card_only_if_lying_snow_moves(repose):
+    with native.SnowSimulation(pixel_size=0.1, repose=repose, engine="GL") as sim:
+        stepped(sim)
+        assert ("movement" in sim.pass_costs()) == (repose < STAYS)
+
+
 def test_the_processors_passes_have_no_gpu_time():
     with native.SnowSimulation(pixel_size=0.1, engine="CPU") as sim:
         stepped(sim)

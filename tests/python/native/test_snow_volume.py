@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The volume of the drawn snow: as the map's, and made up for near the rims alone."""
+"""The volume of the drawn snow: as the map's, and made up for near the rims alone; and the shape of its edges."""
 
 import numpy as np
 import pytest
 from shown_snow import faces_of, highest, map_of, shown_over
+from snow_meshes import rotated
 from snow_pieces import pieces
+from snow_rays import first_hits
 
 # Metres.
 DEPTH, HALF, STEP = 0.2, 0.7, 0.02
@@ -53,3 +55,31 @@ def test_what_fronts_add_is_taken_from_the_snow_behind_them(pitch, close):
     inside = HALF - np.maximum(*np.abs(np.meshgrid(table, table)))
     held = np.minimum(DEPTH, 0.03 + 2.0 * inside).mean() * (2 * HALF) ** 2 * np.cos(np.radians(pitch))
     assert drawn == pytest.approx(held, rel=close)
+
+
+def edge(pitch, axis):
+    """How far the snow stands out beyond the verge (axis 0) or the eave (1) of a tilted plate, at heights of 0, 0.05,
+    ... depths over the plate, in depths."""
+    mesh, snow = plate(pitch)
+    _, surface = shown_over(mesh, snow, DEPTH, places(0.1), style={"relief": 0.0, "hem_variation": 0.0})
+    right, upslope, normal = rotated(np.eye(3), "x", pitch)
+    drawn = surface.points(snow, DEPTH)[faces_of(surface)] @ np.stack([right, -upslope, normal], axis=1)
+    behind, inwards = np.zeros((14, 3)), np.zeros(3)
+    behind[:, axis], behind[:, 1 - axis], behind[:, 2] = -9.0, 0.05, np.arange(14) * 0.05 * DEPTH
+    inwards[axis] = -1.0
+    return (-9.0 - first_hits(behind, drawn, inwards) - HALF) / DEPTH
+
+
+@pytest.mark.parametrize("pitch", [20.0, 35.0])
+@pytest.mark.parametrize("axis", [0, 1], ids=["verge", "eave"])
+def test_verges_and_eaves_have_a_full_rounded_edge(axis, pitch):
+    profile = edge(pitch, axis)
+    assert 0.05 < profile.max() < 0.15  # hangs over
+    assert profile[8] > -0.15 and profile[13] < -0.1  # is full up to 0.4 depths, and recedes above
+    assert np.diff(profile, 2).max() < 0.02  # turns in one round
+
+
+@pytest.mark.parametrize("pitch", [20.0, 35.0])
+def test_a_verge_bulges_above_its_rim(pitch):
+    profile = edge(pitch, 0)
+    assert profile.argmax() >= 3 and profile.max() > profile[0] + 0.02
