@@ -179,41 +179,67 @@ void set_up_outlets(const ReposeGround& ground, const ReposeLimits& limits,
   link_walls(ground, limits, stand, block, blocks);
 }
 
-bool is_below_snow(const ReposeGround& ground, const ReposeLimits& limits,
-                   const ReposeBlocks& blocks, int32_t block, const RimLink& rim) {
+namespace {
+
+/// The highest cell linked to one that is too steep for snow; itself, if none is higher.
+int32_t find_next_up(const ReposeGround& ground, const ReposeLimits& limits,
+                     const ReposeBlocks& blocks, int32_t number) {
   const ReposeLinks& links = *ground.links;
-  int32_t number = block * kTileCells + rim.cell;
   const auto cell_of = [&](int32_t own) {
     return Cell{blocks.tiles[static_cast<size_t>(own / kTileCells)].get(),
                 static_cast<size_t>(own % kTileCells)};
   };
-  Cell cell = cell_of(number);
-  const glm::vec2 from(cell.point());
-  for (int step = 0; step < kReposeBlock && cell.steep() > limits.slope; ++step) {
-    int32_t next = number;
-    const auto consider = [&](int32_t other) {
-      const Cell to = cell_of(other);
-      if (to.is_there() && !to.is_wall() && to.point().z > cell_of(next).point().z) next = other;
-    };
-    const int32_t own_block = number / kTileCells;
-    const TilesAround around(blocks.tiles, links.blocks_a_side, own_block);
-    const int32_t side = links.blocks_a_side * kReposeBlock;
-    const int32_t inner = number % kTileCells;
-    const int32_t left = own_block % links.blocks_a_side * kReposeBlock;
-    const int32_t low = own_block / links.blocks_a_side * kReposeBlock;
-    for_linked(around, inner % kReposeBlock, inner / kReposeBlock,
-               [&](const Cell&, int32_t column, int32_t row) {
-                 const int32_t x = left + column;
-                 const int32_t y = low + row;
-                 if (x >= 0 && y >= 0 && x < side && y < side) consider(links.cell_at(x, y));
-               });
-    links.for_across(number, [&](int32_t other, size_t) { consider(other); });
+  if (!(cell_of(number).steep() > limits.slope)) return number;
+  int32_t next = number;
+  const auto consider = [&](int32_t other) {
+    const Cell to = cell_of(other);
+    if (to.is_there() && !to.is_wall() && to.point().z > cell_of(next).point().z) next = other;
+  };
+  const int32_t block = number / kTileCells;
+  const TilesAround around(blocks.tiles, links.blocks_a_side, block);
+  const int32_t side = links.blocks_a_side * kReposeBlock;
+  const int32_t inner = number % kTileCells;
+  const int32_t left = block % links.blocks_a_side * kReposeBlock;
+  const int32_t low = block / links.blocks_a_side * kReposeBlock;
+  for_linked(around, inner % kReposeBlock, inner / kReposeBlock,
+             [&](const Cell&, int32_t column, int32_t row) {
+               const int32_t x = left + column;
+               const int32_t y = low + row;
+               if (x >= 0 && y >= 0 && x < side && y < side) consider(links.cell_at(x, y));
+             });
+  links.for_across(number, [&](int32_t other, size_t) { consider(other); });
+  return next;
+}
+
+}  // namespace
+
+bool is_below_snow(const ReposeGround& ground, const ReposeLimits& limits,
+                   const ReposeBlocks& blocks, int32_t block, const RimLink& rim) {
+  const auto tile_of = [&](int32_t number) -> ReposeTile& {
+    return *blocks.tiles[static_cast<size_t>(number / kTileCells)];
+  };
+  const auto point_of = [&](int32_t number) {
+    const TileGround& own = tile_of(number).ground;
+    const auto at = static_cast<size_t>(number % kTileCells);
+    return glm::vec2(own.x[at], own.y[at]);
+  };
+  const int32_t first = block * kTileCells + rim.cell;
+  int32_t number = first;
+  for (int step = 0; step < kReposeBlock; ++step) {
+    std::atomic<int32_t>& known =
+        tile_of(number).outlets.next_up[static_cast<size_t>(number % kTileCells)];
+    int32_t next = known.load(std::memory_order_relaxed);
+    if (next < 0) {
+      next = find_next_up(ground, limits, blocks, number);
+      known.store(next, std::memory_order_relaxed);
+    }
     if (next == number) break;
     number = next;
-    cell = cell_of(number);
   }
-  const float thick = cell.tile->snow.top[cell.at] - cell.point().z;
-  return thick > 0.0f && thick >= glm::distance(glm::vec2(cell.point()), from);
+  const ReposeTile& tile = tile_of(number);
+  const auto at = static_cast<size_t>(number % kTileCells);
+  const float thick = tile.snow.top[at] - tile.ground.z[at];
+  return thick > 0.0f && thick >= glm::distance(point_of(number), point_of(first));
 }
 
 float top_over(const ReposeBlocks& blocks, int32_t block, const RimLink& rim) {

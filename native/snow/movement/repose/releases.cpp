@@ -4,71 +4,104 @@
 #include <limits>
 #include <utility>
 
-#include "shaders/lib/texel_repose.h"
+#include "base/simd.h"
 #include "snow/movement/rays/map_point.h"
+#include "snow/movement/repose/tiles_around.h"
 
 namespace snowbough::snow {
 namespace {
 
 constexpr int32_t kNoWay = std::numeric_limits<int32_t>::min();
 
-/// The next cell along the steepest link of the snow's surface; -1 - outlet, if it leads over one;
-/// the cell itself in a hollow. Cells are numbered as by ReposeLinks::cell_of.
-int32_t next_cell(const ReposeLinks& links, const ReposeBlocks& blocks, int32_t cell) {
-  const int32_t block = cell / kTileCells;
-  const int32_t inner = cell % kTileCells;
-  const ReposeTile& tile = *blocks.tiles[static_cast<size_t>(block)];
-  const auto own = static_cast<size_t>(inner);
-  const float top = tile.snow.top[own];
-  float steepest = 0.0f;
-  int32_t next = cell;
-  // Limits grow with the distance, so their ratio with the fall ranks slopes.
-  const auto consider = [&](float fall, float limit, int32_t to) {
-    if (!(limit < kNoLink) || !(fall > steepest * limit)) return;
-    steepest = fall / limit;
-    next = to;
-  };
-  const int32_t column = inner % kReposeBlock;
-  const int32_t row = inner / kReposeBlock;
-  const int32_t side = links.blocks_a_side;
-  for (int32_t k = 0; k < kForwardLinks; ++k) {
-    for (const int32_t sign : {1, -1}) {
-      const int32_t x = column + sign * kForwardColumn[k];
-      const int32_t y = row + sign * kForwardRow[k];
-      const ReposeTile* other = &tile;
-      int32_t other_block = block;
-      if (((x | y) & ~(kReposeBlock - 1)) != 0) {
-        const int32_t dx = x < 0 ? -1 : x / kReposeBlock;
-        const int32_t dy = y < 0 ? -1 : y / kReposeBlock;
-        const int32_t beside = block % side + dx;
-        other_block = block + dy * side + dx;
-        if (beside < 0 || beside >= side || other_block < 0 || other_block >= side * side) continue;
-        other = blocks.tiles[static_cast<size_t>(other_block)].get();
-        if (other == nullptr) continue;
-      }
-      const int32_t at = (y & (kReposeBlock - 1)) * kReposeBlock + (x & (kReposeBlock - 1));
-      const ReposeTile& giver = sign > 0 ? tile : *other;
-      if (!giver.links.has_limits) continue;
-      consider(top - other->snow.top[static_cast<size_t>(at)],
-               giver.links.limit[static_cast<size_t>(k)][sign > 0 ? own : static_cast<size_t>(at)],
-               other_block * kTileCells + at);
+/// A row of cells and a margin of one on either side.
+using MarginRow = std::array<float, kReposeBlock + 2>;
+
+/// Copies a row, -1 to kReposeBlock, of a plane of a part of the tiles; `absent` where it has none.
+template <typename Part, typename PlaneOf>
+void copy_row(const TilesAround& around, int32_t row, const Part& has, const PlaneOf& plane_of,
+              float absent, MarginRow& to) {
+  const int32_t dy = row < 0 ? -1 : row / kReposeBlock;
+  const auto first = static_cast<size_t>((row & (kReposeBlock - 1)) * kReposeBlock);
+  const ReposeTile* const left = around.at(-1, dy);
+  const ReposeTile* const own = around.at(0, dy);
+  const ReposeTile* const right = around.at(1, dy);
+  to.front() = has(left) ? plane_of(*left)[first + kReposeBlock - 1] : absent;
+  if (has(own)) {
+    std::copy_n(plane_of(*own).begin() + first, kReposeBlock, to.begin() + 1);
+  } else {
+    std::fill_n(to.begin() + 1, kReposeBlock, absent);
+  }
+  to.back() = has(right) ? plane_of(*right)[first] : absent;
+}
+
+/// The tops of a row, of those below and above it; and the limits of the row's links to the forward
+/// neighbours, and from those to which it is one. Rows begin with column -1.
+struct RowLinks {
+  std::array<MarginRow, 3> top;
+  std::array<std::array<float, kReposeBlock>, kForwardLinks> forward;
+  std::array<MarginRow, kForwardLinks> back;
+
+  RowLinks(const TilesAround& around, int32_t row) {
+    const auto is_there = [](const ReposeTile* tile) { return tile != nullptr; };
+    const auto is_linked = [](const ReposeTile* tile) {
+      return tile != nullptr && tile->links.has_limits;
+    };
+    for (int32_t i = -1; i <= 1; ++i) {
+      copy_row(
+          around, row + i, is_there,
+          [](const ReposeTile& tile) -> const TilePlane& { return tile.snow.top; }, 0.0f,
+          top[static_cast<size_t>(i + 1)]);
+    }
+    for (int32_t k = 0; k < kForwardLinks; ++k) {
+      const auto link = static_cast<size_t>(k);
+      const auto limit_of = [&](const ReposeTile& tile) -> const TilePlane& {
+        return tile.links.limit[link];
+      };
+      copy_row(around, row - kForwardRow[k], is_linked, limit_of, kNoLink, back[link]);
+      MarginRow own;
+      copy_row(around, row, is_linked, limit_of, kNoLink, own);
+      std::copy_n(own.begin() + 1, kReposeBlock, forward[link].begin());
+      // Links onto tiles that are not there.
+      const int32_t dy = (row + kForwardRow[k]) / kReposeBlock;
+      if (!is_there(around.at(0, dy))) forward[link].fill(kNoLink);
+      if (kForwardColumn[k] > 0 && !is_there(around.at(1, dy))) forward[link].back() = kNoLink;
+      if (kForwardColumn[k] < 0 && !is_there(around.at(-1, dy))) forward[link].front() = kNoLink;
     }
   }
-  const std::vector<RimLink>& rims = blocks.rims[static_cast<size_t>(block)];
-  const auto is_before = [](const RimLink& rim, int32_t at) { return rim.cell < at; };
-  for (auto rim = std::lower_bound(rims.begin(), rims.end(), inner, is_before);
-       rim != rims.end() && rim->cell == inner; ++rim) {
-    consider(top - rim->bare, rim->limit,
-             rim->number < 0 ? links.cell_of(-1 - rim->number) : -1 - rim->number);
+};
+
+/// Considers the ways `way` of a row's cells, to cells of `other` along links with `limit`.
+inline void consider_row(const float* __restrict top, const float* __restrict other,
+                         const float* __restrict limit, int32_t way, float* __restrict steepest,
+                         int32_t* __restrict best) {
+  for (int32_t i = 0; i < kReposeBlock; ++i) {
+    // Limits grow with the distance, so their ratio with the fall ranks slopes.
+    const float fall = top[i] - other[i];
+    const bool is_steeper = (limit[i] < kNoLink) & (fall > steepest[i] * limit[i]);
+    steepest[i] = is_steeper ? fall / limit[i] : steepest[i];
+    best[i] = is_steeper ? way : best[i];
   }
-  if ((tile.ground.forward[own] & kAtSeam) == 0) return next;
-  links.for_across(cell, [&](int32_t to, size_t link) {
-    const ReposeTile* const other = blocks.tiles[static_cast<size_t>(to / kTileCells)].get();
-    if (other == nullptr) return;
-    consider(top - other->snow.top[static_cast<size_t>(to % kTileCells)],
-             blocks.flows.links[link].limit, to);
-  });
-  return next;
+}
+
+SNOWBOUGH_WIDE_FLAT void find_ways(const RowLinks& row, float* __restrict steepest,
+                                   uint8_t* __restrict way) {
+  std::array<float, kReposeBlock> most{};
+  std::array<int32_t, kReposeBlock> best;
+  best.fill(kWaysOnMap);
+  const float* const top = row.top[1].data() + 1;
+  for (int32_t k = 0; k < kForwardLinks; ++k) {
+    const auto link = static_cast<size_t>(k);
+    consider_row(top,
+                 row.top[static_cast<size_t>(1 + kForwardRow[k])].data() + 1 + kForwardColumn[k],
+                 row.forward[link].data(), 2 * k, most.data(), best.data());
+    consider_row(
+        top, row.top[static_cast<size_t>(1 - kForwardRow[k])].data() + 1 - kForwardColumn[k],
+        row.back[link].data() + 1 - kForwardColumn[k], 2 * k + 1, most.data(), best.data());
+  }
+  for (size_t i = 0; i < static_cast<size_t>(kReposeBlock); ++i) {
+    steepest[i] = most[i];
+    way[i] = static_cast<uint8_t>(best[i]);
+  }
 }
 
 }  // namespace
@@ -77,10 +110,62 @@ CellWays::Block& CellWays::block_of(int32_t cell) {
   auto& block = blocks[static_cast<size_t>(cell / kTileCells)];
   if (block == nullptr) block = std::make_unique_for_overwrite<Block>();
   if (std::exchange(block->run, run) != run) {
+    block->rows = 0;
     block->end.fill(kNoWay);
     block->units.fill(0.0);
   }
   return *block;
+}
+
+/// The next cell along the steepest link of the snow's surface; -1 - outlet, if it leads over one;
+/// the cell itself in a hollow.
+int32_t CellWays::next_cell(const ReposeLinks& links, const ReposeBlocks& map, int32_t cell) {
+  const int32_t block = cell / kTileCells;
+  const int32_t inner = cell % kTileCells;
+  const auto own = static_cast<size_t>(inner);
+  const int32_t column = inner % kReposeBlock;
+  const int32_t row = inner / kReposeBlock;
+  const int32_t side = links.blocks_a_side;
+  Block& known = block_of(cell);
+  if (((known.rows >> static_cast<uint32_t>(row)) & 1) == 0) {
+    known.rows |= 1u << static_cast<uint32_t>(row);
+    const auto first = static_cast<size_t>(row * kReposeBlock);
+    find_ways(RowLinks(TilesAround(map.tiles, side, block), row), &known.steepest[first],
+              &known.way[first]);
+  }
+  const ReposeTile& tile = *map.tiles[static_cast<size_t>(block)];
+  const float top = tile.snow.top[own];
+  float steepest = known.steepest[own];
+  int32_t next = cell;
+  if (const int32_t way = known.way[own]; way < kWaysOnMap) {
+    const int32_t sign = way % 2 == 0 ? 1 : -1;
+    const int32_t x = column + sign * kForwardColumn[way / 2];
+    const int32_t y = row + sign * kForwardRow[way / 2];
+    const int32_t dx = x < 0 ? -1 : x / kReposeBlock;
+    const int32_t dy = y < 0 ? -1 : y / kReposeBlock;
+    next = (block + dy * side + dx) * kTileCells + (y & (kReposeBlock - 1)) * kReposeBlock +
+           (x & (kReposeBlock - 1));
+  }
+  const auto consider = [&](float fall, float limit, int32_t to) {
+    if (!(limit < kNoLink) || !(fall > steepest * limit)) return;
+    steepest = fall / limit;
+    next = to;
+  };
+  const std::vector<RimLink>& rims = map.rims[static_cast<size_t>(block)];
+  const auto is_before = [](const RimLink& rim, int32_t at) { return rim.cell < at; };
+  for (auto rim = std::lower_bound(rims.begin(), rims.end(), inner, is_before);
+       rim != rims.end() && rim->cell == inner; ++rim) {
+    consider(top - rim->bare, rim->limit,
+             rim->number < 0 ? links.cell_of(-1 - rim->number) : -1 - rim->number);
+  }
+  if ((tile.ground.forward[own] & kAtSeam) == 0) return next;
+  links.for_across(cell, [&](int32_t to, size_t link) {
+    const ReposeTile* const other = map.tiles[static_cast<size_t>(to / kTileCells)].get();
+    if (other == nullptr) return;
+    consider(top - other->snow.top[static_cast<size_t>(to % kTileCells)],
+             map.flows.links[link].limit, to);
+  });
+  return next;
 }
 
 void CellWays::begin(size_t count) {
@@ -90,14 +175,14 @@ void CellWays::begin(size_t count) {
 }
 
 /// -1 - outlet, or the last cell. Surfaces only fall along a way, so that it ends.
-int32_t CellWays::find(const ReposeLinks& links, const ReposeBlocks& blocks, int32_t cell) {
+int32_t CellWays::find(const ReposeLinks& links, const ReposeBlocks& map, int32_t cell) {
   const auto end_of = [&](int32_t own) -> int32_t& {
     return block_of(own).end[static_cast<size_t>(own % kTileCells)];
   };
   passed.clear();
   while (end_of(cell) == kNoWay) {
     passed.push_back(cell);
-    const int32_t next = next_cell(links, blocks, cell);
+    const int32_t next = next_cell(links, map, cell);
     if (next < 0 || next == cell) {
       end_of(cell) = next;
       break;

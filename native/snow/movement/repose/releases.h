@@ -10,12 +10,21 @@
 
 namespace snowbough::snow {
 
+/// Ways from a cell to its neighbours on the map: to the forward neighbour k, and back from it,
+/// in turn.
+inline constexpr int32_t kWaysOnMap = 2 * kForwardLinks;
+
 /// Where ways over cells end, each cell looked at once in a run, and the units that have gone each
 /// way. Cells are numbered as by ReposeLinks::cell_of.
 struct CellWays {
   struct Block {
     /// The run for which it was filled.
     uint64_t run = 0;
+    /// Rows whose cells' steepest links on the map are known, one bit each: the way there,
+    /// kWaysOnMap if none leads down, and the fall along it as a part of the link's limit.
+    uint32_t rows = 0;
+    std::array<uint8_t, kTileCells> way;
+    TilePlane steepest;
     std::array<int32_t, kTileCells> end;
     std::array<double, kTileCells> units;
   };
@@ -28,6 +37,7 @@ struct CellWays {
   void begin(size_t count);
   Block& block_of(int32_t cell);
   int32_t find(const ReposeLinks& links, const ReposeBlocks& map, int32_t cell);
+  int32_t next_cell(const ReposeLinks& links, const ReposeBlocks& map, int32_t cell);
   void add(int32_t end, double units);
 };
 

@@ -8,6 +8,7 @@
 #include "shaders/lib/texel_repose.h"
 #include "snow/movement/repose/repose.h"
 #include "snow/movement/repose/rooms.h"
+#include "snow/movement/repose/tiles_around.h"
 
 namespace snowbough::snow {
 /// Evaluates the surface, if it has changed for repose.
@@ -145,23 +146,39 @@ void Repose::set_up(const std::vector<float>& height, bool on_all_cores) {
   for_blocks(choice_.chosen, [&](int32_t b) {
     if (cover_tile(b, height)) changes[static_cast<size_t>(b)] = 1;
   });
-  for_blocks(choice_.chosen, [&](int32_t b) {
-    if (choice_.is_partial
-            ? clear_rooms(*blocks_.tiles[static_cast<size_t>(b)])
-            : rays_ != nullptr && fill_rooms(ground_, *rays_, choice_.limits, blocks_.tiles, b)) {
-      changes[static_cast<size_t>(b)] = 1;
+  std::vector<ChangedCells> rooms(choice_.chosen.size());
+  for_each(choice_.chosen.size(), [&](size_t i) {
+    const int32_t b = choice_.chosen[i];
+    if (choice_.is_partial) {
+      rooms[i] = clear_rooms(*blocks_.tiles[static_cast<size_t>(b)]);
+    } else if (rays_ != nullptr) {
+      rooms[i] = fill_rooms(ground_, *rays_, choice_.limits, blocks_.tiles, b);
     }
   });
   Blocks changed;
+  for (size_t i = 0; i < rooms.size(); ++i) {
+    if (rooms[i].is_at_seam) changes[static_cast<size_t>(choice_.chosen[i])] = 1;
+  }
   for (size_t b = 0; b < changes.size(); ++b) {
     if (changes[b] != 0) changed.push_back(static_cast<int32_t>(b));
   }
-  Blocks unlinked;
+  Marks are_near(ground_.links->block_count(), 0);
   for (const int32_t block : near_blocks(*ground_.links, changed)) {
-    if (blocks_.tiles[static_cast<size_t>(block)] != nullptr) unlinked.push_back(block);
+    are_near[static_cast<size_t>(block)] = 1;
+  }
+  for (size_t i = 0; i < rooms.size(); ++i) {
+    mark_around(ground_.links->blocks_a_side, choice_.chosen[i], rooms[i].around, are_near);
+  }
+  Blocks unlinked;
+  for (size_t b = 0; b < are_near.size(); ++b) {
+    if (are_near[b] != 0 && blocks_.tiles[b] != nullptr) {
+      unlinked.push_back(static_cast<int32_t>(b));
+    }
   }
   for_blocks(unlinked, [&](int32_t b) {
-    blocks_.tiles[static_cast<size_t>(b)]->links.has_limits = false;
+    ReposeTile& tile = *blocks_.tiles[static_cast<size_t>(b)];
+    tile.links.has_limits = false;
+    tile.outlets.forget_ways_up();
     set_up_outlets(ground_, choice_.limits, stand_, b, blocks_);
   });
 }

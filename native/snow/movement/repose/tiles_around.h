@@ -60,10 +60,6 @@ struct TilesAround {
 void mark_around(int32_t blocks_a_side, int32_t block, uint32_t around,
                  std::vector<uint8_t>& marks);
 
-/// The cells of a block beside which snow is steeper than `slope` (a tangent), so that it may flow
-/// onto them: one bit per column, by row.
-std::array<uint32_t, kReposeBlock> cells_below_snow(const TilesAround& around, float slope);
-
 /// Marks the rows with links to a cell as active, in all tiles. `column` and `row` are relative to
 /// the middle tile, from -1 to kReposeBlock.
 void activate_cell(const TilesAround& around, int32_t column, int32_t row);
