@@ -8,6 +8,7 @@
 #include "base/parallel_for.h"
 #include "shaders/lib/texel_repose.h"
 #include "snow/movement/hashed.h"
+#include "snow/movement/splat.h"
 
 namespace snowbough::snow {
 namespace {
@@ -26,115 +27,10 @@ constexpr double kThrownSeconds = 0.9;
 constexpr double kLeaves = 1.5;
 /// Shorter flights are not shown, in seconds.
 constexpr double kShortest = 1e-3;
-/// Largest radius of that disc, in texels.
-constexpr int32_t kMostTexels = 24;
 
 int64_t units_of(double volume) {
   return std::llround(volume / kLandingUnit);
 }
-
-/// Adds snow to a map, each arrival spread over a disc.
-class Splat {
- public:
-  Splat(const BareTexels& bare, double radius)
-      : bare_(bare),
-        side_(static_cast<int32_t>(std::lround(std::sqrt(bare.texel_of.size())))),
-        radius_(static_cast<float>(radius)) {}
-
-  /// Moves a place to a lattice a quarter of the radius wide, so that neighbours land together.
-  int32_t snapped(int32_t place) const {
-    const int32_t step = std::max(reach_at(place) / 4, 1);
-    const auto to_middle = [&](int32_t i) {
-      return std::min(i / step * step + step / 2, side_ - 1);
-    };
-    const int32_t there = to_middle(place / side_) * side_ + to_middle(place % side_);
-    const int32_t from = texel(place);
-    const int32_t to = texel(there);
-    const bool is_near = from >= 0 && to >= 0 && holds(from, to) &&
-                         squared_distance(from, to) < 0.25f * radius_ * radius_;
-    return broad_place_near(is_near ? there : place);
-  }
-
-  /// Spreads units over the texels within the radius on the map and on the surface, in whole units;
-  /// the remainder stays in the middle.
-  void add(int32_t place, int64_t units, std::vector<std::pair<int32_t, int64_t>>& gains) {
-    const int32_t centre = texel(place);
-    const int32_t reach = reach_at(place);
-    const float size = std::sqrt(std::max(bare_.area[static_cast<size_t>(centre)], 1e-12f));
-    const float range = std::min(radius_, static_cast<float>(reach) * size);
-    const int32_t column = place % side_;
-    const int32_t row = place / side_;
-    parts_.clear();
-    double whole = 0.0;
-    for (int32_t y = std::max(row - reach, 0); y <= std::min(row + reach, side_ - 1); ++y) {
-      for (int32_t x = std::max(column - reach, 0); x <= std::min(column + reach, side_ - 1); ++x) {
-        const int32_t own = texel(y * side_ + x);
-        if (own < 0) continue;
-        const float away = squared_distance(centre, own) / (range * range);
-        const auto i = static_cast<size_t>(own);
-        if (!(away < 1.0f) || !holds(centre, own)) continue;
-        parts_.emplace_back(y * side_ + x, static_cast<double>((1.0f - away) * bare_.area[i]));
-        whole += parts_.back().second;
-      }
-    }
-    int64_t rest = units;
-    for (const auto& [at, weight] : parts_) {
-      const auto own = static_cast<int64_t>(static_cast<double>(units) * (weight / whole));
-      gains.emplace_back(at, own);
-      rest -= own;
-    }
-    gains.emplace_back(place, rest);
-  }
-
-  /// The texel at a place, -1: none.
-  int32_t texel(int32_t place) const { return bare_.texel_of[static_cast<size_t>(place)]; }
-
- private:
-  /// Whether snow that faces as at `facing` may lie on a texel.
-  bool holds(int32_t facing, int32_t at) const {
-    const float side = bare_.up[static_cast<size_t>(facing)] < 0.0f ? -1.0f : 1.0f;
-    return !shared::is_wall(side * bare_.up[static_cast<size_t>(at)]);
-  }
-  /// A place beside one whose texel is a wall, or only a sliver of surface on which snow would
-  /// tower; else the place itself.
-  int32_t broad_place_near(int32_t place) const {
-    constexpr float kSliver = 0.25f;
-    const int32_t own = texel(place);
-    int32_t broadest = place;
-    float most = holds(own, own) ? bare_.area[static_cast<size_t>(own)] / kSliver : 0.0f;
-    const int32_t column = place % side_;
-    const int32_t row = place / side_;
-    for (int32_t y = std::max(row - 1, 0); y <= std::min(row + 1, side_ - 1); ++y) {
-      for (int32_t x = std::max(column - 1, 0); x <= std::min(column + 1, side_ - 1); ++x) {
-        const int32_t to = texel(y * side_ + x);
-        if (to < 0 || !(bare_.area[static_cast<size_t>(to)] > most) || !holds(own, to)) continue;
-        if (!(squared_distance(own, to) < radius_ * radius_)) continue;
-        most = bare_.area[static_cast<size_t>(to)];
-        broadest = y * side_ + x;
-      }
-    }
-    return broadest;
-  }
-  /// The radius in texels around a place.
-  int32_t reach_at(int32_t place) const {
-    const int32_t own = texel(place);
-    if (own < 0) return 1;
-    const float size = std::sqrt(std::max(bare_.area[static_cast<size_t>(own)], 1e-12f));
-    return std::min(kMostTexels, static_cast<int32_t>(std::ceil(radius_ / size)));
-  }
-  float squared_distance(int32_t a, int32_t b) const {
-    const auto i = static_cast<size_t>(a), j = static_cast<size_t>(b);
-    const float x = bare_.x[i] - bare_.x[j];
-    const float y = bare_.y[i] - bare_.y[j];
-    const float z = bare_.z[i] - bare_.z[j];
-    return x * x + y * y + z * z;
-  }
-
-  const BareTexels& bare_;
-  int32_t side_;
-  float radius_;
-  std::vector<std::pair<int32_t, double>> parts_;
-};
 
 }  // namespace
 
@@ -172,46 +68,38 @@ void Landing::set_state(const LandingState& state) {
   }
 }
 
-void Landing::arrive(double dt, const LandingSettings& settings, MovingMap& map, Repose& repose) {
+void Landing::arrive(double dt, const LandingSettings& settings,
+                     const std::vector<MovingMap*>& maps,
+                     const std::function<Repose&(size_t)>& repose_of) {
   const int64_t until = clock_ + microseconds(dt);
-  const auto object = static_cast<int32_t>(map.object);
-  std::vector<std::pair<int32_t, int64_t>> landing;
+  std::vector<std::vector<std::pair<int32_t, int64_t>>> landing(maps.size());
+  std::vector<size_t> map_of(names_.size(), maps.size());
+  for (size_t i = 0; i < maps.size(); ++i) map_of[maps[i]->object] = i;
   for (auto at = air_.begin(); at != air_.end() && std::get<0>(at->first) <= until;) {
-    if (std::get<1>(at->first) != object) {
+    const size_t map = map_of[static_cast<size_t>(std::get<1>(at->first))];
+    if (map == maps.size()) {
       ++at;
       continue;
     }
-    landing.emplace_back(std::get<2>(at->first), at->second);
+    landing[map].emplace_back(std::get<2>(at->first), at->second);
     at = air_.erase(at);
   }
-  if (landing.empty()) return;
-  const BareTexels& bare = repose.bare();
-  Splat splat(bare, settings.heap_grain);
-  std::map<int32_t, int64_t> by_place;
-  for (const auto& [place, units] : landing) {
-    if (splat.texel(place) < 0) {
-      left_ += units;
-    } else {
-      by_place[splat.snapped(place)] += units;
+  std::vector<int64_t> left(maps.size(), 0);
+  base::for_each_item(maps.size(), 1, [&](size_t i) {
+    if (landing[i].empty()) return;
+    Repose& repose = repose_of(maps[i]->object);
+    Splat splat(repose.bare(), repose.table(), settings.heap_grain);
+    std::map<int32_t, int64_t> by_place;
+    for (const auto& [place, units] : landing[i]) {
+      if (splat.texel(place) < 0) {
+        left[i] += units;
+      } else {
+        by_place[splat.snapped(place)] += units;
+      }
     }
-  }
-  std::vector<std::pair<int32_t, int64_t>> gains;
-  for (const auto& [place, units] : by_place) splat.add(place, units, gains);
-  for (const auto& [place, units] : gains) {
-    const auto texel = static_cast<size_t>(bare.texel_of[static_cast<size_t>(place)]);
-    const auto area = static_cast<double>(bare.area[texel]);
-    if (!(area > 0.0)) {
-      left_ += units;
-      continue;
-    }
-    float& height = (*map.height)[static_cast<size_t>(place)];
-    const bool is_back = height < 0.0f || (height == 0.0f && bare.up[texel] < 0.0f);
-    const double before = std::abs(static_cast<double>(height));
-    const auto now = static_cast<float>(before + static_cast<double>(units) * kLandingUnit / area);
-    map.landed += (static_cast<double>(now) - before) * area;
-    height = is_back ? -now : now;
-    map.has_changed = true;
-  }
+    for (const auto& [place, units] : by_place) left[i] += splat.add(place, units, *maps[i]);
+  });
+  for (const int64_t units : left) left_ += units;
 }
 
 void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& repose) {
@@ -219,6 +107,10 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
   const auto number = static_cast<int32_t>(map.object);
   int64_t listed = 0;
   double slid = 0.0;
+  TexelsNow texels(object, repose.table());
+  // Neighbours mostly fall together.
+  Exit* last = nullptr;
+  Cube last_cube{};
   const auto add = [&](const Release& release) {
     const int64_t units = units_of(release.volume);
     if (units <= 0) return;
@@ -237,7 +129,7 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
       air_[{clock_, number, place, false}] += units;
       return;
     } else {
-      const TexelNow texel = texel_now(object, repose.table(), release.texel);
+      const TexelNow texel = texels.at(release.texel);
       exit.point = texel.point;
       if (release.outlet == Release::kThrough) exit.point.z -= kBelowSurface;
       const double flat = glm::length(glm::dvec2(texel.normal));
@@ -248,7 +140,11 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
       exit.key[static_cast<size_t>(axis)] =
           static_cast<int64_t>(std::floor(exit.point[axis] / settings.heap_grain));
     }
-    Exit& cell = exits_[exit.key];
+    if (last == nullptr || exit.key != last_cube) {
+      last = &exits_[exit.key];
+      last_cube = exit.key;
+    }
+    Exit& cell = *last;
     const auto weight = static_cast<double>(units);
     if (cell.units == 0) cell.object = number;
     cell.units += units;

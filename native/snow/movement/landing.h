@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <string>
@@ -43,9 +44,10 @@ class Landing {
   /// `rays` must know the objects. Snow in the air stays.
   void lay_out(const SceneRays& rays);
 
-  /// Adds the snow that lands on a map within the next `dt` seconds; sets its `landed` and
-  /// `has_changed`.
-  void arrive(double dt, const LandingSettings& settings, MovingMap& map, Repose& repose);
+  /// Adds the snow that lands on these maps within the next `dt` seconds; sets their `landed` and
+  /// `has_changed`. `repose_of`: by object; called from several threads.
+  void arrive(double dt, const LandingSettings& settings, const std::vector<MovingMap*>& maps,
+              const std::function<Repose&(size_t)>& repose_of);
   /// Whether any snow lands within the next `dt` seconds.
   bool has_arrivals(double dt) const {
     return !air_.empty() && std::get<0>(air_.begin()->first) <= clock_ + microseconds(dt);

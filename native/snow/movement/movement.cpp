@@ -97,10 +97,10 @@ void Movement::before(const MovementSettings& settings, double dt, std::vector<M
   }
   water_.drip(settings.landing.is_on);
   // Above hidden receivers snow stays in the air.
-  for (MovingMap* map : shown(maps)) {
-    masks_.begin(*map);
-    if (dt <= 0.0 || !settings.repose.is_on()) continue;
-    landing_.arrive(dt, settings.landing, *map, *receivers_[map->object]);
+  for (MovingMap* map : shown(maps)) masks_.begin(*map);
+  if (dt > 0.0 && settings.repose.is_on()) {
+    landing_.arrive(dt, settings.landing, shown(maps),
+                    [&](size_t object) -> Repose& { return *receivers_[object]; });
   }
   if (!settings.drift.is_on()) return;
   std::vector<Drift::Receiver> receivers;

@@ -1,7 +1,6 @@
 #include "snow/movement/rays/map_point.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -26,12 +25,16 @@ int32_t place_near(const TexelTable& table, int32_t triangle, glm::vec2 at) {
   const int32_t last = table.resolution - 1;
   int32_t nearest = -1;
   float least = 1e30f;
+  auto found = table.texel.begin();
   for (int32_t y = std::max(0, row - 1); y <= std::min(last, row + 1); ++y) {
-    for (int32_t x = std::max(0, column - 1); x <= std::min(last, column + 1); ++x) {
-      const int32_t place = y * table.resolution + x;
-      const int32_t texel = texel_at(table, place);
-      if (texel < 0 || !shows(table, texel, triangle)) continue;
-      const float away_x = static_cast<float>(x) + 0.5f - at.x;
+    const int32_t first = y * table.resolution + std::max(0, column - 1);
+    const int32_t end = y * table.resolution + std::min(last, column + 1);
+    found = std::lower_bound(found, table.texel.end(), first);
+    for (; found != table.texel.end() && *found <= end; ++found) {
+      const int32_t place = *found;
+      const auto texel = static_cast<int32_t>(found - table.texel.begin());
+      if (!shows(table, texel, triangle)) continue;
+      const float away_x = static_cast<float>(place % table.resolution) + 0.5f - at.x;
       const float away_y = static_cast<float>(y) + 0.5f - at.y;
       const float distance = away_x * away_x + away_y * away_y;
       if (distance < least) {
@@ -41,16 +44,6 @@ int32_t place_near(const TexelTable& table, int32_t triangle, glm::vec2 at) {
     }
   }
   return nearest;
-}
-
-std::array<glm::dvec3, 3> corners_of(const SceneObject& object, int32_t triangle) {
-  const int32_t* const corner =
-      &object.description.topology.triangles[3 * static_cast<size_t>(triangle)];
-  std::array<glm::dvec3, 3> corners;
-  for (size_t k = 0; k < 3; ++k) {
-    corners[k] = glm::dvec3(object.positions[static_cast<size_t>(corner[k])]);
-  }
-  return corners;
 }
 
 }  // namespace
@@ -94,20 +87,35 @@ SurfaceHit first_ground(const SceneRays& rays, const glm::dvec3& from, const glm
   return {};
 }
 
-TexelNow texel_now(const SceneObject& object, const TexelTable& table, int32_t texel) {
+const TexelsNow::Triangle& TexelsNow::triangle(int32_t number) {
+  if (number == last_.number) return last_;
+  const int32_t* const corners =
+      &object_.description.topology.triangles[3 * static_cast<size_t>(number)];
+  const auto corner = [&](int k) {
+    return glm::dvec3(object_.positions[static_cast<size_t>(corners[k])]);
+  };
+  last_.number = number;
+  last_.first = corner(0);
+  last_.to_second = corner(1) - corner(0);
+  last_.to_third = corner(2) - corner(0);
+  last_.normal = glm::cross(last_.to_second, last_.to_third);
+  last_.size = glm::length(last_.normal);
+  return last_;
+}
+
+TexelNow TexelsNow::at(int32_t texel) {
   const auto i = static_cast<size_t>(texel);
   TexelNow now;
-  for (int32_t f = table.fragment_begin[i]; f < table.fragment_begin[i + 1]; ++f) {
-    const auto [a, b, c] = corners_of(object, table.fragment_triangle[static_cast<size_t>(f)]);
-    const glm::dvec3 normal = glm::cross(b - a, c - a);
-    const double share = static_cast<double>(table.fragment_share[static_cast<size_t>(f)]);
-    now.area += 0.5 * share * glm::length(normal);
-    now.normal += 0.5 * share * normal;
+  for (int32_t f = table_.fragment_begin[i]; f < table_.fragment_begin[i + 1]; ++f) {
+    const Triangle& own = triangle(table_.fragment_triangle[static_cast<size_t>(f)]);
+    const double share = static_cast<double>(table_.fragment_share[static_cast<size_t>(f)]);
+    now.area += 0.5 * share * own.size;
+    now.normal += 0.5 * share * own.normal;
   }
   if (now.area > 0.0) now.normal /= now.area;
-  const auto [a, b, c] = corners_of(object, table.triangle[i]);
-  const glm::dvec2 weights(table.barycentric[i]);
-  now.point = a + weights.x * (b - a) + weights.y * (c - a);
+  const Triangle& own = triangle(table_.triangle[i]);
+  const glm::dvec2 weights(table_.barycentric[i]);
+  now.point = own.first + weights.x * own.to_second + weights.y * own.to_third;
   return now;
 }
 

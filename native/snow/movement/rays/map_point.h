@@ -41,10 +41,32 @@ struct TexelNow {
   double area = 0.0;
 };
 
-/// `texel`: index in `table`, the object's or a coarser one.
-TexelNow texel_now(const SceneObject& object, const TexelTable& table, int32_t texel);
-inline TexelNow texel_now(const SceneObject& object, int32_t texel) {
-  return texel_now(object, *object.table, texel);
+/// Texels in the current pose, of `table`, the object's or a coarser one. Neighbours mostly lie on
+/// the same triangle, which is measured once.
+class TexelsNow {
+ public:
+  TexelsNow(const SceneObject& object, const TexelTable& table) : object_(object), table_(table) {}
+
+  /// `texel`: index in the table.
+  TexelNow at(int32_t texel);
+
+ private:
+  struct Triangle {
+    int32_t number = -1;
+    glm::dvec3 first{0.0}, to_second{0.0}, to_third{0.0};
+    /// The sides' cross product, and its length.
+    glm::dvec3 normal{0.0};
+    double size = 0.0;
+  };
+  const Triangle& triangle(int32_t number);
+
+  const SceneObject& object_;
+  const TexelTable& table_;
+  Triangle last_;
+};
+
+inline TexelNow texel_now(const SceneObject& object, const TexelTable& table, int32_t texel) {
+  return TexelsNow(object, table).at(texel);
 }
 
 /// The texel at a place of the map, -1: none.

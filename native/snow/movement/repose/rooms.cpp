@@ -99,9 +99,9 @@ class Ring {
 
 /// Marks the cells of a row beside which snow is higher than `slope` allows; `step`: to the
 /// neighbour. Planes begin at the row's first cell.
-inline void mark_below(const float* __restrict x, const float* __restrict y,
-                       const float* __restrict top, const float* __restrict gives, int32_t step,
-                       float slope, uint32_t* __restrict marks) {
+SNOWBOUGH_WIDE void mark_below(const float* __restrict x, const float* __restrict y,
+                               const float* __restrict top, const float* __restrict gives,
+                               int32_t step, float slope, uint32_t* __restrict marks) {
   const float square = slope * slope;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
     const float way_x = x[i + step] - x[i];
@@ -112,13 +112,7 @@ inline void mark_below(const float* __restrict x, const float* __restrict y,
   }
 }
 
-/// The same for all neighbours, `side` cells apart in a column: one bit per cell.
-SNOWBOUGH_WIDE_FLAT uint32_t mark_below(const float* x, const float* y, const float* top,
-                                        const float* gives, int32_t side, float slope) {
-  std::array<uint32_t, kReposeBlock> marks{};
-  for (const int32_t step : {1, -1, side, -side, side + 1, side - 1, -side + 1, -side - 1}) {
-    mark_below(x, y, top, gives, step, slope, marks.data());
-  }
+SNOWBOUGH_WIDE uint32_t bits_of(const uint32_t* __restrict marks) {
   uint32_t bits = 0;
   for (uint32_t i = 0; i < kReposeBlock; ++i) bits |= marks[i] << i;
   return bits;
@@ -127,7 +121,11 @@ SNOWBOUGH_WIDE_FLAT uint32_t mark_below(const float* x, const float* y, const fl
 uint32_t Ring::below_snow(int32_t row, float slope) {
   for (const int32_t own : {row - 1, row, row + 1}) load(own);
   const auto first = static_cast<size_t>((row + 1) * kSide + 1);
-  return mark_below(&x_[first], &y_[first], &top_[first], &gives_[first], kSide, slope);
+  std::array<uint32_t, kReposeBlock> marks{};
+  for (const int32_t step : {1, -1, kSide, -kSide, kSide + 1, kSide - 1, -kSide + 1, -kSide - 1}) {
+    mark_below(&x_[first], &y_[first], &top_[first], &gives_[first], step, slope, marks.data());
+  }
+  return bits_of(marks.data());
 }
 
 /// Whether the room above any texel of a row is unknown or full.
