@@ -35,14 +35,16 @@ base::TriangleTree::Hit ground_at(const base::TriangleTree& tree,
   return {above.triangle, -above.distance};
 }
 
-bool is_within(const SurfaceMesh& receiver, const base::TriangleTree& tree, const glm::dvec3& place,
-               const glm::dvec3& out) {
+bool is_within(const base::TriangleTree& tree, const std::vector<glm::vec3>& position,
+               const std::vector<std::array<int32_t, 3>>& triangle, const glm::dvec3& place) {
   const auto leaves = [&](const glm::dvec3& way) {
     const auto hit = tree.first_along(0, place, way, 1e-5, kOtherFace);
-    return hit.triangle >= 0 &&
-           glm::dot(triangle_cross(receiver, hit.triangle), glm::vec3(way)) > 0.0f;
+    if (hit.triangle < 0) return false;
+    const auto& [a, b, c] = triangle[static_cast<size_t>(hit.triangle)];
+    const glm::vec3 cross = glm::cross(position[b] - position[a], position[c] - position[a]);
+    return glm::dot(cross, glm::vec3(way)) > 0.0f;
   };
-  return leaves({0.0, 0.0, 1.0}) && leaves(out);
+  return leaves({0.0, 0.0, 1.0}) && leaves({1.0, 0.0, 0.0}) && leaves({-1.0, 0.0, 0.0});
 }
 
 Beyond::Beyond(const std::vector<Neighbour>& neighbours) : neighbours_(neighbours) {
@@ -92,6 +94,10 @@ Beyond::Below Beyond::below(const glm::dvec3& place, double most, double highest
   found.thickness =
       std::abs(map_value(one.height.data(), resolution, map_place(at, resolution))) / up;
   return found;
+}
+
+bool Beyond::surround(const glm::dvec3& place) const {
+  return tree_ != nullptr && is_within(*tree_, position_, triangle_, place);
 }
 
 }  // namespace snowbough::snow

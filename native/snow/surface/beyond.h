@@ -26,10 +26,9 @@ base::TriangleTree::Hit ground_at(const base::TriangleTree& tree,
                                   const std::vector<std::array<int32_t, 3>>& triangle,
                                   const glm::dvec3& place, double most, double highest);
 
-/// True if a place lies within a piece that stands there, as seen upwards and along the level
-/// direction `out`. Faces that are seen from behind alone, as those of a sheet above, are no piece.
-bool is_within(const SurfaceMesh& receiver, const base::TriangleTree& tree, const glm::dvec3& place,
-               const glm::dvec3& out);
+/// True if a place lies within a piece: upwards and to both sides, its faces are seen from behind.
+bool is_within(const base::TriangleTree& tree, const std::vector<glm::vec3>& position,
+               const std::vector<std::array<int32_t, 3>>& triangle, const glm::dvec3& place);
 
 /// The faces of the other receivers, for what lies beyond the rims of one.
 class Beyond {
@@ -44,6 +43,8 @@ class Beyond {
   };
   /// As ground_at.
   Below below(const glm::dvec3& place, double most, double highest) const;
+  /// As is_within.
+  bool surround(const glm::dvec3& place) const;
 
  private:
   const std::vector<Neighbour>& neighbours_;

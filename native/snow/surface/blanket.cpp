@@ -225,14 +225,6 @@ void Blanket::set_upright(const std::vector<glm::vec3>& upper,
   }
 }
 
-void Blanket::fill_below(std::vector<float>& thickness) const {
-  const std::vector<float> own = thickness;
-  for (const Member& member : members_) {
-    if (member.tucked <= 0.0f) continue;
-    thickness[member.point] = std::max(own[member.point], member.off.of(own));
-  }
-}
-
 std::vector<float> Blanket::lay(const SurfacePoints& points, std::vector<float>& goes_on,
                                 std::vector<glm::vec3>& ups, std::vector<float>& thickness) const {
   std::vector<float> shares(thickness.size(), 0.0f);

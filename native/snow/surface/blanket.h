@@ -47,9 +47,6 @@ class Blanket {
   /// @param upper  normals of the most level faces at the points.
   void set_upright(const std::vector<glm::vec3>& upper, std::vector<glm::vec3>& normal) const;
 
-  /// Gives the points below the upper pieces of steps at least the thickness off the foot: else the
-  /// bare ones among them would pull that beside them down.
-  void fill_below(std::vector<float>& thickness) const;
   /// Replaces the thickness of the snow at the members by that up to the blanket, as far as the
   /// snow hides the step.
   /// @param goes_on per front, 0 to 1: how far its snow joins that beyond the rim; becomes how far

@@ -22,6 +22,8 @@ using shared::SnowFront;
 constexpr float kLee = 0.4f;
 /// Points at least this fraction into their zone give the height of the snow behind a rim.
 constexpr float kInland = 0.6f;
+/// Distance from a point within a piece at which snow beside the piece is looked for, in depths.
+constexpr float kFromHidden = 0.4f;
 /// Where the snow behind a rim is looked for, as a fraction of the zone.
 constexpr float kBehind = 1.02f;
 
@@ -245,6 +247,13 @@ float Fronts::goes_on(size_t number, const shared::SnowJoin& join, float depth) 
   return join.joined * eased(std::abs(at.distance), kFarStep * depth, kNearStep * depth);
 }
 
+void Fronts::fill_hidden(std::vector<float>& thickness) const {
+  const std::vector<float> own = thickness;
+  for (const Hidden& one : hidden) {
+    thickness[one.point] = std::max(own[one.point], one.beside.of(own));
+  }
+}
+
 void Fronts::smooth(std::vector<float>& values) const {
   constexpr int kRounds = 8;
   std::vector<float> before(values.size());
@@ -311,27 +320,36 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
                    float depth, bool needles) {
   Fronts fronts;
   const std::vector<uint8_t> sheltered = sheltered_points(points, tree, depth);
+  const auto within_piece = [&](const glm::vec3& place) {
+    const glm::dvec3 off = place + glm::vec3(0.0f, 0.0f, kOffFace * depth);
+    return is_within(tree, receiver.position, receiver.triangle, off) || beyond.surround(off);
+  };
+  // Where snow can lie: in the open, or within a piece that stands there.
+  constexpr uint8_t kLies = 1, kHidden = 2;
+  std::vector<uint8_t> state(points.count(), 0);
+  base::for_each_item(state.size(), 256, [&](size_t p) {
+    const bool is_far = !zone[p].place.is_far_off && zone[p].share < -1e-3f;
+    if (is_far || points.normal[p].z < kCarriesBelow) return;
+    state[p] = within_piece(points.mesh.position[p]) ? kHidden : kLies;
+  });
   std::vector<int32_t> behind_rims, lie;
   for (size_t p = 0; p < points.count(); ++p) {
-    const bool is_near = !zone[p].place.is_far_off;
-    const bool is_far = is_near && zone[p].share < -1e-3f;
-    if (is_far || points.normal[p].z < kCarriesBelow) continue;
+    if (state[p] != kLies) continue;
     lie.push_back(static_cast<int32_t>(p));
-    if (is_near && zone[p].share > kInland) behind_rims.push_back(static_cast<int32_t>(p));
+    const bool is_behind = !zone[p].place.is_far_off && zone[p].share > kInland;
+    if (is_behind) behind_rims.push_back(static_cast<int32_t>(p));
   }
   const std::vector<glm::vec3>& position = points.mesh.position;
-  const auto within_piece = [&](const glm::vec3& place, const glm::vec3& out) {
-    return is_within(receiver, tree, place + glm::vec3(0.0f, 0.0f, kOffFace * depth), out);
-  };
-  std::vector<uint8_t> within(behind_rims.size());
-  base::for_each_item(within.size(), 256, [&](size_t i) {
-    const int32_t p = behind_rims[i];
-    within[i] = within_piece(position[p], zone[p].place.level_out) ? 1 : 0;
-  });
-  size_t next = 0;
-  std::erase_if(behind_rims, [&](int32_t) { return within[next++] != 0; });
   const NearestPoints inland(position, std::move(behind_rims), sheltered, depth);
   const NearestPoints lying(position, std::move(lie), sheltered, depth);
+  fronts.counted.assign(points.count(), 1.0f);
+  for (size_t p = 0; p < points.count(); ++p) {
+    if (state[p] != kHidden) continue;
+    fronts.counted[p] = 0.0f;
+    const auto own = static_cast<int32_t>(p);
+    const PointMean beside = lying.at(position[p], own, kFromHidden * depth, false);
+    if (beside.point[0] != own) fronts.hidden.push_back({own, beside});
+  }
   fronts.banks = find_banks(points, receiver, tree, lying, depth);
   // Below a rim over an upright face, the front has the shape.
   for (Bank& bank : fronts.banks) {
@@ -370,7 +388,7 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
     const glm::vec3 on_rim = first.foot - rims.all()[first.rim].out * (kOnRim * depth);
     const bool is_high = rims.all()[first.rim].far_extent > kCovered * depth;
     const bool is_covered = (is_high && !needles && is_sheltered(tree, on_rim, kCovered * depth)) ||
-                            within_piece(on_rim, here.place.level_out);
+                            within_piece(on_rim);
     front.presence = is_covered ? 0.0f : eased(here.room / depth, 0.03f, 0.09f);
     const float farthest = front.presence > 0.0f ? 3.0f * depth : 0.0f;
     const auto own = static_cast<int32_t>(p);
@@ -379,7 +397,7 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
     // Off the foot of a piece that stands on the top.
     float inwards = kBehind;
     glm::vec3 behind = here.place.foot - here.place.out * (here.support * inwards);
-    while (inwards > 0.5f && within_piece(behind, here.place.level_out)) {
+    while (inwards > 0.5f && within_piece(behind)) {
       inwards -= 0.2f;
       behind = here.place.foot - here.place.out * (here.support * (inwards - 0.2f));
     }
@@ -416,7 +434,6 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
   }
   const std::vector<glm::vec3> upper = upper_normals(points.mesh);
   std::vector<Blanket::Member> members = find_feet(points.mesh.position, upper, rims, lying, depth);
-  fronts.counted.assign(points.count(), 1.0f);
   for (const Blanket::Member& foot : members) {
     if (foot.tucked > 0.0f) fronts.counted[foot.point] = 0.0f;
   }

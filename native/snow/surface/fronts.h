@@ -45,14 +45,22 @@ struct Fronts {
   /// Points at the rim, which give the height of the blanket at the far face.
   std::vector<PointMean> edge;
   std::vector<Bank> banks;
-  /// Per point of the surface, unless there are no rims: 0 where snow that is drawn lies below
-  /// other pieces, else 1.
+  /// Per point of the surface: 0 where snow that is drawn lies below or within other pieces,
+  /// else 1.
   std::vector<float> counted;
+  /// Points within pieces that stand on the surface, and those beside the pieces.
+  struct Hidden {
+    int32_t point = 0;
+    PointMean beside;
+  };
+  std::vector<Hidden> hidden;
 
   /// The fronts of the points beside that of front f, from beside_begin[f] on.
   std::vector<int32_t> beside_begin, beside;
 
   size_t count() const { return point.size(); }
+  /// Gives points within pieces at least the thickness beside: the snow would end before the piece.
+  void fill_hidden(std::vector<float>& thickness) const;
   /// Averages values per front with those of the points beside.
   void smooth(std::vector<float>& values) const;
   /// Mean heights behind the rims; bare points count as 0. `open_depth`: as in SurfaceFrame.

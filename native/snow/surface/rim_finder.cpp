@@ -336,7 +336,8 @@ void drop_hidden_rims(std::vector<Rim>& rims, const SurfaceMesh& mesh,
     hidden[r] = 1;
     for (const float share : {0.02f, 0.5f, 0.98f}) {
       const glm::vec3 place = glm::mix(rim.from, rim.to, share) - rim.out * off;
-      if (!is_within(mesh, tree, place + glm::vec3(0.0f, 0.0f, off), rim.out)) hidden[r] = 0;
+      if (!is_within(tree, mesh.position, mesh.triangle, place + glm::vec3(0.0f, 0.0f, off)))
+        hidden[r] = 0;
     }
   });
   size_t next = 0;

@@ -106,7 +106,7 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
   });
   fronts.smooth(heights.blanket);
   const std::vector<float> sampled = heights.thickness;
-  fronts.blanket.fill_below(heights.thickness);
+  fronts.fill_hidden(heights.thickness);
   smooth(samples, heights.thickness, kRoundsBefore);
   const std::vector<float> held = heights.thickness;
   const std::vector<float> laid =

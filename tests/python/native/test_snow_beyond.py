@@ -93,3 +93,15 @@ def test_snow_goes_on_over_the_snow_of_another_receiver(below, is_covered):
     assert np.array_equal(alone, top) != is_covered
     if is_covered:
         assert (top > level).mean() > 0.95
+
+
+def test_snow_on_a_sill_reaches_the_wall_that_holds_it():
+    """The sill's back edge lies within the wall, which is another object."""
+    *sill, resolution = pieces([((0.0, 0.0, -0.05), (1.0, 0.3, 0.05), 0.0)])
+    snow = map_of(sill, resolution, lambda points, up: np.where((up > 0.7) & (points[:, 1] < 0.05), 0.2, 0.0))
+    *wall, size = pieces([((0.0, 0.25, -1.0), (1.6, 0.4, 3.0), 0.0)])
+    positions, triangles, uv = wall
+    neighbour = (triangles, uv, positions, np.zeros((size, size), np.float32))
+    before_it = np.stack([np.linspace(-0.3, 0.3, 31), np.full(31, 0.04)], axis=1)
+    top, _ = shown_over(sill, snow, 0.2, before_it, neighbours=[neighbour])
+    assert top.min() > 0.12
