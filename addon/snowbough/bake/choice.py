@@ -11,6 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..surface.compute import expected_seconds
+from ..surface.style import patchy_points, shared_out
 from . import baked_receiver
 
 # Growth from frame to frame, as a factor, below which a receiver counts as full-grown.
@@ -56,6 +58,26 @@ def choose_receivers(pose, request):
         wanted -= names
     _check(choice, request, wanted, known)
     return choice
+
+
+def share_points(native, request, pose, receivers):
+    """Gives each of the BakedReceivers its WantedPoints, and the time that its surface takes. They are computed from all receivers of the complete_pose, so
+    that machines that bake some receivers each agree."""
+    depth = max(request.start_depth, request.end_depth, 1e-4)
+    thaws = request.end_depth < request.start_depth
+    wanted = {}
+    for key, obj in pose.known.items():
+        if obj.receives and obj.receiver.surface is not None:
+            mesh = obj.topology
+            points = native.wanted_surface_points(mesh.triangles, obj.positions, depth, mesh.shading)
+            is_patchy = thaws or obj.receiver.mask is not None
+            wanted[key] = patchy_points(*points) if is_patchy else points
+    shares = shared_out(wanted)
+    for receiver in receivers:
+        if receiver.key in shares:
+            receiver.wanted = shares[receiver.key]
+            points = receiver.wanted.expected(receiver.spec.surface.detail)
+            receiver.surface_seconds = expected_seconds(points, request.last - request.frame_start + 1)
 
 
 def _missing(pose, request):

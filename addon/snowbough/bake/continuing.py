@@ -134,6 +134,20 @@ def find_finished(root, receivers, frame_end):
     return Finished(folder, found)
 
 
+def find_parts(root, receivers, request):
+    """(the BakeRequest with the parts of its shot, the Finished bake that it continues or None)."""
+    parts, finished = (), None
+    if request.extend:
+        finished = find_finished(root, receivers, request.frame_end)
+        if finished is None:  # a repeated command goes on with its own bake
+            request = replace(request, extend=False, resume=True)
+        else:
+            parts = finished.parts
+    if request.may_resume and not request.extend:
+        parts = parts_to_resume(root, [receiver.key for receiver in receivers])
+    return replace(request, parts=parts), finished
+
+
 def _manifest(folder):
     """The manifest in a folder; if it is damaged, the first line of the journal; None if there is neither."""
     try:

@@ -1,18 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The frames of a bake, in the thread of the simulation: steps, snapshots for the writer, checkpoints. No ``bpy``."""
 
+import collections
+import contextlib
 import os
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 from ..base.map_kinds import BY_NAME
 from ..cache import flying
+from ..cache.errors import CacheError
 from ..cache.files import frame_file
 from ..cache.folder import checkpoints
 from ..cache.journal import packed
 from ..cache.ledger import COMMON, REMOVED
 from . import memory, plan
-from .request import FrameResult
+from .map_writer import WriteFailed
+from .request import BakeCancelled, FrameResult
 from .simulation import driver_text, other_engine
 
 
@@ -214,3 +219,49 @@ class FrameBaker:
                     self._native, frame, self._settings, state, driver, beside
                 )
             )
+
+
+def bake_frames(frames, evaluate, baker, finished, cancelled):
+    """Bakes frames in order: evaluate(frame) -> FrameWork runs in this thread while the FrameBaker's thread simulates
+    the frame before. finished(FrameResult) is called after each frame, and cancelled() before each. Raises
+    BakeCancelled, or the first error; what was computed is kept."""
+    clock = time.perf_counter
+    with ThreadPoolExecutor(1, "snowbough-step") as worker:
+        pending = collections.deque()
+        started = clock()
+
+        def finish():
+            nonlocal started
+            future, evaluating = pending.popleft()
+            result = future.result()
+            result.seconds["evaluate"] = evaluating
+            result.seconds["total"], started = clock() - started, clock()
+            finished(result)
+
+        try:
+            for frame in frames:
+                if cancelled():
+                    raise BakeCancelled
+                evaluating = clock()
+                work = evaluate(frame)
+                pending.append((worker.submit(baker.bake, work), clock() - evaluating))
+                # Finish the frame before only after submitting this one, so that the worker need not wait.
+                if len(pending) > 1:
+                    finish()
+            while pending:
+                finish()
+        except BaseException as error:
+            while pending:
+                try:
+                    finish()
+                except Exception as later:
+                    if isinstance(error, BakeCancelled):
+                        raise later from None
+            if isinstance(error, BakeCancelled):
+                baker.stop()
+            elif not isinstance(error, (CacheError, WriteFailed, OSError)):
+                # Even if the scene cannot be read any more, e.g. after disabling the add-on, keep the frames since the
+                # last checkpoint.
+                with contextlib.suppress(Exception):
+                    baker.stop()
+            raise

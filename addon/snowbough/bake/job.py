@@ -17,16 +17,13 @@ The steps of a job are:
    the bake is stopped.
 """
 
-import collections
 import contextlib
-import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 from ..cache import owner, versions
-from ..cache.errors import CacheError, CacheFinished, InputsChanged
+from ..cache.errors import CacheFinished, InputsChanged
 from ..cache.files import MANIFEST, digest, make_folder
 from ..cache.folder import restore_manifest
 from ..cache.ledger import read_ledger, write_ledger
@@ -34,14 +31,12 @@ from ..cache.lock import drop_dead_locks, lock_receivers
 from ..cache.migration import is_of_before, migrate
 from ..cache.versions import is_finished
 from ..scene.tracker import SceneTracker
-from ..surface.compute import expected_seconds
-from ..surface.side_by_side import run_side_by_side, workers
-from ..surface.style import patchy_points, shared_out
+from ..surface.side_by_side import run_side_by_side, takes_longer_than, workers
 from . import continuing, memory, plan, resuming, simulation
-from .choice import choose_receivers, complete_pose
-from .frames import FrameBaker, FrameWork
+from .choice import choose_receivers, complete_pose, share_points
+from .frames import FrameBaker, FrameWork, bake_frames
 from .log import open_log
-from .map_writer import MapWriter, WriteFailed
+from .map_writer import MapWriter
 from .request import BakeCancelled
 from .simulation import driver_text, engine_info
 
@@ -96,8 +91,6 @@ class BakeJob:
         self._noted = 0
         # Positions for the next step of the simulation.
         self._positions = {}
-        # Masks and pressers of scene.tracker.Changes that the simulation gets when it is made.
-        self._effects = ({}, {})
         self._driver = ""
         # It loads its driver while the first pose is evaluated. Later the simulation uses it.
         self._engine = native.Engine(engine=request.engine, mapping=request.snow["mapping"])
@@ -116,21 +109,20 @@ class BakeJob:
             first_pose = complete_pose(evaluate, self.request)
             run = _Run(evaluate, report, cancelled, shaping, first_pose)
             self._identify(first_pose)
-            request = self._find_parts()
+            self.request, self._finished = continuing.find_parts(self.root, self.receivers, self.request)
+            request = self.request
             run.snowfall = self._plan(evaluate)
             settings = run.settings = self._settings(run.snowfall)
             if request.extend:
                 self._finished.compare_settings(self.receivers, settings, request.units)
-            added, self._positions, _, *self._effects = self._tracker.register_changes(
-                first_pose, request.frame_start, 0.0
-            )
+            first = self._tracker.register_changes(first_pose, request.frame_start, 0.0)
+            self._positions = first.moved
             stack.callback(self._close_simulation)
             stack.callback(lambda: [receiver.close() for receiver in self.receivers])
-            if not self._may_resume():
-                self._make_simulation(added)  # lays out the maps while the driver loads
-            engine = engine_info(
-                self._engine, request.snow["mapping"]
-            )  # may raise, so call it before creating files
+            if not request.may_resume:
+                self._make_simulation(first)  # lays out the maps while the driver loads
+            # It may raise, so call it before creating files.
+            engine = engine_info(self._engine, request.snow["mapping"])
             self._driver = driver_text(engine)
             make_folder(self.root)
             stack.callback(lambda: versions.remove_empty_folders(self.root, self.folders.values()))
@@ -143,8 +135,8 @@ class BakeJob:
             rest = self._checkpoint_to_resume()
             if request.blend:
                 owner.claim(self.root, request.blend)
-            if self._may_resume():  # finished receivers, which need no map, are known only now
-                self._make_simulation(added)
+            if request.may_resume:  # finished receivers, which need no map, are known only now
+                self._make_simulation(first)
             log = run.log = stack.enter_context(open_log(self.root))
             log(f"cache {self.root}")
             log(f"engine {self._driver}: {engine['reason']}")
@@ -231,21 +223,6 @@ class BakeJob:
             request.parts,
         )
 
-    def _find_parts(self):
-        """Finds the bake to continue, and the parts of a shot that was continued. Returns the request."""
-        request, keys = self.request, [receiver.key for receiver in self.receivers]
-        parts = ()
-        if request.extend:
-            self._finished = continuing.find_finished(self.root, self.receivers, request.frame_end)
-            if self._finished is None:  # a repeated command goes on with its own bake
-                request = replace(request, extend=False, resume=True)
-            else:
-                parts = self._finished.parts
-        if not request.extend and (request.resume or request.first > request.frame_start):
-            parts = continuing.parts_to_resume(self.root, keys)
-        self.request = replace(request, parts=parts)
-        return self.request
-
     @contextlib.contextmanager
     def _discarding(self):
         """Removes what was written if the finished frames would change."""
@@ -264,28 +241,7 @@ class BakeJob:
         if self.request.snow["landing"]:
             self.others = choice.others
         self.pixel_size = simulation.pixel_size(pose, choice.texels, self.request.pixel_size)
-        # Computed from all receivers, even if only some are baked, so that machines that share a shot agree.
-        depth = max(self.request.start_depth, self.request.end_depth, 1e-4)
-        wanted = {
-            key: self.native.wanted_surface_points(
-                obj.topology.triangles, obj.positions, depth, obj.topology.shading
-            )
-            for key, obj in pose.known.items()
-            if obj.receives and obj.receiver.surface is not None
-        }
-        thaws = self.request.end_depth < self.request.start_depth
-        wanted.update(
-            (key, patchy_points(*wanted[key]))
-            for key in wanted
-            if thaws or pose.known[key].receiver.mask is not None
-        )
-        shares = shared_out(wanted)
-        for receiver in self.receivers:
-            if receiver.key in shares:
-                receiver.wanted = shares[receiver.key]
-                points = receiver.wanted.expected(receiver.spec.surface.detail)
-                frames = self.request.last - self.request.frame_start + 1
-                receiver.surface_seconds = expected_seconds(points, frames)
+        share_points(self.native, self.request, pose, self.receivers)
         sizes = [
             memory.MapSize(own.resolution, len(pose.known[own.key].topology.triangles))
             for own in [*self.receivers, *self.others]
@@ -299,14 +255,10 @@ class BakeJob:
     def _settings(self, snowfall):
         return {**self.request.shot(), "pixel_size": self.pixel_size, "totals": list(snowfall.totals)}
 
-    def _may_resume(self):
-        """Whether the bake may continue a stopped one."""
-        return self.request.resume or self.request.first > self.request.frame_start
-
     def _open_version(self, settings, stack):
         keys = [receiver.key for receiver in self.receivers]
         number, finished = None, []
-        if self._may_resume():
+        if self.request.may_resume:
             number, finished = versions.resumable_version(self.root, keys)
         if number is None:
             number = versions.choose_version(self.root, keys, digest(settings))
@@ -325,7 +277,9 @@ class BakeJob:
                 receiver.compare_settings(settings, self.request)
         damaged = resuming.find_damage([own for own in self.receivers if own.key in finished])
         self.receivers = [own for own in self.receivers if own.key not in finished or own.key in damaged]
-        old = [own for own in [*self.baked, *self.others] if self._may_resume() and is_of_before(own.folder)]
+        old = [
+            own for own in [*self.baked, *self.others] if self.request.may_resume and is_of_before(own.folder)
+        ]
         locked = {own.key for own in [*self.receivers, *old]}
         if not locked:
             drop_dead_locks(self.version)
@@ -336,7 +290,7 @@ class BakeJob:
             migrate(receiver.folder)
         for receiver in self.receivers:
             receiver.lock = lock
-            if self._may_resume() and restore_manifest(receiver.folder):
+            if self.request.may_resume and restore_manifest(receiver.folder):
                 self.repaired.append(
                     f"{receiver.folder / MANIFEST} was damaged and is restored from a checkpoint"
                 )
@@ -352,7 +306,7 @@ class BakeJob:
         """The frame of the checkpoint that this bake continues, None for a fresh start."""
         if self.request.extend:
             return self._finished.checkpoint_frame(self.receivers, self._beside())
-        damage = resuming.find_damage(self.receivers) if self._may_resume() else {}
+        damage = resuming.find_damage(self.receivers) if self.request.may_resume else {}
         rest = resuming.checkpoint_frame(self.request, self.receivers, self._beside(), self.version, damage)
         begin = self.request.frame_start if rest is None else rest + 1
         for _, path in damage.values():
@@ -373,11 +327,11 @@ class BakeJob:
                 receiver.compare_settings(run.settings, request)
             state, before = resuming.read_checkpoints(self.native, self.receivers, beside, frame, driver)
         run.log(f"comparing frames {request.frame_start} to {frame} with the checkpoint")
-        added, moved, *effects = self._replay_frames(run, frame)
+        changes = self._replay_frames(run, frame)
         self._new_poses()
-        self._registry.register_changes(added)
-        self._registry.set_effects(*effects)
-        self._positions.update(moved)
+        self._registry.register_changes(changes.added)
+        self._registry.set_effects(changes.masks, changes.pressers)
+        self._positions.update(changes.moved)
         recorded = {**resuming.finished_inputs(self.baked, self.receivers), **before}
         resuming.compare_scenes(recorded, self._tracker.inputs, "was baked from", "bake again from the start")
         if not request.extend:
@@ -400,24 +354,18 @@ class BakeJob:
         )
 
     def _replay_frames(self, run, last):
-        """Evaluates all poses up to frame ``last`` without snow; returns the combined scene.tracker.Changes.added,
-        moved, masks and pressers."""
-        start = (self.request.frame_start, 0.0)
-        added, positions, _, masks, pressers = self._tracker.register_changes(run.first_pose, *start)
-        pose = run.first_pose
+        """Evaluates all poses up to frame ``last`` without snow; returns their scene.tracker.Changes as one."""
+        start, pose = (self.request.frame_start, 0.0), run.first_pose
+        changes = self._tracker.register_changes(pose, *start)
         for frame in range(start[0], last + 1):
             if run.cancelled():
                 raise BakeCancelled
-            for at, _ in self._poses(run.snowfall, frame):
+            for at, _ in plan.poses_of_frame(self.request, run.snowfall, frame):
                 if at != start:
                     pose = run.evaluate(*at)
-                    more, moved, _, others, pressing = self._tracker.register_changes(pose, *at)
-                    added.update(more)  # if an object's mesh changed again, the last mesh
-                    positions.update(moved)
-                    masks.update(others)
-                    pressers.update(pressing)
+                    changes = changes.then(self._tracker.register_changes(pose, *at))
             self._record(frame, pose)
-        return added, positions, masks, pressers
+        return changes
 
     def _record(self, frame, pose):
         for receiver in self.receivers:
@@ -425,9 +373,8 @@ class BakeJob:
 
     # -- the scene and the simulation ------------------------------------------------------------------
 
-    def _make_simulation(self, added):
-        """Makes the simulation with the objects of the shot's first pose. added: from SceneTracker.register_changes.
-        Needs no engine yet."""
+    def _make_simulation(self, first):
+        """Makes the simulation with the scene.tracker.Changes of the shot's first pose. Needs no engine yet."""
         request = self.request
         self._simulation = simulation.make_simulation(
             self.native, request.snow, self.pixel_size, request.engine, wait_for_gpu=False
@@ -443,8 +390,8 @@ class BakeJob:
             for own in [*self.receivers, *self._beside()]
         }
         self._registry = simulation.Registry(self._simulation, maps)
-        self._registry.register_changes(added)
-        self._registry.set_effects(*self._effects)
+        self._registry.register_changes(first.added)
+        self._registry.set_effects(first.masks, first.pressers)
 
     def _beside(self):
         """The receivers that are simulated beside those that this bake writes: with landing all that are left, because
@@ -454,77 +401,21 @@ class BakeJob:
         writes = {receiver.key for receiver in self.receivers}
         return [own for own in [*self.baked, *self.others] if own.key not in writes]
 
-    def _poses(self, snowfall, frame):
-        """[((frame, subframe), [Step, ...]), ...]: the poses and steps that lead to the map of ``frame``."""
-        request = self.request
-        directions = request.directions if request.snow["flutter"] > 0 else 1
-        steps = plan.frame_steps(snowfall, frame, request.fps, request.substeps, directions)
-        if frame == request.frame_start:
-            half_life = request.snow["slide_half_life"]
-            steps = plan.preroll_steps(snowfall, request.fps, half_life, directions) + steps
-        poses = []
-        for step in steps:
-            at = (step.frame, step.subframe)
-            if not poses or poses[-1][0] != at:
-                poses.append((at, []))
-            poses[-1][1].append(step)
-        return poses
-
     def _bake(self, run, begin, baker, writer):
-        """Evaluates the poses in order, each while the baker's thread simulates the frame before."""
-        request = self.request
-        clock = time.perf_counter
-        with ThreadPoolExecutor(1, "snowbough-step") as worker:
-            pending = collections.deque()
-            started = clock()
+        def finished(result):
+            result.seconds["files"] = writer.busy_since_last_call()
+            self.results.append(result)
+            seconds = (f"{name} {value:.4f}" for name, value in sorted(result.seconds.items()))
+            run.log(f"frame {result.frame} " + " ".join(seconds))
+            run.report(result)
 
-            def finish():
-                nonlocal started
-                future, evaluating = pending.popleft()
-                result = future.result()
-                result.seconds["evaluate"] = evaluating
-                result.seconds["total"], started = clock() - started, clock()
-                result.seconds["files"] = writer.busy_since_last_call()
-                self.results.append(result)
-                run.log(
-                    f"frame {result.frame} "
-                    + " ".join(f"{name} {value:.4f}" for name, value in sorted(result.seconds.items()))
-                )
-                run.report(result)
-
-            try:
-                for frame in range(begin, request.last + 1):
-                    if run.cancelled():
-                        raise BakeCancelled
-                    evaluating = clock()
-                    work = self._evaluate_frame(run, frame)
-                    pending.append((worker.submit(baker.bake, work), clock() - evaluating))
-                    # Finish the frame before only after submitting this one, so that the worker need not wait.
-                    if len(pending) > 1:
-                        finish()
-                while pending:
-                    finish()
-            except BaseException as error:
-                # Keep what was computed; report the first error.
-                while pending:
-                    try:
-                        finish()
-                    except Exception as later:
-                        if isinstance(error, BakeCancelled):
-                            raise later from None
-                if isinstance(error, BakeCancelled):
-                    baker.stop()
-                elif not isinstance(error, (CacheError, WriteFailed, OSError)):
-                    # Even if the scene cannot be read any more, e.g. after disabling the add-on, keep the frames since
-                    # the last checkpoint.
-                    with contextlib.suppress(Exception):
-                        baker.stop()
-                raise
+        frames = range(begin, self.request.last + 1)
+        bake_frames(frames, partial(self._evaluate_frame, run), baker, finished, run.cancelled)
 
     def _evaluate_frame(self, run, frame):
         """The FrameWork of a frame."""
         poses = []
-        for at, steps in self._poses(run.snowfall, frame):
+        for at, steps in plan.poses_of_frame(self.request, run.snowfall, frame):
             pose = run.evaluate(*at)
             direction = plan.fall_direction(pose.fall_angle, pose.bearing)
             poses.append((self._tracker.register_changes(pose, *at), direction, pose, steps))
@@ -555,20 +446,3 @@ class BakeJob:
         if self._simulation is not None:
             self._simulation.close()
             self._simulation = None
-
-
-def takes_longer_than(seconds, clock=time.monotonic):
-    """A function of the share of some work, 0 to 1, that is done: whether the work has taken this long, or will by the
-    pace since the first share was done. Preparations before it count, but not for the pace."""
-    begun, first = clock(), None
-
-    def is_too_long(share):
-        nonlocal first
-        now = clock()
-        if share <= 0.0:
-            return now - begun > seconds
-        first = first or (now, share)
-        pace = (now - first[0]) / (share - first[1]) if share > first[1] else 0.0
-        return now - begun + pace * (1.0 - share) > seconds
-
-    return is_too_long

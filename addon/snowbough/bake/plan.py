@@ -209,6 +209,23 @@ def _steps_on_pose(pose, depth, dt, count):
     return [Step(*pose, depth / count, dt / runs if index in ends else 0.0) for index in range(1, count + 1)]
 
 
+def poses_of_frame(request, snowfall, frame):
+    """[((frame, subframe), [Step, ...]), ...]: the poses and steps that lead to the map of ``frame`` of a
+    BakeRequest's shot. snowfall: from plan_snowfall."""
+    directions = request.directions if request.snow["flutter"] > 0 else 1
+    steps = frame_steps(snowfall, frame, request.fps, request.substeps, directions)
+    if frame == request.frame_start:
+        half_life = request.snow["slide_half_life"]
+        steps = preroll_steps(snowfall, request.fps, half_life, directions) + steps
+    poses = []
+    for step in steps:
+        at = (step.frame, step.subframe)
+        if not poses or poses[-1][0] != at:
+            poses.append((at, []))
+        poses[-1][1].append(step)
+    return poses
+
+
 def fall_direction(fall_angle, bearing):
     """unit_direction of the falling snow. Raises ValueError unless the fall angle is from 0 to MAX_FALL_ANGLE."""
     if not 0 <= fall_angle <= MAX_FALL_ANGLE + 1e-6:

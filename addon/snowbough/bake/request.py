@@ -83,6 +83,11 @@ class BakeRequest:
     def known_as(self):
         return self.baked_as or self.scene_name
 
+    @property
+    def may_resume(self):
+        """Whether the bake may continue a stopped one."""
+        return self.resume or self.first > self.frame_start
+
     def is_checkpoint(self, frame):
         """Whether the bake of the shot writes a checkpoint after this frame, stopped or not."""
         return (frame - self.frame_start + 1) % self.checkpoint_interval == 0 and frame < self.frame_end

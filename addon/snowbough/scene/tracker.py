@@ -38,6 +38,11 @@ class Changes(NamedTuple):
     pressers: dict
     """{key: ObjectPose.press} of objects that do something else to snow."""
 
+    def then(self, later):
+        """These changes and later ones as one: of what changed twice, the last."""
+        both = [{**before, **after} for before, after in zip(self, later) if isinstance(before, dict)]
+        return Changes(*both[:2], later.hidden, *both[2:])
+
 
 class SceneTracker:
     """Follows the poses. The mesh of an object, and its place while it is hidden, depend on the poses alone, so a

@@ -6,6 +6,7 @@ A small receiver uses only one core, because most of its work cannot be parallel
 
 import operator
 import os
+import time
 from concurrent.futures import ThreadPoolExecutor, wait
 
 # Maximum number of threads. Each has the maps of one receiver in memory.
@@ -55,3 +56,20 @@ def run_side_by_side(jobs, progress, weights=None):
         finally:
             stopped = True
     return all([future.result() for future in running])
+
+
+def takes_longer_than(seconds, clock=time.monotonic):
+    """A function of the share of some work, 0 to 1, that is done: whether the work has taken this long, or will by the
+    pace since the first share was done. Preparations before it count, but not for the pace."""
+    begun, first = clock(), None
+
+    def is_too_long(share):
+        nonlocal first
+        now = clock()
+        if share <= 0.0:
+            return now - begun > seconds
+        first = first or (now, share)
+        pace = (now - first[0]) / (share - first[1]) if share > first[1] else 0.0
+        return now - begun + pace * (1.0 - share) > seconds
+
+    return is_too_long

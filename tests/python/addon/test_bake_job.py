@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whether a stopped bake still computes its surfaces."""
 
-from snowbough.bake.job import takes_longer_than
+from snowbough.surface.side_by_side import takes_longer_than
 
 
 def clock_of(*times):
