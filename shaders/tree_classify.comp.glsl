@@ -80,7 +80,7 @@ uint class_of(WorkRange range, int index) {
     return kDropped;
   }
   if (highest > 1.0) {
-    radius += of.rest[1].w * stretch + farthest_offset(deepest_on(of), style_of(tree.style));
+    radius += of.rest[1].w * stretch + farthest_offset(deepest_on(of), tree.style);
     return is_outside(centre, radius) ? kDropped : kTessellated;
   }
   const bool shows_back =

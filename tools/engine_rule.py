@@ -12,7 +12,7 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-HEADERS = ("snow_noise.h", "snow_surface.h", "snow_point.h")
+HEADERS = ("snow_noise.h", "snow_style.h", "snow_surface.h", "snow_point.h")
 FOLDER = ROOT / "docs" / "engines"
 # Parts about rims: the text at the start of each, and the text after its end.
 RIMS = (
@@ -77,7 +77,7 @@ def _glsl(text):
     text = _without_rims(text)
     text = re.sub(r"^#ifndef SNOWBOUGH_GLSL\n.*?^#endif\n", "", text, flags=re.M | re.S)
     text = re.sub(r"^#(pragma once|include .*)\n", "", text, flags=re.M)
-    text = text.replace("SNOWBOUGH_SHARED_FUNCTION ", "").replace("KERNEL_CONSTANT ", "const ")
+    text = re.sub(r"SNOWBOUGH_SHARED_(FUNCTION|ROWS) ", "", text).replace("KERNEL_CONSTANT ", "const ")
     text = re.sub(r"KERNEL_CONST_REF\((\w+)\)", r"const \1", text)
     text = re.sub(r"KERNEL_MAKE\d\((\w+), ", r"\1(", text)
     assert "KERNEL" not in text and "SNOWBOUGH" not in text

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The snow of one moment, from what is written beside an exported tree: `snow` in the scene's extras.
 
+#include "snow_rule.glsl"
+
 layout(std140, binding = 0) uniform SnowAtlas {
   ivec2 tiles;         // columns, rows
   float tile_texels;   // tile
@@ -10,9 +12,8 @@ layout(std140, binding = 0) uniform SnowAtlas {
   float frame;         // which frame, counted from 0 in the list; between two of them both are mixed
   float open_depth;    // openDepths of that frame
   float last_depth;    // lastDepth
-  vec4 snow_style;     // style, in its order; 1 is fresh snow
+  SnowStyle snow_style; // style; 1 is fresh snow
 };
-#include "snow_rule.glsl"
 
 layout(binding = 0) uniform sampler2D snow_heights;
 
@@ -49,14 +50,13 @@ vec4 limb_noise(vec3 rest) {
 
 /// `limb_width`: _LIMB_WIDTH; 0, as on leaves: most of the snow shows. `normal`: the world's.
 ShownSnow shown_snow(vec4 noise, float limb_width, vec2 uv, vec3 normal) {
-  SnowStyle style = style_of(snow_style);
   float held = snow_height(uv);
   float thickness = abs(held);
   vec3 out_of = held < 0.0 ? -normal : normal;
   SnowPoint point = on_limb(SnowPoint(noise.x, noise.y, noise.z, noise.w, 0.0, 0.0, 0.0), limb_width, last_depth);
   SnowEdge edge = snow_edge(point, thickness, open_depth, out_of.y);
-  float height = limb_height(point, style, edge, thickness, open_depth);
+  float height = limb_height(point, snow_style, edge, thickness, open_depth);
   vec3 down = out_of * out_of.y - vec3(0.0, 1.0, 0.0);
-  float sag = sagging(point, style, edge, thickness, height, out_of.y);
+  float sag = sagging(point, snow_style, edge, thickness, height, out_of.y);
   return ShownSnow(out_of * height + down * (sag / max(length(down), 1e-3)), height);
 }

@@ -69,15 +69,6 @@ float layered_noise(vec3 position, vec3 waves, float gain) {
   return sum / sqrt(squares);
 }
 
-// The look of snow of a known thickness: the one formula for Blender's mesh, the live preview, Snowbough Realtime and
-// the exporters. A point of the surface is its carrier on the receiver plus an offset. Away from rims the offset
-// follows the normal (thin_snow, sagging). Near a rim it follows a profile of an upright face, a round shoulder, an
-// overhang and a drop (front_offset). All lengths are in metres. All vectors are in the pose for which the surface was
-// planned.
-//
-// Sources: superellipses, A. H. Barr, Superquadrics and Angle-Preserving Transformations, IEEE CG&A 1 (1), 1981; round
-// lips and cornices at the edges of snow, P. Fearing, Computer Modelling of Fallen Snow, SIGGRAPH 2000, section 3.
-
 /// The artist's settings; 1 is the default look.
 struct SnowStyle {
   float overhang;
@@ -86,17 +77,23 @@ struct SnowStyle {
   float relief;
 };
 
-/// The settings in the order of SnowStyle.
-SnowStyle style_of(vec4 sliders) {
+SnowStyle usual_style() {
   SnowStyle style;
-  style.overhang = sliders.x;
-  style.hem_variation = sliders.y;
-  style.bridging = sliders.z;
-  style.relief = sliders.w;
+  style.overhang = 1.0f;
+  style.hem_variation = 1.0f;
+  style.bridging = 1.0f;
+  style.relief = 1.0f;
   return style;
 }
 
-SnowStyle usual_style() { return style_of(vec4(1.0f)); }
+// The look of snow of a known thickness: the one formula for Blender's mesh, the live preview, Snowbough Realtime and
+// the exporters. A point of the surface is its carrier on the receiver plus an offset. Away from rims the offset
+// follows the normal (thin_snow, sagging). Near a rim it follows a profile of an upright face, a round shoulder, an
+// overhang and a drop (front_offset). All lengths are in metres. All vectors are in the pose for which the surface was
+// planned.
+//
+// Sources: superellipses, A. H. Barr, Superquadrics and Angle-Preserving Transformations, IEEE CG&A 1 (1), 1981; round
+// lips and cornices at the edges of snow, P. Fearing, Computer Modelling of Fallen Snow, SIGGRAPH 2000, section 3.
 
 /// Constants of a point away from rims.
 struct SnowPoint {

@@ -14,7 +14,7 @@ cbuffer SnowAtlas : register(b0) {
   float frame;          // which frame, counted from 0 in the list; between two of them both are mixed
   float open_depth;     // openDepths of that frame
   float last_depth;     // lastDepth
-  float4 snow_style;    // style, in its order; 1 is fresh snow
+  SnowStyle snow_style; // style; 1 is fresh snow
 };
 cbuffer Tessellation : register(b1) {
   float branch_levels;  // branch_levels in the scene's extras
@@ -108,16 +108,15 @@ float4 limb_noise(float3 rest) {
 
 /// `limb_width`: _LIMB_WIDTH; 0, as on leaves: most of the snow shows. `normal`: the world's.
 ShownSnow shown_snow(float4 noise, float limb_width, float2 uv, float3 normal) {
-  SnowStyle style = style_of(snow_style);
   float held = snow_height(uv);
   float thickness = abs(held);
   float3 out_of = held < 0.0 ? -normal : normal;
   const SnowPoint noises = {noise.x, noise.y, noise.z, noise.w, 0.0, 0.0, 0.0};
   SnowPoint here = on_limb(noises, limb_width, last_depth);
   SnowEdge edge = snow_edge(here, thickness, open_depth, out_of.y);
-  float height = limb_height(here, style, edge, thickness, open_depth);
+  float height = limb_height(here, snow_style, edge, thickness, open_depth);
   float3 down = out_of * out_of.y - float3(0.0, 1.0, 0.0);
-  float sag = sagging(here, style, edge, thickness, height, out_of.y);
+  float sag = sagging(here, snow_style, edge, thickness, height, out_of.y);
   ShownSnow snow;
   snow.offset = out_of * height + down * (sag / max(length(down), 1e-3));
   snow.height = height;

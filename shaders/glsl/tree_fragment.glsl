@@ -22,7 +22,7 @@ in vec3 image_place;
 #include "glsl/snow_shading.glsl"
 flat in ivec4 snow_map;
 flat in vec4 snow_depths;
-flat in vec4 snow_style;
+flat in SnowStyle snow_style;
 in vec2 snow_place;
 in vec3 rest_place;
 in vec4 snow_noises;

@@ -22,7 +22,7 @@ flat out int drawn_tree;
 /// Of the TreeInstance: pixels outside of a triangle, which derivatives use, cannot read its buffer.
 flat out ivec4 snow_map;
 flat out vec4 snow_depths;
-flat out vec4 snow_style;
+flat out SnowStyle snow_style;
 /// Coordinates on the snow map, and the position in the rest pose without bark.
 out vec2 snow_place;
 out vec3 rest_place;

@@ -7,7 +7,6 @@
 /// Snow depth on open level ground in metres: in this picture, and at the shot's end.
 float open_depth() { return tree.snow.x; }
 float last_depth() { return tree.snow.y; }
-SnowStyle limb_style() { return style_of(tree.style); }
 
 /// Noise at a position in the rest pose: patches, hem, relief and bumps of a SnowPoint.
 vec4 limb_noise(vec3 rest) {
@@ -23,7 +22,7 @@ SnowPoint limb_point(vec4 noise, float circumference) {
 
 /// Height of the shown snow above the bark, 0 where no snow shows. `up`: upward component of the limb's normal.
 float shown_snow(SnowPoint point, float thickness, float up) {
-  return limb_height(point, limb_style(), snow_edge(point, thickness, open_depth(), up), thickness, open_depth());
+  return limb_height(point, tree.style, snow_edge(point, thickness, open_depth(), up), thickness, open_depth());
 }
 
 /// Offset from the bark to the snow's surface.
@@ -35,5 +34,5 @@ vec3 snow_offset(SnowPoint point, float thickness, vec3 normal) {
     return normal * height;
   }
   const SnowEdge edge = snow_edge(point, thickness, open_depth(), normal.z);
-  return normal * height + down * (sagging(point, limb_style(), edge, thickness, height, normal.z) / slope);
+  return normal * height + down * (sagging(point, tree.style, edge, thickness, height, normal.z) / slope);
 }

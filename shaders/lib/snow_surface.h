@@ -9,6 +9,7 @@
 // Sources: superellipses, A. H. Barr, Superquadrics and Angle-Preserving Transformations, IEEE CG&A 1 (1), 1981; round
 // lips and cornices at the edges of snow, P. Fearing, Computer Modelling of Fallen Snow, SIGGRAPH 2000, section 3.
 #include "shared_functions.h"
+#include "snow_style.h"
 
 #ifndef SNOWBOUGH_GLSL
 #include <glm/gtc/constants.hpp>
@@ -20,26 +21,6 @@ using glm::normalize;
 using glm::sin;
 using glm::smoothstep;
 #endif
-
-/// The artist's settings; 1 is the default look.
-struct SnowStyle {
-  float overhang;
-  float hem_variation;
-  float bridging;
-  float relief;
-};
-
-/// The settings in the order of SnowStyle.
-SNOWBOUGH_SHARED_FUNCTION SnowStyle style_of(vec4 sliders) {
-  SnowStyle style;
-  style.overhang = sliders.x;
-  style.hem_variation = sliders.y;
-  style.bridging = sliders.z;
-  style.relief = sliders.w;
-  return style;
-}
-
-SNOWBOUGH_SHARED_FUNCTION SnowStyle usual_style() { return style_of(vec4(1.0f)); }
 
 /// Constants of a point away from rims.
 struct SnowPoint {

@@ -3,6 +3,7 @@
 // Data shared by the tree renderer's C++ and its shaders. Metres, seconds, radians, Z up; positions are in the rest
 // pose unless called posed.
 #include "shared_types.h"
+#include "snow_style.h"
 #ifndef SNOWBOUGH_GLSL
 #include <glm/mat4x4.hpp>
 namespace snowbough::shared {
@@ -151,10 +152,9 @@ struct TreeInstance {
   vec4 bark_light;
   /// Metres of snow on open level ground, now and at the shot's end.
   vec4 snow;
-  /// SnowStyle: overhang, hem variation, bridging, relief.
-  vec4 style;
+  SnowStyle style;
 };
-SNOWBOUGH_SHARED_SIZE(TreeInstance, 176)
+SNOWBOUGH_SHARED_SIZE(TreeInstance, 160 + sizeof(SnowStyle))
 
 /// Successive items (vertices, edges, patches or triangles of leaves) of an instance that a pass works on. A range
 /// begins with a work group, so that all items of a work group are of one instance.

@@ -106,8 +106,7 @@ shared::TreeInstance SceneTree::instance(size_t place) const {
   made.own.w = first_bone_;
   made.map = map_;
   made.snow = vec4(look_.open, look_.last, 0.0f, 0.0f);
-  const shared::SnowStyle& style = look_.style;
-  made.style = vec4(style.overhang, style.hem_variation, style.bridging, style.relief);
+  made.style = look_.style;
   return made;
 }
 
