@@ -28,7 +28,6 @@ from ..cache.files import MANIFEST, digest, make_folder
 from ..cache.folder import restore_manifest
 from ..cache.ledger import read_ledger, write_ledger
 from ..cache.lock import drop_dead_locks, lock_receivers
-from ..cache.migration import is_of_before, migrate
 from ..cache.versions import is_finished
 from ..scene.tracker import SceneTracker
 from ..surface.side_by_side import run_side_by_side, takes_longer_than, workers
@@ -277,17 +276,10 @@ class BakeJob:
                 receiver.compare_settings(settings, self.request)
         damaged = resuming.find_damage([own for own in self.receivers if own.key in finished])
         self.receivers = [own for own in self.receivers if own.key not in finished or own.key in damaged]
-        old = [
-            own for own in [*self.baked, *self.others] if self.request.may_resume and is_of_before(own.folder)
-        ]
-        locked = {own.key for own in [*self.receivers, *old]}
-        if not locked:
+        if not self.receivers:
             drop_dead_locks(self.version)
             return
-        lock = stack.enter_context(lock_receivers(self.version, sorted(locked)))
-        for receiver in old:
-            receiver.compare_settings(settings, self.request)
-            migrate(receiver.folder)
+        lock = stack.enter_context(lock_receivers(self.version, sorted(own.key for own in self.receivers)))
         for receiver in self.receivers:
             receiver.lock = lock
             if self.request.may_resume and restore_manifest(receiver.folder):
