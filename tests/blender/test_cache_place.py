@@ -96,12 +96,9 @@ def test_a_renamed_file_goes_on_with_its_bake(shot, addon, tmp_path):
     assert heights(tmp_path) == [] and not own.parent.parent.exists()
 
 
-@pytest.mark.parametrize("noted", [True, False])
-def test_a_renamed_scene_goes_on_with_its_bake(shot, addon, tmp_path, noted):
+def test_a_renamed_scene_goes_on_with_its_bake(shot, addon, tmp_path):
     addon("bake.outcome").conclude(bpy.context.scene, s.bake_part(addon, last=1))
     own = shown()
-    if not noted:  # baked by an earlier version
-        bpy.context.scene.snowbough.cache_scene = ""
     bpy.ops.wm.save_mainfile()
     opened(shot)
     bpy.context.scene.name = "Renamed"
@@ -138,27 +135,6 @@ def test_what_was_baked_before_the_file_was_saved_is_resumed_and_freed(addon, tm
     assert shown() == own and len(heights(own)) == 4
     bpy.ops.snowbough.free_bake()
     assert heights(tmp_path) == []
-
-
-def test_a_cache_of_before_without_identity_is_shown_resumed_and_freed(addon, tmp_path):
-    """As an earlier add-on left it: no identity in the file, none in the manifest, and no list of files."""
-    files = addon("cache.files")
-    s.receive(s.square("Ground"))
-    s.settings(tmp_path / "snowbough_cache", frames=(1, 2))
-    s.bake()
-    own = shown()
-    manifest = {**s.manifest_of(tmp_path / "snowbough_cache", "Ground"), "format": 2}
-    (own / files.FRAMES).unlink()
-    for name in ("cache", "files", "checksum"):
-        del manifest[name]
-    (own / files.MANIFEST).write_bytes(files.to_json(manifest))
-    shutil.copytree(own.parent, own.parent.with_name("v000"))  # another file's bake in the same folder
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
-    opened(tmp_path / "shot.blend")
-    s.bake(resume=True)
-    assert shown() == own
-    bpy.ops.snowbough.free_bake()
-    assert not own.exists() and len(heights(tmp_path)) == 2
 
 
 def test_an_undo_to_before_the_file_was_saved_changes_nothing(addon, shot):

@@ -77,16 +77,6 @@ def test_another_object_of_the_old_name_shelters_and_is_not_taken_for_it(addon, 
     roof.name = "Roof"
 
 
-def test_a_bake_of_before_is_found_under_the_name_in_its_manifest(addon, undisturbed, tmp_path):
-    bake_part(addon, 12)
-    cart = bpy.data.objects["Cart"]
-    cart.name = "Sledge"
-    entry_of("Sledge").baked_as = ""  # an add-on that did not store it
-    addon("bake.outcome").relocate_folders()
-    s.bake(resume=True)
-    assert s.files_of(tmp_path / "cache") == undisturbed
-
-
 def test_a_renamed_empty_keeps_the_bakes_of_what_it_shows(addon, tmp_path):
     empty = s.instanced(s.square("Stone", 1.0), name="Pile")
     s.receive(empty)

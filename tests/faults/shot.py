@@ -26,10 +26,8 @@ from snowbough.bake.request import BakeRequest  # noqa: E402
 from snowbough.base import native as native_loader  # noqa: E402
 from snowbough.base.map_kinds import ON_REQUEST  # noqa: E402
 from snowbough.base.names import EXIT_CACHE, EXIT_LOCK_LOST  # noqa: E402
-from snowbough.cache import journal, manifest, owner  # noqa: E402
+from snowbough.cache import manifest, owner  # noqa: E402
 from snowbough.cache.errors import CacheBusy, CacheError, LockLost  # noqa: E402
-from snowbough.cache.files import to_json  # noqa: E402
-from snowbough.cache.folder import checkpoints, read_sidecar  # noqa: E402
 from snowbough.scene.inputs import fingerprint  # noqa: E402
 from snowbough.scene.pose import ObjectPose, ReceiverSpec, ScenePose, Topology, own_key  # noqa: E402
 from snowbough.surface.style import SurfaceStyle  # noqa: E402
@@ -103,41 +101,6 @@ def bake(cache, evaluate=pose, native=None, **changes):
         raise CacheBusy(f"{job.root} belongs to another file")
     job.run(evaluate)
     return job
-
-
-def as_before(cache, number):
-    """Rewrites the receivers of a cache as format `number` stored them: frames in the manifest and in checkpoints."""
-    for path in Path(cache).rglob("object.json"):
-        folder = path.parent
-        known, lines = manifest.read_manifest(folder), journal.read_lines(folder, with_poses=True)
-        frames, poses = known["frames"], lines.poses
-        if number < 3:
-            for name in ("cache", "files", "checksums"):
-                known.pop(name, None)
-            frames = [{key: entry[key] for key in entry if key != "checksums"} for entry in frames]
-        for frame in checkpoints(folder):
-            sidecar = read_sidecar(folder, frame)
-            before = journal.read_lines(folder, with_poses=True, until=journal.Place(**sidecar["end"]))
-            old = {"covered": sidecar["covered"], "driver": sidecar["driver"], "beside": sidecar["beside"]}
-            old |= {"frames": frames[: len(before.entries)], "inputs": before.poses}
-            if number < 3:
-                (folder / f"state_{frame:04d}.json").write_bytes(to_json(old))
-            else:
-                write_as(folder / f"state_{frame:04d}.json", {**old, "manifest": lines.header}, number)
-        if known["complete"]:
-            write_as(folder / "inputs.json", {"poses": poses}, number)
-            if number < 3:
-                (folder / "inputs.json").write_bytes(to_json(poses))
-        known.pop("end", None)
-        write_as(path, {**known, "frames": frames}, number)
-        (folder / "frames.tsv").unlink()
-
-
-def write_as(path, value, number):
-    """Writes a sealed file of a format; those before 3 had no checksum."""
-    body = to_json({**value, "format": number})
-    seal = hashlib.blake2b(body, digest_size=16).hexdigest().encode()
-    path.write_bytes(body if number < 3 else body[:-3] + b',\n "checksum": "' + seal + b'"\n}\n')
 
 
 def plates(count, resolution, faces=4):

@@ -8,7 +8,7 @@ import shutil
 import pytest
 import shot
 from snowbough.bake import resuming
-from snowbough.cache import files, folder, integrity, journal, manifest, sealed, versions
+from snowbough.cache import files, folder, integrity, manifest, versions
 from snowbough.cache.errors import CacheError, InputsChanged, LockLost, NoCheckpoint
 
 
@@ -231,70 +231,6 @@ def test_a_lock_that_is_taken_stops_the_bake_before_the_next_file(tmp_path):
     # Files whose writing had begun may still be finished.
     assert len(list(cache.rglob("height_*"))) <= taken[0] + 1
     assert all(path.read_text() == "another" for path in cache.rglob("lock-*"))
-
-
-def pictures(known):
-    """Of files_of: all but the JSON and text files. Format 2 did not have the identity of a cache."""
-    return {name: data for name, data in known.items() if not name.endswith((".json", ".tsv"))}
-
-
-@pytest.mark.parametrize("number", [2, 3])
-def test_a_stopped_bake_of_before_is_converted_and_resumed(stopped, whole, number):
-    shot.as_before(stopped, number)
-    job = shot.bake(stopped, resume=True)
-    assert [result.frame for result in job.results] == [6, 7, 8]
-    select = pictures if number == 2 else dict
-    assert select(shot.files_of(stopped)) == select(whole)
-
-
-@pytest.mark.parametrize("number", [2, 3])
-def test_a_finished_bake_of_before_is_sealed_by_the_first_resume(finished, whole, number):
-    shot.as_before(finished, number)
-    before = {
-        path.parent: manifest.read_manifest(path.parent)["frames"] for path in finished.rglob("object.json")
-    }
-    assert shot.bake(finished, resume=True).results == []
-    for place, frames in before.items():
-        after = manifest.read_manifest(place)
-        assert after["format"] == 4 and after["complete"]
-        assert [entry["frame"] for entry in after["frames"]] == [entry["frame"] for entry in frames]
-        assert all(len(entry["checksums"]) == 2 for entry in after["frames"])
-    select = pictures if number == 2 else dict
-    assert select(shot.files_of(finished)) == select(whole)
-    flip(found(finished, "Cart-*/normal_0004.exr"))
-    assert shot.bake(finished, resume=True).results[0].frame == 4
-
-
-@pytest.mark.parametrize("name", ["object.json", "state_0003.json", "frames.tsv"])
-def test_a_conversion_that_is_interrupted_starts_again(stopped, whole, monkeypatch, name):
-    shot.as_before(stopped, 3)
-
-    def fail_at(path, data, write=files.write_bytes):
-        if path.name == name:
-            raise CacheError("the power went")
-        write(path, data)
-
-    with monkeypatch.context() as broken:
-        for module in (sealed, journal):
-            broken.setattr(module, "write_bytes", fail_at)
-        with pytest.raises(CacheError, match="the power went"):
-            shot.bake(stopped, resume=True)
-    shot.bake(stopped, resume=True)
-    assert shot.files_of(stopped) == whole
-
-
-def test_a_bake_of_before_without_checksums_is_not_damaged(finished):
-    shot.as_before(finished, 2)
-    flip(found(finished, "Cart-*/normal_0004.exr"))
-    assert shot.bake(finished, resume=True).results == []
-    found(finished, "Cart-*/height_0008.exr").unlink()
-    assert shot.bake(finished, resume=True).results[0].frame == 7
-
-
-def test_a_map_that_a_bake_of_before_lost_is_baked_again(finished):
-    shot.as_before(finished, 2)
-    found(finished, "Cart-*/height_0008.exr").unlink()
-    assert shot.bake(finished, resume=True).results[0].frame == 7
 
 
 @pytest.mark.parametrize("name", ["frames.tsv", "object.json"])

@@ -110,8 +110,7 @@ def read_surface(place):
 def read_checkpoints(place):
     for frame in folder.checkpoints(place):
         sidecar = folder.read_sidecar(place, frame)
-        if "end" in sidecar:  # not of an earlier format
-            folder.lines_until(place, frame, sidecar)
+        folder.lines_until(place, frame, sidecar)
 
 
 def look(place):
@@ -135,7 +134,7 @@ def look(place):
     return said
 
 
-def harms(place, of_before):
+def harms(place):
     """(name, function that writes it) of all changes of one entry in one file of a receiver."""
     for path in [*sorted(place.glob("*.json")), place.parent.parent / "owner.json"]:
         value = json.loads(path.read_text())
@@ -146,34 +145,30 @@ def harms(place, of_before):
                     f"{path.name} {at} {new!r:.40}",
                     lambda p=path, v=value, a=at, n=new: write(p, changed(v, a, n)),
                 )
-    if not of_before:
-        lines = [line.split("\t") for line in (place / "frames.tsv").read_text().splitlines()]
-        rows = [[json.loads(entry), json.loads(poses)] for _, entry, poses in lines]
-        for at in places(rows[:2]):
-            for new in (..., *VALUES):
-                if len(at) > 2:
+    lines = [line.split("\t") for line in (place / "frames.tsv").read_text().splitlines()]
+    rows = [[json.loads(entry), json.loads(poses)] for _, entry, poses in lines]
+    for at in places(rows[:2]):
+        for new in (..., *VALUES):
+            if len(at) > 2:
 
-                    def write_changed(a=at, n=new):
-                        all_rows = [*changed(rows[:2], a, n), *rows[2:]]
-                        write_lines(
-                            place,
-                            all_rows[0][0],
-                            [row[0] for row in all_rows[1:]],
-                            [r[1] for r in all_rows[1:]],
-                        )
+                def write_changed(a=at, n=new):
+                    all_rows = [*changed(rows[:2], a, n), *rows[2:]]
+                    write_lines(
+                        place,
+                        all_rows[0][0],
+                        [row[0] for row in all_rows[1:]],
+                        [r[1] for r in all_rows[1:]],
+                    )
 
-                    yield f"frames.tsv {at} {new!r:.40}", write_changed
+                yield f"frames.tsv {at} {new!r:.40}", write_changed
 
 
-@pytest.mark.parametrize("of_before", [False, True])
-def test_wrong_content_gets_a_sentence(finished, memory_folder, moments, of_before):
-    cache = shutil.copytree(finished, memory_folder / f"looked {of_before}" / "cache")
-    if of_before:
-        shot.as_before(cache, 3)
+def test_wrong_content_gets_a_sentence(finished, memory_folder, moments):
+    cache = shutil.copytree(finished, memory_folder / "looked" / "cache")
     (place,) = cache.rglob("Flag-*")
     files = {path: path.read_bytes() for path in cache.rglob("*") if path.suffix in (".json", ".tsv")}
     assert look(place) == []
-    all_harms, refused, failures = list(harms(place, of_before)), 0, []
+    all_harms, refused, failures = list(harms(place)), 0, []
     for name, harm in moments.sample(all_harms, CHANGES):
         harm()
         try:
@@ -193,10 +188,8 @@ def test_wrong_content_gets_a_sentence(finished, memory_folder, moments, of_befo
 def test_a_resumed_bake_refuses_or_repairs_wrong_content(finished, memory_folder, moments):
     for number in range(RESUMED):
         cache = shutil.copytree(finished, memory_folder / "resumed" / "cache")
-        if number % 2:
-            shot.as_before(cache, 3)
         (place,) = cache.rglob("Flag-*")
-        name, harm = moments.choice(list(harms(place, bool(number % 2))))
+        name, harm = moments.choice(list(harms(place)))
         harm()
         try:
             shot.bake(cache, resume=True)

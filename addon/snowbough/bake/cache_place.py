@@ -3,7 +3,7 @@
 
 Each saved scene stores the identity of its cache, so that .blend files with one cache folder do not share bakes. A copy
 of a file stores the same identity: the file that baked first keeps it, and the others use a derived one (cache.owner),
-which is stored when they are saved. Scenes that were never saved have no identity, nor have files of older versions.
+which is stored when they are saved. Scenes that were never saved have no identity.
 """
 
 import uuid
@@ -39,18 +39,6 @@ def known_as(scene):
         number += 1
         name = f"{scene.name} ({number})"
     return name
-
-
-def note_baked_name(scene):
-    """Stores the name of a scene that an earlier version baked, before it is renamed."""
-    if scene.snowbough.cache_scene or scene.library is not None:
-        return
-    names = {versions.scene_folder("", scene.name, own).name for own in (scene.snowbough.cache_identity, "")}
-    if any(
-        Path(entry.folder.lstrip("/").replace("\\", "/")).parts[-3:-2] in [(name,) for name in names]
-        for entry in scene.snowbough.receivers
-    ):
-        scene.snowbough.cache_scene = scene.name
 
 
 def _stored_identity(scene):
@@ -108,7 +96,7 @@ def own_bakes(scene):
     if cache is not None:
         root = versions.scene_folder(cache, known_as(scene))
         if bpy.data.filepath:
-            found.append(versions.find_bakes(root, ("", None), shown=_shown_versions(scene, root)))
+            found.append(versions.find_bakes(root, ("",), shown=_shown_versions(scene, root)))
         else:
             found.append(versions.find_bakes(root, ("",)))
     return [bakes for bakes in found if bakes.folders or bakes.skipped]

@@ -11,11 +11,10 @@ from pathlib import Path
 
 from ..cache import versions
 from ..cache.errors import CacheError, InputsChanged, NoCheckpoint
-from ..cache.files import file_digest, frame_file, write_bytes
+from ..cache.files import file_digest, write_bytes
 from ..cache.folder import checkpoints
 from ..cache.journal import read_lines
 from ..cache.manifest import describe_changes, read_inputs, read_manifest
-from ..cache.migration import is_of_before
 
 # Settings that differ in the longer shot.
 LONGER = {"frame_end", "end_depth", "parts"}
@@ -120,11 +119,6 @@ def find_finished(root, receivers, frame_end):
     lasts = {own["settings"]["snowfall"]["frame_end"] for own in found.values() if own is not None}
     if frame_end in lasts:
         return None
-    if any(is_of_before(folder / key) for key in finished):
-        raise NoCheckpoint(
-            f"{folder.name} was baked by an earlier version of Snowbough: set the last frame back and use Compare with "
-            "Scene, which converts it, then continue it"
-        )
     missing = [receiver.shown for receiver in receivers if receiver.key not in finished]
     if missing:
         raise NoCheckpoint(
@@ -188,7 +182,7 @@ class KeptFrames:
         read = read_lines(self.folder, with_poses=True)
         lines = [line for line in zip(read.entries, read.packed_poses) if line[0]["frame"] <= last]
         for entry, _ in lines:
-            for name, digest in self._checksums(entry).items():
+            for name, digest in entry.get("checksums", {}).items():
                 self._copy(name, digest, target)
         return lines
 
@@ -198,7 +192,7 @@ class KeptFrames:
         entry = next((own for own in self.entries if own["frame"] == frame), None)
         if entry is None:
             return checksums
-        finished = self._checksums(entry)
+        finished = entry.get("checksums", {})
         if finished == checksums:
             return checksums
         if not self.restore:
@@ -208,16 +202,6 @@ class KeptFrames:
         for name, digest in finished.items():
             self._copy(name, digest, target)
         return finished
-
-    def _checksums(self, entry):
-        """Bakes of earlier versions have no checksums: their maps are read for them."""
-        name = frame_file("height", entry["frame"])
-        try:
-            return entry.get("checksums") or {name: file_digest(self.folder / name)}
-        except OSError as error:
-            raise CacheError(
-                f"{self.folder / name} is missing: resume that bake, which repairs it"
-            ) from error
 
     def _copy(self, name, digest, target):
         try:

@@ -16,7 +16,7 @@ from ..cache.manifest import read_head
 from ..result import displacement
 from ..result.snow_surface import blend_path
 from ..scene.libraries import library_name, stored_name
-from .cache_place import bake_place, known_as, note_baked_name
+from .cache_place import bake_place, known_as
 
 
 def describe(running):
@@ -134,29 +134,13 @@ def _forget_outcome(*_):
     session.last_outcome = session.NO_OUTCOME
 
 
-def _baked_name(entry):
-    """The name of a receiver at its bake, for files of older versions that did not store it."""
-    try:
-        manifest = read_head(Path(bpy.path.abspath(entry.folder)))
-    except CacheError:
-        manifest = None
-    if manifest is None:
-        return entry.object.name
-    if entry.object.type == "MESH":
-        return manifest["object"]
-    return manifest["label"].removesuffix(f" / {manifest['object']}")
-
-
 @bpy.app.handlers.persistent
 def relocate_folders(*_):
     """After Save As in another folder, Blender updates image paths but not our folders beside the .blend: finds them in
     the cache of the last bake."""
     for scene in bpy.data.scenes:
         used = scene.snowbough.cache_used
-        note_baked_name(scene)
         for entry in scene.snowbough.receivers:
-            if entry.folder and entry.object is not None and not entry.baked_as:
-                entry.baked_as = _baked_name(entry)
             if not entry.folder or not used or Path(bpy.path.abspath(entry.folder)).is_dir():
                 continue
             # <cache>/<scene>/<version>/<receiver>

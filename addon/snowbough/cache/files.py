@@ -19,7 +19,6 @@ from .errors import CacheError, failed
 MANIFEST = "object.json"
 LOCK = "lock"
 EVER_COVERED = "ever_covered.exr"
-INPUTS = "inputs.json"
 FRAMES = "frames.tsv"
 OWNER = "owner.json"
 LEDGER = "ledger.json"
@@ -35,7 +34,7 @@ PROBE = ".probe-"
 # Files of a bake in a receiver's folder: those that exist once, and those of each frame, with the number of the frame.
 # The manifest lists them (bake_files); files that it does not list are never removed.
 ONCE = (
-    MANIFEST, FRAMES, INPUTS, EVER_COVERED, RECEIVER, POSITIONS, SURFACE_FACES, SURFACE_POINTS, SURFACE,
+    MANIFEST, FRAMES, EVER_COVERED, RECEIVER, POSITIONS, SURFACE_FACES, SURFACE_POINTS, SURFACE,
 )  # fmt: skip
 EACH_FRAME = (
     *(f"{kind.name}_{{:04d}}.{kind.ending}" for kind in MAP_KINDS),

@@ -27,7 +27,7 @@ from .files import (
 from .journal import Place, read_lines
 from .manifest import listing, read_any_head, read_head, write_manifest
 from .sealed import read_sealed, write_sealed
-from .shapes import SIDECARS
+from .shapes import SIDECAR
 
 
 def checkpoints(folder):
@@ -40,10 +40,9 @@ def checkpoints(folder):
 
 
 def read_sidecar(folder, frame):
-    """Reads the file of write_sidecar, or of an earlier format. Raises NoCheckpoint if it is missing, CacheError if it
-    is damaged."""
+    """Reads the file of write_sidecar. Raises NoCheckpoint if it is missing, CacheError if it is damaged."""
     remedy = "Delete it to resume from the checkpoint before it, or free the bake and bake again"
-    sidecar = read_sealed(Path(folder) / f"{state_file(frame)}.json", remedy, SIDECARS.get)
+    sidecar = read_sealed(Path(folder) / f"{state_file(frame)}.json", remedy, SIDECAR)
     if sidecar is None:
         raise NoCheckpoint(f"{Path(folder) / state_file(frame)} has no {state_file(frame)}.json beside it")
     return sidecar
@@ -56,10 +55,6 @@ def write_sidecar(folder, frame, sidecar):
 
 def lines_until(folder, frame, sidecar):
     """The journal's Lines, with their poses, up to the checkpoint of a frame. Raises CacheError if they are damaged."""
-    if "end" not in sidecar:
-        raise CacheError(
-            f"{Path(folder) / state_file(frame)} is from an earlier version of Snowbough: bake again"
-        )
     end = Place(**sidecar["end"])
     lines = read_lines(folder, with_poses=True, until=end)
     if not lines.ends or lines.ends[-1] != end or lines.next_frame != frame + 1:

@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from .errors import CacheError
-from .files import FRAMES, SURFACE, SURFACE_FACES, SURFACE_POINTS, file_digest, frame_file, is_regular
+from .files import FRAMES, SURFACE, SURFACE_FACES, SURFACE_POINTS, file_digest, is_regular
 from .folder import checkpoints
 from .journal import read_lines
 from .manifest import is_whole, read_any_head
@@ -38,14 +38,13 @@ def replaced(folder):
     """Names of the files in a receiver's folder that have a checksum, but are not what the bake wrote. Raises
     CacheError."""
     folder, manifest = Path(folder), read_any_head(folder) or {}
-    frames = read_lines(folder).entries if "frames" not in manifest else manifest["frames"]
     try:
         shape = {"checksums": Maybe(checksums(SURFACE_FACES, SURFACE_POINTS))}
-        surface = read_sealed(folder / SURFACE, "", lambda number: shape) or {}
+        surface = read_sealed(folder / SURFACE, "", shape) or {}
     except CacheError:
         surface = {}
     known = {}
-    for entry in (*frames, manifest, surface):
+    for entry in (*read_lines(folder).entries, manifest, surface):
         known |= {name: digest for name, digest in entry.get("checksums", {}).items() if digest}
     there = sorted(name for name in known if is_regular(folder / name))
     with ThreadPoolExecutor() as pool:
@@ -57,21 +56,16 @@ def first_damage(folder, manifest):
     """(frame, name of the file) of the first damage in a receiver's folder, or None. To repair it, bake again from that
     frame on. manifest: from read_head."""
     shot = manifest["settings"]["snowfall"]
-    frames, lost = manifest.get("frames"), None
-    if frames is None:
-        lines = read_lines(folder)
-        frames = lines.entries
-        if not is_whole(manifest, lines) or any(
-            frame >= (lines.next_frame or 0) for frame in checkpoints(folder)
-        ):
-            # Without its first line, no frame is known.
-            lost = shot["frame_start"] if lines.header is None else min(lines.next_frame, shot["frame_end"])
-    for entry in frames:
-        frame = entry["frame"]
-        # Bakes of earlier versions have no checksums.
-        name = damaged(folder, entry.get("checksums") or {frame_file("height", frame): ""})
+    lines, lost = read_lines(folder), None
+    if not is_whole(manifest, lines) or any(
+        frame >= (lines.next_frame or 0) for frame in checkpoints(folder)
+    ):
+        # Without its first line, no frame is known.
+        lost = shot["frame_start"] if lines.header is None else min(lines.next_frame, shot["frame_end"])
+    for entry in lines.entries:
+        name = damaged(folder, entry.get("checksums", {}))
         if name is not None:
-            return frame, name
+            return entry["frame"], name
     if lost is not None:
         return lost, FRAMES
     name = damaged(folder, manifest.get("checksums", {}))

@@ -16,7 +16,7 @@ from pathlib import Path
 from .errors import CacheError
 from .files import LEDGER, remove_half_written
 from .manifest import read_manifest
-from .sealed import FORMAT, read_sealed, write_sealed
+from .sealed import read_sealed, write_sealed
 from .shapes import frame, number
 
 # Of each receiver, in each frame's entry of its manifest: m3 of snow that fell on it, that lies on it, and that it
@@ -40,8 +40,7 @@ _ROW = {"frame": frame, "depth": number, **dict.fromkeys((*OWN, *COMMON), number
 
 
 def write_ledger(version, keys):
-    """Writes the ledger of the folder `version` if the receivers `keys`, all of the shot, are finished there. Bakes of
-    earlier versions of Snowbough lack some of the numbers and get none."""
+    """Writes the ledger of the folder `version` if the receivers `keys`, all of the shot, are finished there."""
     version = Path(version)
     remove_half_written(version / LEDGER)
     try:
@@ -71,7 +70,7 @@ def _row(entries):
 def read_ledger(version):
     """The rows of the ledger in the folder `version`, one per frame; empty if there is none, or if it is damaged."""
     try:
-        ledger = read_sealed(Path(version) / LEDGER, "Bake again", {FORMAT: {"frames": [_ROW]}}.get)
+        ledger = read_sealed(Path(version) / LEDGER, "Bake again", {"frames": [_ROW]})
     except CacheError:
         return []
     return [] if ledger is None else ledger["frames"]

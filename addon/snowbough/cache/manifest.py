@@ -1,35 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A receiver's manifest, object.json, and the fingerprints of its baked scene. No ``bpy``."""
 
-import math
 from pathlib import Path
-
-import numpy as np
 
 from ..base.map_kinds import ON_REQUEST
 from ..base.names import with_unit
 from .errors import CacheError
-from .files import FRAMES, INPUTS, MANIFEST, REMOVED_MANIFEST, digest, is_bake_file, number_in
+from .files import FRAMES, MANIFEST, REMOVED_MANIFEST, is_bake_file
 from .journal import read_lines
 from .sealed import read_sealed, write_sealed
-from .shapes import MANIFESTS, POSES
-
-# The last format whose manifests contain the frames.
-LAST_WITH_FRAMES = 3
+from .shapes import MANIFEST as SHAPE
 
 
 def read_head(folder, name=MANIFEST):
-    """read_manifest without the frames, which takes the same time for any number of frames. Bakes of formats before 4
-    have them nevertheless."""
+    """read_manifest without the frames, which takes the same time for any number of frames."""
     remedy = (
         "Resume the bake to restore it from a checkpoint. If there is none, bake again, which makes a new version, and "
         f"delete the folder {folder}"
     )
-    manifest = read_sealed(Path(folder) / name, remedy, MANIFESTS.get)
+    manifest = read_sealed(Path(folder) / name, remedy, SHAPE)
     if manifest is None:
         return None
-    if manifest["format"] == 1:
-        manifest = _from_format_1(manifest)
     return {**manifest, "settings": _with_later(manifest["settings"])}
 
 
@@ -39,12 +30,12 @@ def read_manifest(folder, name=MANIFEST):
     Keys: ``object``, ``library``, ``complete`` (all frames of the shot exist), ``hash`` (of settings), ``settings``
     (dict: lengths in metres, angles in radians), ``frames`` (list of dicts with ``frame`` and its statistics, and
     ``checksums`` of its maps), ``cache`` (identity of the .blend's cache, empty if the file was never saved), ``files``
-    (names of all files of the bake), ``checksums`` (of files that exist once, in finished bakes), ``format``. Earlier
-    formats lack ``cache``, ``files`` and both ``checksums``. Raises CacheError if it is damaged.
+    (names of all files of the bake), ``checksums`` (of files that exist once, in finished bakes), ``format``.
+    Raises CacheError if it is damaged.
     """
     manifest = read_head(folder, name)
-    if manifest is None or "frames" in manifest:
-        return manifest
+    if manifest is None:
+        return None
     lines = read_lines(folder)
     if not is_whole(manifest, lines):
         raise _damaged(folder, lines)
@@ -81,16 +72,6 @@ def _with_later(settings):
     return {**settings, "snowfall": {**switches, **LATER, **settings["snowfall"]}}
 
 
-def _from_format_1(manifest):
-    """Converts a manifest to format 2. Format 1 had angles in degrees, computed from Blender's single precision, so
-    rounding to single precision restores the exact number."""
-    settings = dict(manifest["settings"])
-    flutter = float(np.float32(math.radians(settings["snowfall"]["flutter"])))
-    settings["snowfall"] = {**settings["snowfall"], "flutter": flutter}
-    settings["shot"] = digest(settings["snowfall"])
-    return {**manifest, "settings": settings, "hash": digest(settings)}
-
-
 def read_any_head(folder):
     """read_head, or that of an interrupted removal."""
     manifest = read_head(folder)
@@ -99,15 +80,8 @@ def read_any_head(folder):
 
 def listing(manifest):
     """A test whether a manifest lists a file's name. It never lists names that no bake writes."""
-    listed = manifest.get("files")
-    if listed is not None:
-        listed = set(listed)
-        return lambda name: name in listed and is_bake_file(name)
-    shot = manifest["settings"]["snowfall"]  # an earlier format
-    return lambda name: (
-        is_bake_file(name)
-        and shot["frame_start"] <= number_in(name, shot["frame_start"]) <= shot["frame_end"]
-    )
+    listed = set(manifest["files"])
+    return lambda name: name in listed and is_bake_file(name)
 
 
 def write_manifest(folder, manifest):
@@ -118,19 +92,12 @@ def read_inputs(folder):
     """The fingerprints of all poses of a finished bake (scene.inputs); None if it has none. Raises CacheError if they
     are damaged."""
     manifest = read_head(folder)
-    if manifest is None or manifest["format"] <= LAST_WITH_FRAMES:
-        return read_old_inputs(folder)
+    if manifest is None:
+        return None
     lines = read_lines(folder, with_poses=True)
     if not is_whole(manifest, lines):
         raise _damaged(folder, lines)
     return lines.poses
-
-
-def read_old_inputs(folder):
-    """The fingerprints in ``inputs.json``, of a bake of an earlier format; None if it does not exist."""
-    shapes = {0: POSES, 3: {"poses": POSES}}
-    inputs = read_sealed(Path(folder) / INPUTS, "Free the bake, then bake again", shapes.get)
-    return inputs["poses"] if isinstance(inputs, dict) else inputs
 
 
 def describe_changes(before, after, units):

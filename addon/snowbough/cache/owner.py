@@ -12,7 +12,7 @@ from pathlib import Path
 
 from .errors import CacheBusy
 from .files import OWNER, digest, remove_half_written
-from .sealed import FORMAT, read_sealed, write_sealed
+from .sealed import read_sealed, write_sealed
 from .shapes import text
 
 
@@ -26,11 +26,10 @@ def _named(blend, root):
 
 def _recorded(root):
     """The entry that claim() wrote, or None."""
-    shape = {"blend": text, "host": text}
     recorded = read_sealed(
         Path(root) / OWNER,
         "Delete it, then open the .blend that baked there first",
-        {3: shape, FORMAT: shape}.get,
+        {"blend": text, "host": text},
     )
     return None if recorded is None else {name: recorded[name] for name in ("blend", "host")}
 

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """JSON files of the cache with a checksum: a file that has changed on disk is refused. No ``bpy``.
 
-The last entry, ``checksum``, covers all bytes before it. The content is also compared with a shape, since earlier
-formats had no checksum.
+The last entry, ``checksum``, covers all bytes before it. The content is also compared with a shape.
 """
 
 import hashlib
@@ -15,10 +14,8 @@ from .errors import CacheError
 from .files import open_regular, to_json, write_bytes
 from .shapes import fits, whole
 
-# 1: flutter in degrees. 2: all angles in radians. 3: with checksums, the cache's identity and a list of files. 4: the
-# frames and fingerprints are in frames.tsv (journal).
+# Formats 1 to 3 are of development versions, which no release could write.
 FORMAT = 4
-SEALED_SINCE = 3
 
 # Larger than the poses of a long shot with thousands of objects.
 MAX_BYTES = 1 << 29
@@ -37,12 +34,9 @@ def write_sealed(path, value):
     write_bytes(path, body[: -len(_END)] + b',\n "checksum": "' + _checksum(body) + b'"\n}\n')
 
 
-def read_sealed(path, remedy, shape_of):
-    """Reads a file of write_sealed, or of an earlier format; None if it does not exist.
-
-    shape_of(format) -> the shape of a file of that format, None if the format is unknown; files without one have format
-    0. remedy: what to do with a damaged file. Raises CacheError for damaged files and unknown formats.
-    """
+def read_sealed(path, remedy, shape):
+    """Reads a file of write_sealed with a shape; None if it does not exist. remedy: what to do with a damaged file.
+    Raises CacheError for damaged files and other formats."""
     path = Path(path)
     try:
         with open_regular(path) as stream:
@@ -53,25 +47,23 @@ def read_sealed(path, remedy, shape_of):
         if seal and seal.group(1) != _checksum(raw[: -len(seal.group(0))] + _END):
             raise ValueError("its checksum does not match its content")
         value = json.loads(raw, parse_constant=_refuse)
-        number_of_format = value.get("format", 0) if isinstance(value, dict) else 0
-        if not whole(number_of_format):
-            raise ValueError("its format is not a number")
-        if not seal and (number_of_format >= SEALED_SINCE or isinstance(value, dict) and "checksum" in value):
+        if not isinstance(value, dict) or not whole(value.get("format")):
+            raise ValueError("it has no format")
+        is_known = value["format"] == FORMAT
+        if is_known and not seal:
             raise ValueError("its checksum is missing")
-        shape = shape_of(number_of_format)
-        if shape is not None and not fits(value, shape):
+        if is_known and not fits(value, shape):
             raise ValueError("an entry is missing or has the wrong type")
     except (FileNotFoundError, NotADirectoryError):
         return None
     except (OSError, ValueError, RecursionError) as error:
         raise CacheError(f"{path} is damaged ({_reason(error)}). {remedy}") from error
-    if shape is None:
+    if not is_known:
         raise CacheError(
-            f"{path} was written by another version of Snowbough (format {number_of_format}, this one writes "
+            f"{path} was written by another version of Snowbough (format {value['format']}, this one writes "
             f"{FORMAT}). {remedy}"
         )
-    if isinstance(value, dict):
-        value.pop("checksum", None)
+    value.pop("checksum")
     return value
 
 

@@ -195,41 +195,12 @@ DESCRIPTION = {
 # The end of a line of the journal.
 PLACE = {"bytes": size, "checksum": digest}
 
-_MANIFEST = {**DESCRIPTION, "complete": flag, "checksums": Maybe(checksums(*ONCE))}
-
-
-def _of_a_shot(value):
-    """A manifest with its frames inside."""
-    shot = value["settings"]["snowfall"]
-    numbers = [entry["frame"] for entry in value["frames"]]
-    return numbers == list(range(shot["frame_start"], shot["frame_start"] + len(numbers))) and (
-        not numbers or numbers[-1] <= shot["frame_end"]
-    )
-
-
-def both(shape, test):
-    return lambda value: fits(value, shape) and test(value)
-
-
-_OLD = {**_MANIFEST, "frames": [FRAME]}
-_LISTED = {"cache": text, "files": [text]}
-# Format -> shape.
-MANIFESTS = {
-    1: both(_OLD, _of_a_shot),
-    2: both(_OLD, _of_a_shot),
-    3: both({**_OLD, **_LISTED}, _of_a_shot),
-    4: {**_MANIFEST, **_LISTED, "end": Maybe(PLACE)},
+MANIFEST = {
+    **DESCRIPTION,
+    "complete": flag,
+    "checksums": Maybe(checksums(*ONCE)),
+    "cache": text,
+    "files": [text],
+    "end": Maybe(PLACE),
 }
-
-_OLD_SIDECAR = {
-    "covered": long_text,
-    "driver": text,
-    "frames": [FRAME],
-    "inputs": POSES,
-    "beside": Maybe([text]),
-}
-SIDECARS = {
-    0: _OLD_SIDECAR,
-    3: {**_OLD_SIDECAR, "manifest": Maybe(DESCRIPTION)},
-    4: {"covered": long_text, "driver": text, "beside": [text], "end": PLACE},
-}
+SIDECAR = {"covered": long_text, "driver": text, "beside": [text], "end": PLACE}

@@ -5,7 +5,7 @@ import contextlib
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ..base.names import folder_name, safe_name, tagged_name
+from ..base.names import folder_name, tagged_name
 from . import folder as receiver_folder
 from .errors import CacheError
 from .files import LEDGER, LOG_PATTERN, LOGS, OWNER, VERSION_PATTERN, folders_in, is_regular
@@ -15,15 +15,8 @@ from .manifest import read_any_head, read_head
 
 
 def scene_folder(cache, scene_name, identity=""):
-    """A scene's folder in a cache. identity: of the .blend's cache; empty for files that were never saved, and for
-    bakes from before caches had one, whose folders are named by safe_name."""
-    cache = Path(cache)
-    if identity:
-        return cache / tagged_name(scene_name, (identity,))
-    name = folder_name(scene_name)
-    before = safe_name(scene_name)
-    there = folders_in(cache)
-    return cache / (before if before in there and name not in there else name)
+    """A scene's folder in a cache. identity: of the .blend's cache; empty for files that were never saved."""
+    return Path(cache) / (tagged_name(scene_name, (identity,)) if identity else folder_name(scene_name))
 
 
 def versions(root):
@@ -120,9 +113,8 @@ class Bakes:
 
 
 def find_bakes(root, identities=("",), shown=None, keys=None):
-    """The Bakes below `root` whose manifests have one of these identities (None: an earlier format, without one).
-    shown: only versions of these names. keys: only these receivers. Links are not followed.
-    """
+    """The Bakes below `root` whose manifests have one of these identities. shown: only versions of these names. keys:
+    only these receivers. Links are not followed."""
     found = Bakes(Path(root))
     numbers = versions(root)
     for number in numbers:

@@ -202,7 +202,7 @@ def _other_scenes(receiver, surface):
 
 
 def find(receiver):
-    """The receiver's existing surfaces in its scene, including shells of earlier versions."""
+    """The receiver's existing surfaces in its scene."""
     scene, obj = receiver.id_data.original, receiver.object
     listed = [bpy.data.objects[name] for name in _listed(receiver) if name in bpy.data.objects]
     # A copy of the scene lists the surfaces of the objects that it copied.
@@ -232,18 +232,14 @@ def touched_materials(receiver):
 
 
 def delete_object(surface):
-    """Deletes a surface with its mesh, material and action, or a shell of an earlier version with its nodes."""
+    """Deletes a surface with its mesh, material and action."""
     mesh, action = surface.data, surface.animation_data and surface.animation_data.action
-    trees = [modifier.node_group for modifier in surface.modifiers if modifier.type == "NODES"]
     materials = [slot.material for slot in surface.material_slots]
     bpy.data.objects.remove(surface)
     if mesh.users == 0:
         bpy.data.meshes.remove(mesh)
     if action is not None and action.users == 0:
         bpy.data.actions.remove(action)
-    for tree in trees:
-        if tree is not None and tree.users == 0:
-            bpy.data.node_groups.remove(tree)
     for material in materials:
         if material is not None and material.users == 0:
             bpy.data.materials.remove(material)

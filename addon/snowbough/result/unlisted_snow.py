@@ -52,27 +52,9 @@ def _snowy_slots(obj):
 
 
 def _shells_of(obj):
-    """Snow surfaces of an object, and shells of earlier versions."""
-    return [
-        shell
-        for shell in bpy.data.objects
-        if shell.library is None
-        and shell.snowbough.is_shell
-        and (
-            shell.parent == obj
-            or any(
-                _shows(modifier.node_group, obj) for modifier in shell.modifiers if modifier.type == "NODES"
-            )
-        )
-    ]
-
-
-def _shows(tree, obj):
-    return tree is not None and any(
-        socket.type == "OBJECT" and socket.default_value == obj
-        for node in tree.nodes
-        for socket in node.inputs
-    )
+    """Snow surfaces of an object."""
+    surfaces = (own for own in bpy.data.objects if own.library is None and own.snowbough.is_shell)
+    return [surface for surface in surfaces if surface.parent == obj]
 
 
 def remove_snow_nodes(material):

@@ -16,7 +16,7 @@ from ..cache import integrity
 from ..cache.errors import CacheError
 from ..cache.files import POSITIONS, RECEIVER, SURFACE, SURFACE_FACES, SURFACE_POINTS, frame_file
 from ..cache.manifest import read_manifest
-from ..cache.sealed import FORMAT, read_sealed, write_sealed
+from ..cache.sealed import read_sealed, write_sealed
 from ..cache.shapes import Maybe, checksums, dict_of, either, flag, frame, number, text, whole
 from . import neighbours
 from .mesh_file import FileMesh, read_mesh, write_mesh
@@ -295,4 +295,4 @@ def damaged(folder):
 def read_summary(folder):
     """{style, first, frames, points, coarsened} of the surface in a folder, or None. Raises CacheError for a damaged
     file."""
-    return read_sealed(Path(folder) / SURFACE, "Use Update Surface", {3: _SHAPE, FORMAT: _SHAPE}.get)
+    return read_sealed(Path(folder) / SURFACE, "Use Update Surface", _SHAPE)

@@ -41,12 +41,3 @@ def write_bake(path, bake, entries, poses=()):
 def write_manifest(path, **given):
     path.mkdir(parents=True, exist_ok=True)
     manifest.write_manifest(path, written(**given))
-
-
-def write_old_manifest(path, number, **given):
-    """As format 1 or 2 wrote it: without a checksum, a list of files and the identity of a cache."""
-    path.mkdir(parents=True, exist_ok=True)
-    old = {"frames": [], **written(**given), "format": number}
-    for name in ("cache", "files"):
-        del old[name]
-    (path / files.MANIFEST).write_bytes(files.to_json(old))

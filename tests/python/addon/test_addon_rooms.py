@@ -47,7 +47,6 @@ WITHOUT_BLENDER = (
     "cache.journal",
     "cache.location",
     "cache.lock",
-    "cache.migration",
     "cache.manifest",
     "cache.folder",
     "cache.versions",

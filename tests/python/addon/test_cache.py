@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import snowbough
-from cache_files import write_manifest, write_old_manifest, written
+from cache_files import write_manifest
 from snowbough.bake import log
 from snowbough.base import names
 from snowbough.base.map_kinds import MAP_KINDS
@@ -46,14 +46,6 @@ def test_names_that_differ_in_anything_get_folders_that_differ_in_more_than_case
     assert len({folder.lower() for folder in folders}) == len(alike), folders
     assert all(re.fullmatch("[A-Za-z0-9_][A-Za-z0-9._-]*[A-Za-z0-9_]", folder) for folder in folders)
     assert names.folder_name("Shot") == "Shot" and names.folder_name("Scene.001") == "Scene.001"
-
-
-def test_a_scenes_folder_of_before_is_found(tmp_path):
-    baked(tmp_path / "SHOT_1" / "v001" / "a")
-    assert versions.scene_folder(tmp_path, "SHOT_1") == tmp_path / "SHOT_1"
-    assert versions.scene_folder(tmp_path, "shot_1").name == names.folder_name("shot_1")
-    (tmp_path / names.folder_name("SHOT_1")).mkdir()
-    assert versions.scene_folder(tmp_path, "SHOT_1").name == names.folder_name("SHOT_1")
 
 
 def test_objects_of_one_name_get_folders_of_their_own():
@@ -193,28 +185,13 @@ def test_resume_finds_the_unfinished_version(tmp_path):
     assert versions.resumable_version(tmp_path, ["c"]) == (None, [])
 
 
-@pytest.mark.parametrize("degrees", [0.0, 3.0, 17.3, 45.0])
-def test_a_manifest_with_flutter_in_degrees_is_read_as_the_number_that_blender_holds(tmp_path, degrees):
-    held = float(np.float32(np.radians(degrees)))  # Blender's properties are single precision
-    write_old_manifest(tmp_path / "a", 1, flutter=math.degrees(held))
-    read = manifest.read_manifest(tmp_path / "a")
-    assert read["settings"]["snowfall"]["flutter"] == held and read["complete"]
-
-
-def test_machines_go_on_sharing_a_version_that_was_begun_in_the_earlier_format(tmp_path):
-    held = float(np.float32(np.radians(3.0)))
-    write_old_manifest(tmp_path / "v001" / "a", 1, flutter=math.degrees(held))
-    shot = written(flutter=held)["settings"]["snowfall"]
-    assert versions.choose_version(tmp_path, ["b"], files.digest(shot)) == 1
-
-
 def test_a_manifest_of_a_later_format_is_refused(tmp_path):
     (tmp_path / files.MANIFEST).write_bytes(files.to_json({"format": sealed.FORMAT + 1}))
+    with pytest.raises(errors.CacheError, match="another version of Snowbough"):
+        manifest.read_manifest(tmp_path)
+    (tmp_path / files.MANIFEST).write_bytes(files.to_json({"format": sealed.FORMAT}))
     with pytest.raises(errors.CacheError, match="checksum is missing"):
         manifest.read_manifest(tmp_path)
-    sealed.write_sealed(tmp_path / files.MANIFEST, {})
-    with pytest.raises(errors.CacheError, match="another version of Snowbough"):
-        sealed.read_sealed(tmp_path / files.MANIFEST, "Bake again", {}.get)
 
 
 def locks(version):

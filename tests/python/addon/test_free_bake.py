@@ -4,7 +4,7 @@
 import os
 
 import pytest
-from cache_files import write_bake, write_manifest, write_old_manifest, written
+from cache_files import write_bake, write_manifest, written
 from snowbough.cache import errors, files, folder, lock, manifest, owner, sealed, versions
 
 
@@ -46,7 +46,7 @@ def test_what_the_bake_made_goes_and_what_lies_beside_it_stays(tmp_path):
 
 
 def test_a_folder_without_a_manifest_of_ours_is_left_alone(tmp_path):
-    names = ["height_0001.exr", "inputs.json", "lock", "object.json.tmp", "scratch.tmp", "state_0001"]
+    names = ["height_0001.exr", "lock", "object.json.tmp", "scratch.tmp", "state_0001"]
     for place in ("v001/renders", "v002/a"):
         (tmp_path / place).mkdir(parents=True)
         for name in names:
@@ -64,11 +64,11 @@ def test_the_bake_of_another_file_is_left_alone(tmp_path):
     assert not (tmp_path / "v001" / "a").exists() and folder.baked_frames(theirs) == [1, 2]
 
 
-def test_of_an_earlier_format_only_the_versions_shown_go(tmp_path):
+def test_of_bakes_without_an_identity_only_the_versions_shown_go(tmp_path):
     for number in ("v001", "v002"):
-        write_old_manifest(baked(tmp_path / number / "a"), 2)
+        baked(tmp_path / number / "a", cache="")
     assert free(tmp_path, "me") == 0
-    assert free(tmp_path, "", None, shown={"v002"}) == 6
+    assert free(tmp_path, "", shown={"v002"}) == 6
     assert not (tmp_path / "v002").exists() and folder.baked_frames(tmp_path / "v001" / "a") == [1, 2]
 
 

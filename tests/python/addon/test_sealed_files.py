@@ -9,14 +9,14 @@ import zlib
 
 import numpy as np
 import pytest
-from cache_files import write_bake, write_manifest, write_old_manifest, written
+from cache_files import write_bake, write_manifest, written
 from snowbough.cache import errors, files, folder, journal, manifest, owner, sealed
 from snowbough.cache.coverage import Coverage
 from snowbough.surface import mesh_file, point_cache
 
 POSES = [["1", {"Cart": ["0123456789abcdef", "s", "u"], "雪": None}], ["1.5", {}]]
 FRAMES = [{"frame": 1, "depth": 0.1, "volume": 0.30000000000000004, "slid": 0.0, "highest": 1e-05}]
-OLD_SIDECAR = {
+SIDECAR = {
     "covered": Coverage(64).pack(),
     "driver": "CPU, processor, x86-64",
     "frames": FRAMES,
@@ -162,24 +162,6 @@ def test_what_is_no_manifest_at_all_is_refused(tmp_path, text):
         manifest.read_manifest(tmp_path)
 
 
-def test_files_of_earlier_formats_are_read(tmp_path):
-    write_old_manifest(tmp_path, 2, complete=False)
-    (tmp_path / files.INPUTS).write_bytes(files.to_json(POSES))
-    (tmp_path / "state_0010.json").write_bytes(files.to_json(OLD_SIDECAR))
-    assert manifest.read_manifest(tmp_path)["complete"] is False
-    assert manifest.read_inputs(tmp_path) == POSES
-    assert folder.read_sidecar(tmp_path, 10) == OLD_SIDECAR
-
-
-@pytest.mark.parametrize(
-    "name, value", [("covered", 1), ("frames", [{"frame": -1, "depth": 0}]), ("inputs", [["1"]])]
-)
-def test_a_sidecar_of_an_earlier_format_with_other_kinds_of_values_is_refused(tmp_path, name, value):
-    (tmp_path / "state_0010.json").write_bytes(files.to_json({**OLD_SIDECAR, name: value}))
-    with pytest.raises(errors.CacheError, match="has the wrong type"):
-        folder.read_sidecar(tmp_path, 10)
-
-
 @pytest.fixture
 def patience():
     """Ends a test that waits."""
@@ -235,18 +217,21 @@ def test_a_pipe_in_place_of_the_lines_ends_a_bake_at_once(tmp_path, patience):
     assert folder.baked_frames(tmp_path) == [2]
 
 
-@pytest.mark.parametrize("number", [1, 2])
-def test_a_shot_that_blender_does_not_have_is_refused(tmp_path, number):
-    """Formats without a checksum: the names of so many frames' files took 4.6 GB."""
-    for wrong in (
-        {"frame_end": 30_000_000},
-        {"frame_end": 1_000_000},
-        {"frame_start": -5},
-        {"flutter": 1e300},
-    ):
-        write_old_manifest(tmp_path, number, **wrong)
+def test_a_shot_that_blender_does_not_have_is_refused(tmp_path):
+    """The names of so many frames' files took 4.6 GB."""
+    for wrong in ({"frame_end": 1_100_000}, {"frame_start": -5}, {"flutter": 1e300}):
+        bake = written()
+        bake["settings"]["snowfall"].update(wrong)
+        manifest.write_manifest(tmp_path, bake)
         with pytest.raises(errors.CacheError, match="object.json is damaged"):
             folder.listed_files(tmp_path)
+
+
+@pytest.mark.parametrize("number", [2, 3])
+def test_a_bake_of_a_development_version_is_refused_with_what_to_do(tmp_path, number):
+    (tmp_path / files.MANIFEST).write_bytes(files.to_json({**written(), "format": number}))
+    with pytest.raises(errors.CacheError, match=f"another version of Snowbough .format {number}.*bake again"):
+        manifest.read_manifest(tmp_path)
 
 
 def test_a_huge_file_is_not_read(tmp_path):
