@@ -89,9 +89,7 @@ def test_a_roof_that_comes_back_shelters_again(native, scene, at_frames, tmp_pat
     assert open_ground_at(native, tmp_path, 2, 3, 6) == [0.2, 0.2, 0.2]
 
 
-def test_a_roof_that_a_modifier_deforms_is_seen_to_be_swapped_for_one_of_as_many_faces(
-    native, scene, at_frames, tmp_path
-):
+def test_swapping_a_deformed_roof_for_one_with_as_many_faces_is_noticed(native, scene, at_frames, tmp_path):
     """Half a roof of two squares, and the other half: the same vertices, other faces."""
     vertices = [(x, y, 1.0) for x in (-2.0, 0.0, 2.0) for y in (-2.0, 2.0)]
     bpy.data.objects.remove(scene[1])

@@ -194,9 +194,7 @@ def test_the_check_names_the_frames_on_which_a_receiver_is_hidden(addon, tmp_pat
     assert "'Ground' is hidden, or its scale is 0, in frames 4" in found
 
 
-def test_the_check_names_what_hides_a_receiver_through_its_parent_its_driver_or_its_collection(
-    addon, tmp_path
-):
+def test_the_check_names_the_parent_driver_or_collection_that_hides_a_receiver(addon, tmp_path):
     roof, ground = s.square("Roof", z=1.0), s.square("Ground")
     parent = bpy.data.objects.new("Parent", None)
     bpy.context.scene.collection.objects.link(parent)

@@ -477,9 +477,7 @@ def test_a_cache_that_is_deleted_under_a_bake_does_not_say_to_make_room(addon, u
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows sends no such signals")
-def test_a_bake_whose_lock_was_taken_stops_with_its_own_code_and_leaves_the_other_ones_files(
-    addon, undisturbed, tmp_path
-):
+def test_a_bake_that_loses_its_lock_stops_and_leaves_the_other_bakes_files(addon, undisturbed, tmp_path):
     """The lock is deleted by hand, and a second bake clears the folder and goes ahead."""
     report = tmp_path / "report.json"
     first = start_baking(addon, tmp_path, report)

@@ -150,7 +150,7 @@ def test_a_roof_that_a_handler_opens_lets_snow_fall_through(tmp_path, ground_of,
 
 
 @pytest.mark.usefixtures("handlers")
-def test_a_roof_with_animated_mesh_data_whose_vertices_a_handler_reorders_stays_closed(tmp_path, ground_of):
+def test_a_roof_stays_closed_when_a_handler_reorders_its_vertices(tmp_path, ground_of):
     """With the old faces and the new order, the two halves of the roof would be two crossed ribbons."""
     points = [
         (x, y, 1.0) for left in (-1, 0) for x, y in ((left, -1), (left + 1, -1), (left + 1, 1), (left, 1))

@@ -70,7 +70,7 @@ def test_a_finished_bake_with_a_lost_file_is_repaired_from_the_checkpoint_before
     assert shot.files_of(finished) == whole
 
 
-def test_a_finished_bake_without_a_checkpoint_before_the_damage_is_refused_and_stays(finished):
+def test_a_finished_bake_without_an_earlier_checkpoint_is_refused_and_stays(finished):
     flip(found(finished, "Cart-*/height_0002.exr"))
     before = shot.files_of(finished)
     with pytest.raises(

@@ -186,7 +186,7 @@ def test_wrong_content_gets_a_sentence(finished, memory_folder, moments):
 
 
 def test_a_resumed_bake_refuses_or_repairs_wrong_content(finished, memory_folder, moments):
-    for number in range(RESUMED):
+    for _ in range(RESUMED):
         cache = shutil.copytree(finished, memory_folder / "resumed" / "cache")
         (place,) = cache.rglob("Flag-*")
         name, harm = moments.choice(list(harms(place)))

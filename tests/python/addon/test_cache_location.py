@@ -40,7 +40,7 @@ def test_the_home_folder_is_meant_by_its_sign(blend, tmp_path):
 
 
 @posix
-def test_a_relative_folder_is_refused_in_the_panel_and_is_the_shells_on_the_command_line(blend, tmp_path):
+def test_a_relative_folder_is_for_the_command_line_only(blend, tmp_path):
     with pytest.raises(
         ValueError, match="'snow' is not absolute: write //snow for a folder beside the .blend"
     ):

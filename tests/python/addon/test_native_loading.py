@@ -37,7 +37,7 @@ def folder(native, tmp_path, monkeypatch):
     return folder
 
 
-def test_a_module_with_its_version_in_its_name_is_found_among_those_of_other_pythons(native, folder):
+def test_a_module_with_a_version_in_its_name_is_found_among_other_pythons(native, folder):
     for name in ("_0_1_0.cpython-37-x86_64-linux-gnu.so", "_0_1_0.cp37-win_amd64.pyd", "_0_1_0" + OWN_SUFFIX):
         (folder / (native.MODULE_NAME + name)).write_bytes(b"")
     assert native.module_file().name == native.MODULE_NAME + "_0_1_0" + OWN_SUFFIX

@@ -11,7 +11,7 @@ from snow_pieces import pieces, tile_courses
 DEPTH = 0.3
 
 
-def test_the_front_of_a_course_does_not_take_its_height_from_beyond_the_end_of_its_face():
+def test_the_front_of_a_course_ignores_snow_beyond_the_end_of_its_face():
     count, length, slope = 8, 0.22, np.radians(40.0)
 
     def height(points, up):

@@ -32,7 +32,7 @@ def latitudes(resolution=256):
 
 
 @pytest.mark.parametrize("flutter, steps", [(0.0, 1), (np.radians(3.0), 16)])
-def test_a_smooth_ball_of_32_by_16_faces_has_the_profile_of_the_cosine_and_no_terraces(flutter, steps):
+def test_snow_on_a_smooth_ball_follows_the_cosine_without_terraces(flutter, steps):
     mesh = sphere(0.5, 32, 16)
     height, area, _ = snow_on(mesh, smooth(*mesh[:2]), flutter=flutter, steps=steps)
     rise = latitudes()

@@ -82,7 +82,7 @@ def test_a_limb_with_an_open_end_gathers_on_its_outside_alone(radius):
     assert float((height * area).sum()) == pytest.approx(0.1 * 2.0 * radius * (1.0 + 0.5 * radius), rel=0.02)
 
 
-def test_within_an_open_tube_that_takes_both_sides_nothing_lies_where_its_upper_half_covers():
+def test_no_snow_lies_inside_an_open_tube_under_its_upper_half():
     height, area, _ = snow_on(tube(), resolution=128, sides="BOTH")
     inside = -float((height * area).clip(max=0.0).sum())
     assert inside < 0.03 * float((height * area).clip(min=0.0).sum())

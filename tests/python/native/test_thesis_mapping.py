@@ -55,7 +55,7 @@ def test_what_lies_beyond_the_map_is_lost():
     assert np.count_nonzero(height) == 2
 
 
-def test_by_its_area_a_rectangle_lies_thicker_than_its_snow_where_it_holds_one_centre():
+def test_a_rectangle_with_one_texel_centre_gets_thicker_snow_by_its_area():
     height, _ = lay((3.5 / 8, 3.5 / 8), (0.5 / 8, 0.5 / 8), by_area=True)
     assert height[3, 3] == pytest.approx(12.0 / (0.25 * 2.0))
     assert np.count_nonzero(height) == 1
