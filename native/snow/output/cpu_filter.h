@@ -5,7 +5,6 @@
 #include <mutex>
 #include <vector>
 
-#include "snow/output/dilate.h"
 #include "snow/output/map_output.h"
 #include "snow/output/smoothing.h"
 #include "snow/output/smoothing_grid.h"
@@ -44,10 +43,9 @@ class CpuFilter {
   MapOutput run(std::vector<float> map, const OutputSurface& surface = {});
 
  private:
-  /// Tables from the seams, one per part of the output.
+  /// Tables from the seams.
   struct Parts {
     SeamLeveller leveller;
-    MapContinuation continuation;
     SmoothingGrid grid;
   };
   static Parts build_parts(const TexelTable& table, const SeamTable& seams, bool is_smoothed);

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "base/parallel_for.h"
-#include "snow/output/map_tiles.h"
 #include "snow/output/smoothing_kernels.h"
 
 namespace snowbough::snow {
@@ -182,17 +181,6 @@ void Smoother::find_runs(const std::vector<float>& map) {
   clear_beyond_runs(0, before);
 }
 
-std::vector<uint8_t> Smoother::tiles_of_runs() const {
-  const MapTiles tiles(grid_.levels[0].size);
-  std::vector<uint8_t> filled(static_cast<size_t>(tiles.count()), 0);
-  for (const Run& run : levels_[0].runs) {
-    for (int32_t tile = tiles.of(run.begin); tile <= tiles.of(run.end - 1); ++tile) {
-      filled[static_cast<size_t>(tile)] = 1;
-    }
-  }
-  return filled;
-}
-
 void Smoother::load(const std::vector<float>& map) {
   Level& level = levels_[0];
   for_each_run(0, [&](Run run) {
@@ -319,12 +307,11 @@ void Smoother::store(std::vector<float>& map) {
   });
 }
 
-std::vector<uint8_t> Smoother::run(std::vector<float>& map) {
+void Smoother::run(std::vector<float>& map) {
   const int32_t size = grid_.levels[0].size;
   levels_ = Workspace::shared().acquire(size);
   make_level(0);
   find_runs(map);
-  std::vector<uint8_t> filled = tiles_of_runs();
   if (!levels_[0].runs.empty() && least_variance_ > 0.0f) {
     load(map);
     open_loose_links(0);
@@ -333,7 +320,6 @@ std::vector<uint8_t> Smoother::run(std::vector<float>& map) {
   }
   Workspace::shared().release(size, std::move(levels_));
   levels_.clear();
-  return filled;
 }
 
 }  // namespace snowbough::snow

@@ -43,9 +43,7 @@ class Smoother {
   Smoother(const SmoothingGrid& grid, const SmoothingSettings& settings, int32_t threads);
 
   /// `map`: a grid's heights in metres; changed in place. One call at a time.
-  /// @return per tile of the map (see MapTiles) whether it may hold snow; a tile that held snow
-  /// before keeps its mark.
-  std::vector<uint8_t> run(std::vector<float>& map);
+  void run(std::vector<float>& map);
 
  private:
   /// Half-open range of cells of one row that may hold snow.
@@ -105,7 +103,6 @@ class Smoother {
       const std::function<void(size_t band, int32_t first, int32_t last)>& work) const;
   void for_each_run(size_t number, const std::function<void(Run run)>& work) const;
   void find_runs(const std::vector<float>& map);
-  std::vector<uint8_t> tiles_of_runs() const;
   void clear_beyond_runs(size_t number, const std::vector<Run>& before);
   void load(const std::vector<float>& map);
   /// Lists the open links across seams.
