@@ -189,8 +189,8 @@ ValueError for triangles with invalid indices.)");
       .def("faces", &faces)
       .def(
           "set_style", &set_style,
-          R"(Sets the artist's sliders by name: overhang, hem_variation, bridging, relief. Those that
-are not given are 1. Raises TypeError for other names.)")
+          R"(Sets the artist's sliders by name (kSliders in snow_style.h). Those that are not given are 1.
+Raises TypeError, with all names, for another one.)")
       .def_property_readonly("point_count",
                              [](const BoundSurface& self) { return self.surface.point_count(); })
       .def_property_readonly(

@@ -37,8 +37,10 @@ inline shared::SnowStyle style_from(const pybind11::kwargs& sliders) {
     ++known;
   }
   if (known != sliders.size()) {
-    throw pybind11::type_error(
-        "there is no such slider: use overhang, hem_variation, bridging or relief");
+    std::string names;
+    for (const auto& [name, field] : kSliders)
+      names += (names.empty() ? "" : ", ") + std::string(name);
+    throw pybind11::type_error("there is no such slider; the sliders are " + names);
   }
   return style;
 }
