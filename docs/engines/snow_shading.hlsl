@@ -22,7 +22,7 @@ float sunlit(float3 position, float3 normal, float reach) { return 1.0; }
 
 /// Least cosine between the normal and the drawn face's normal that the gradient uses. At smaller cosines the
 /// differences between pixels would outweigh the normal.
-static const float kLeastFacing = 0.2;
+static const float kMinFacing = 0.2;
 
 /// `rise`: differences of the height to the next pixels in x and y.
 /// Source: M. S. Mikkelsen, Bump Mapping Unparametrized Surfaces on the GPU, 2010.
@@ -33,7 +33,7 @@ float3 with_rise(float3 position, float3 normal, float2 rise) {
   const float3 r2 = cross(normal, x);
   const float det = dot(x, r1);
   const float3 gradient = sign(det) * (rise.x * r1 + rise.y * r2);
-  const float3 raised = max(abs(det), kLeastFacing * length(cross(x, y))) * normal - gradient;
+  const float3 raised = max(abs(det), kMinFacing * length(cross(x, y))) * normal - gradient;
   return dot(raised, raised) > 0.0 ? normalize(raised) : normal;
 }
 
