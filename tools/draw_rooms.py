@@ -2,12 +2,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws docs/images/rooms.svg: the rooms through which a tree and a frame of snow pass, with their lines of code.
 
-    python3 tools/draw_rooms.py
+    python3 tools/draw_rooms.py                   # draws
+    python3 tools/draw_rooms.py --table COMMIT    # prints the lines of all rooms at that commit and now
 
-The rooms and their order are those of the code; tests/python/test_house.py fails if a room is missing here.
+The rooms and their order are those of the code; tests/python/test_house.py fails if a room is missing here, or if its
+lines have changed by a tenth.
 """
 
+import argparse
 import html
+import io
+import subprocess
+import sys
+import tarfile
+import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -62,9 +70,25 @@ PIPELINES = {
 BOX, GAP, ROW, COLUMNS = (196, 52), 26, 86, 5
 
 
-def lines_of(room):
-    files = (path for path in (ROOT / room).rglob("*") if path.suffix in SOURCES)
+def lines_of(room, root=ROOT, sources=SOURCES):
+    files = (path for path in (root / room).rglob("*") if path.suffix in sources)
     return sum(len(path.read_bytes().splitlines()) for path in files)
+
+
+def table(commit):
+    """The lines of the rooms with a budget (tests/python/test_rooms.py) at a commit and now, in Markdown."""
+    sys.path.insert(0, str(ROOT / "tests" / "python"))
+    from test_rooms import LINES
+    from test_rooms import SOURCES as counted
+
+    archive = subprocess.run(["git", "archive", commit], cwd=ROOT, capture_output=True, check=True).stdout
+    rows = ["| room | before | now |", "|---|--:|--:|"]
+    with tempfile.TemporaryDirectory() as folder:
+        tarfile.open(fileobj=io.BytesIO(archive)).extractall(folder)
+        both = {room: [lines_of(room, root, counted) for root in (Path(folder), ROOT)] for room in LINES}
+    product = [room for room in LINES if room not in ("tests", "benchmarks")]
+    both["product"] = [sum(both[room][k] for room in product) for k in (0, 1)]
+    return "\n".join([*rows, *(f"| {room} | {a:,} | {b:,} |" for room, (a, b) in both.items())])
 
 
 def box(x, y, room, purpose):
@@ -119,5 +143,11 @@ def drawing():
 
 
 if __name__ == "__main__":
-    DRAWING.write_text(drawing())
-    print(DRAWING.relative_to(ROOT))
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--table", metavar="COMMIT")
+    options = parser.parse_args()
+    if options.table:
+        print(table(options.table))
+    else:
+        DRAWING.write_text(drawing())
+        print(DRAWING.relative_to(ROOT))

@@ -143,3 +143,20 @@ def test_the_drawing_shows_every_room_that_data_passes():
     assert [
         name for rooms in draw_rooms.PIPELINES.values() for name in rooms.values() if name not in picture
     ] == []
+    shown = dict(re.findall(r">([a-z/]+) · ([\d,]+)<", picture))
+    for room in drawn:
+        count = int(shown[room.removeprefix("addon/snowbough/").removeprefix("native/")].replace(",", ""))
+        now = draw_rooms.lines_of(room)
+        assert abs(now - count) <= 0.1 * now, f"{room} has {now} lines, not {count}: run tools/draw_rooms.py"
+
+
+@pytest.mark.parametrize("page, limit", [("README.md", 80), ("CONTRIBUTING.md", 100)])
+def test_the_first_pages_are_short(page, limit):
+    assert len((ROOT / page).read_text().splitlines()) < limit
+
+
+def test_the_pages_of_rooms_have_10_to_20_lines():
+    pages = [path for floor in ("native", "addon") for path in (ROOT / floor).rglob("README.md")]
+    assert len(pages) > 8
+    lines = {str(path.relative_to(ROOT)): len(path.read_text().splitlines()) for path in pages}
+    assert {page: count for page, count in lines.items() if not 10 <= count <= 20} == {}
