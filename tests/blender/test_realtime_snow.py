@@ -51,7 +51,7 @@ def test_the_places_of_snow_on_a_trees_base_are_those_of_its_bark(scene, addon, 
     trees = addon("realtime.trees")
     for bark in barks:
         surface, _print = trees.Surfaces().of(trees.rig_of(bark, "VIEWPORT"))
-        places = trees.SnowPlaces(bark.data, surface)
+        places = trees.SnowUvs(bark.data, surface)
         assert places.uv("bark") is None
         assert places.uv("snow").shape == (len(surface["quads"]), 4, 2)
 

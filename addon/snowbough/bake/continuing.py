@@ -92,7 +92,7 @@ class Finished:
         common = set.intersection(*(set(checkpoints(self.version / key)) for key in keys))
         return max((frame for frame in common if frame <= self.last), default=None)
 
-    def places(self, receivers):
+    def copies(self, receivers):
         """Copies of the BakedReceivers for reading in the finished bake."""
         return [replace(receiver, folder=self.version / receiver.key) for receiver in receivers]
 

@@ -32,7 +32,7 @@ class FrameWork:
     """Fingerprints of the poses since the frame before (scene.inputs)."""
     depth: float
     """Metres on open, level ground after the frame."""
-    places: dict
+    to_world: dict
     """{key: (4, 4) from a receiver's space to metres in the world}."""
     hidden: frozenset
     """Keys of the receivers that are not shown."""
@@ -188,7 +188,7 @@ class FrameBaker:
                 "stretched": float(total["stretched_volume"]),
                 **common,
                 "direction": list(work.poses[-1][1]),
-                "to_world": work.places[receiver.key].ravel().tolist(),
+                "to_world": work.to_world[receiver.key].ravel().tolist(),
             }
             # Only where masks, objects, thaw or wind have removed snow.
             for name in REMOVED:

@@ -310,10 +310,10 @@ class BakeJob:
         request, beside = self.request, self._beside()
         driver = None if request.allow_other_driver else self._driver
         if request.extend:
-            own, beside = self._finished.places(self.receivers), self._finished.places(beside)
+            own, beside = self._finished.copies(self.receivers), self._finished.copies(beside)
             state, before = resuming.read_checkpoints(self.native, [], [*own, *beside], frame, driver)
-            for receiver, place in zip(self.receivers, own):
-                receiver.take_frames(frame, place.covered)
+            for receiver, copy in zip(self.receivers, own):
+                receiver.take_frames(frame, copy.covered)
         else:
             for receiver in (*self.receivers, *beside):
                 receiver.compare_settings(run.settings, request)

@@ -24,7 +24,7 @@ from .files import (
     state_file,
     texture_source,
 )
-from .journal import Place, read_lines
+from .journal import LineEnd, read_lines
 from .manifest import listing, read_any_head, read_head, write_manifest
 from .sealed import read_sealed, write_sealed
 from .shapes import SIDECAR
@@ -55,7 +55,7 @@ def write_sidecar(folder, frame, sidecar):
 
 def lines_until(folder, frame, sidecar):
     """The journal's Lines, with their poses, up to the checkpoint of a frame. Raises CacheError if they are damaged."""
-    end = Place(**sidecar["end"])
+    end = LineEnd(**sidecar["end"])
     lines = read_lines(folder, with_poses=True, until=end)
     if not lines.ends or lines.ends[-1] != end or lines.next_frame != frame + 1:
         raise CacheError(

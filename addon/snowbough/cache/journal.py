@@ -46,7 +46,7 @@ def _line(before, entry, poses):
 
 
 @dataclass(frozen=True)
-class Place:
+class LineEnd:
     """The end of a line: the number of bytes up to it, and its checksum."""
 
     bytes: int
@@ -68,7 +68,7 @@ class Lines:
     packed_poses: list = field(default_factory=list)
     """Those of each frame as bytes, as in its line; empty unless poses were asked for."""
     ends: list = field(default_factory=list)
-    """The Place after each frame's line."""
+    """The LineEnd after each frame's line."""
     rest: int = 0
     """Bytes after the last intact line."""
 
@@ -79,7 +79,7 @@ class Lines:
 
 
 def read_lines(folder, with_poses=False, until=None):
-    """The Lines of a receiver's folder, up to the Place `until`; empty if there is no file. Raises CacheError if the
+    """The Lines of a receiver's folder, up to the LineEnd `until`; empty if there is no file. Raises CacheError if the
     file cannot be read."""
     lines, seal, end = Lines(), b"", 0
     path = Path(folder) / FRAMES
@@ -111,7 +111,7 @@ def read_lines(folder, with_poses=False, until=None):
                 lines.poses += poses
                 if with_poses:
                     lines.packed_poses.append(columns[2].rstrip(b"\n"))
-                lines.ends.append(Place(end, seal.decode()))
+                lines.ends.append(LineEnd(end, seal.decode()))
             lines.rest = size - end
     except FileNotFoundError:
         pass
@@ -126,7 +126,7 @@ class Journal:
     """Appends lines. The file is open only while it is written, since a scene may have thousands of receivers."""
 
     def __init__(self, folder, end):
-        """Goes on after the Place `end`."""
+        """Goes on after the LineEnd `end`."""
         self._path = Path(folder) / FRAMES
         self.end = end
 
@@ -135,7 +135,7 @@ class Journal:
         """Begins the file with a line of the description `header`."""
         seal, line = _line(b"", header, b"[]")
         write_bytes(Path(folder) / FRAMES, line)
-        return cls(folder, Place(len(line), seal.decode()))
+        return cls(folder, LineEnd(len(line), seal.decode()))
 
     def append(self, entry, poses):
         """Adds a frame. poses: packed()."""
@@ -146,7 +146,7 @@ class Journal:
             view = memoryview(line)
             while view:
                 view = view[os.write(descriptor, view) :]
-        self.end = Place(self.end.bytes + len(line), seal.decode())
+        self.end = LineEnd(self.end.bytes + len(line), seal.decode())
 
     def flush(self):
         """Waits until all lines are on the disk."""

@@ -193,7 +193,7 @@ DESCRIPTION = {
 }
 
 # The end of a line of the journal.
-PLACE = {"bytes": size, "checksum": digest}
+LINE_END = {"bytes": size, "checksum": digest}
 
 MANIFEST = {
     **DESCRIPTION,
@@ -201,6 +201,6 @@ MANIFEST = {
     "checksums": Maybe(checksums(*ONCE)),
     "cache": text,
     "files": [text],
-    "end": Maybe(PLACE),
+    "end": Maybe(LINE_END),
 }
-SIDECAR = {"covered": long_text, "driver": text, "beside": [text], "end": PLACE}
+SIDECAR = {"covered": long_text, "driver": text, "beside": [text], "end": LINE_END}

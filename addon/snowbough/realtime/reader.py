@@ -140,7 +140,7 @@ class Reader:
             return None
         key = (original.data.name, library_name(original.data), print_)
         if key not in self._places:
-            self._places[key] = trees.SnowPlaces(original.data, arrays)
+            self._places[key] = trees.SnowUvs(original.data, arrays)
         return self._snow.of(receiver, self._places[key])
 
     def _join_leaves(self):

@@ -104,17 +104,17 @@ def bark_images_of(obj, rig, surface, looks):
 
 
 # Coordinates are rounded to multiples of this share of the map's side, then compared.
-SAME_PLACE = 2.0**-20
+SAME_UV = 2.0**-20
 
 
-class SnowPlaces:
+class SnowUvs:
     """The UV maps of a tree's base that a snow map can use: only that of the import, if the bark's mesh still has it
     unchanged."""
 
     def __init__(self, mesh, surface):
         """mesh: data of the finest mesh, unedited; surface: result of the native tree_arrays."""
         self._mesh = mesh
-        self._places = surface["snow_uv"]
+        self._uvs = surface["snow_uv"]
         self._is_kept = None
 
     def uv(self, name):
@@ -123,20 +123,20 @@ class SnowPlaces:
             return None
         if self._is_kept is None:
             self._is_kept = self._is_in_mesh()
-        return self._places if self._is_kept else None
+        return self._uvs if self._is_kept else None
 
     def _is_in_mesh(self):
         """Whether the mesh, a subdivision of the base, has all UV coordinates of the base's corners."""
         layer = self._mesh.uv_layers.get(SNOW_UV)
-        if layer is None or not len(self._places):
+        if layer is None or not len(self._uvs):
             return False
         fine = _numbered(compat.read_uv(layer, len(self._mesh.loops)))
-        return bool(np.isin(_numbered(self._places.reshape(-1, 2)), fine).all())
+        return bool(np.isin(_numbered(self._uvs.reshape(-1, 2)), fine).all())
 
 
-def _numbered(places):
+def _numbered(uvs):
     """(N,) numbers of the coordinates (N, 2); equal coordinates have equal numbers."""
-    cells = np.round(places.astype(np.float64) / SAME_PLACE).astype(np.int64)
+    cells = np.round(uvs.astype(np.float64) / SAME_UV).astype(np.int64)
     return cells[:, 0] << 32 | cells[:, 1]
 
 
