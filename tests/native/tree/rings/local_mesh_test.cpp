@@ -35,16 +35,6 @@ LocalMesh tube(int rings) {
   return mesh;
 }
 
-TEST(LocalMesh, AnOpenTubeHasTwoBordersAndWalksRingByRing) {
-  const LocalMesh mesh = tube(4);
-  const Topology topology = build_topology(mesh);
-  EXPECT_THAT(topology.boundary_loops,
-              ElementsAre(ElementsAre(0, 1, 2, 3), ElementsAre(12, 13, 14, 15)));
-  EXPECT_THAT(walk_layers(mesh, topology, {0, 1, 2, 3}),
-              ElementsAre(ElementsAre(0, 1, 2, 3), ElementsAre(4, 5, 6, 7),
-                          ElementsAre(8, 9, 10, 11), ElementsAre(12, 13, 14, 15)));
-}
-
 TEST(LocalMesh, AWalkIsGivenUpWhereItsLayersAreTooUneven) {
   // Ten corners round a middle, and a strip that ends in another middle: 1, 10, 10, 2 and 1.
   LocalMesh mesh;

@@ -73,31 +73,5 @@ TEST(Attach, HoweverLimbsLieNoCycleArises) {
   }
 }
 
-TEST(Attach, WithLevelsATwigPrefersItsLimbToASlightlyNearerTwig) {
-  std::vector<Branch> branches{tapering("trunk", {{0, 0, 0}, {0, 0, 10}}, 0.5f),
-                               tapering("limb", {{0, 0, 5}, {4, 0, 5}}, 0.02f),
-                               tapering("twig1", {{3.9f, 0, 5}, {3.9f, 0.2f, 5.2f}}, 0.01f),
-                               tapering("twig2", {{4, 0.2f, 5.05f}, {5, 1, 5.5f}}, 0.01f)};
-  for (size_t b = 0; b < branches.size(); ++b) {
-    branches[b].level = std::min(static_cast<int32_t>(b), 2);
-  }
-  std::vector<char> reversible(4, 0);
-  attach_branches(branches, reversible, 10.0f);
-  EXPECT_EQ(branches[2].parent, 1);
-  EXPECT_EQ(branches[3].name, "twig2");
-  EXPECT_EQ(branches[3].parent, 1);
-}
-
-TEST(Attach, AThickStubOnAThinLimbStillFindsIt) {
-  std::vector<Branch> branches{tapering("trunk", {{0, 0, 0}, {0, 0, 10}}, 0.5f),
-                               tapering("limb", {{0, 0, 5}, {3, 0, 5}}, 0.05f),
-                               tapering("stub", {{2.9f, 0, 5}, {2.9f, 0.3f, 5}}, 0.1f)};
-  std::vector<char> reversible(3, 0);
-  attach_branches(branches, reversible, 10.0f);
-  EXPECT_EQ(branches[2].name, "stub");
-  EXPECT_EQ(branches[2].parent, 1);
-  EXPECT_EQ(branches[2].level, 2);
-}
-
 }  // namespace
 }  // namespace snowbough::tree
