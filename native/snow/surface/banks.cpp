@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
@@ -23,19 +22,6 @@ constexpr std::array<float, 5> kAway{0.05f, 0.15f, 0.3f, 0.5f, 0.75f};
 constexpr float kOffBank = 0.2f;
 /// Height of the snow over a point at which the point counts as buried, as a fraction of the depth.
 constexpr float kIsBuried = 0.12f;
-/// Greatest vertical depth in a hollow, likewise.
-constexpr float kHeap = 1.2f;
-/// Least and greatest distance to a wall opposite, as fractions of the depth, and height above a
-/// point at which it is looked for: a blanket lies over joints. Upward component of the normals of
-/// the least slopes before one.
-constexpr float kBeyondJoints = 0.55f;
-constexpr float kOpposite = 2.0f;
-constexpr float kOffPoint = 0.12f;
-constexpr float kGentlest = 0.99f;
-/// Level part of the way along the normal, in distances to the wall, from which on the snow begins
-/// to rise upright and does so.
-constexpr float kMeets = 0.12f;
-constexpr float kCrosses = 0.3f;
 
 }  // namespace
 
@@ -45,20 +31,9 @@ std::vector<Bank> find_banks(const SurfacePoints& points, const SurfaceMesh& rec
   std::vector<Bank> found(points.count());
   base::for_each_item(found.size(), 256, [&](size_t p) {
     const glm::vec3& normal = points.normal[p];
-    if (normal.z < kSteepest || normal.z > kGentlest) return;
+    if (normal.z < kSteepest || normal.z > kFlattest) return;
     const glm::vec3& at = points.mesh.position[p];
     const glm::vec3 away = unit(glm::vec3(normal.x, normal.y, 0.0f));
-    const auto own = static_cast<int32_t>(p);
-    Bank& bank = found[p];
-    const base::TriangleTree::Hit wall =
-        tree.first_along(0, at + glm::vec3(0.0f, 0.0f, kOffPoint * depth), away, 1e-5,
-                         static_cast<double>(kOpposite) * depth);
-    if (wall.triangle >= 0 && wall.distance > kBeyondJoints * depth &&
-        glm::dot(triangle_cross(receiver, static_cast<size_t>(wall.triangle)), away) < 0.0f) {
-      bank.point = own;
-      bank.across = static_cast<float>(wall.distance);
-    }
-    if (normal.z > kFlattest) return;
     for (const float distance : kAway) {
       const glm::vec3 place = at + away * (distance * depth);
       const base::TriangleTree::Hit hit =
@@ -67,14 +42,15 @@ std::vector<Bank> find_banks(const SurfacePoints& points, const SurfaceMesh& rec
       const glm::vec3 cross = triangle_cross(receiver, static_cast<size_t>(hit.triangle));
       if (unit(cross).z < kIsLevel) continue;
       const glm::vec3 foot = place - glm::vec3(0.0f, 0.0f, static_cast<float>(hit.distance));
+      const auto own = static_cast<int32_t>(p);
+      Bank& bank = found[p];
       bank.level = lying.at(foot + away * (kOffBank * depth), own, depth, false);
-      if (bank.level.point[0] == own) return;
       bank.above = static_cast<float>(hit.distance);
-      bank.point = own;
+      bank.point = bank.level.point[0] == own ? -1 : own;
       return;
     }
   });
-  std::erase_if(found, [](const Bank& bank) { return bank.point < 0; });
+  std::erase_if(found, [](const Bank& bank) { return bank.above <= 0.0f || bank.point < 0; });
   return found;
 }
 
@@ -84,13 +60,9 @@ void bury_banks(const std::vector<Bank>& banks, const std::vector<float>& thickn
   base::for_each_item(banks.size(), 1024, [&](size_t b) {
     const Bank& bank = banks[b];
     const auto p = static_cast<size_t>(bank.point);
-    if (thickness[p] <= 0.0f) return;
-    const float own = std::min(thickness[p] / std::max(up[p], kSteepest), kHeap * depth);
-    const float level = std::sqrt(std::max(1.0f - up[p] * up[p], 0.0f)) * thickness[p];
-    const float meets = shared::eased(level / bank.across, kMeets, kCrosses);
-    offsets[p] = glm::mix(offsets[p], glm::vec3(0.0f, 0.0f, own), meets);
     const float over = bank.level.of(shown) - bank.above;
-    if (over <= 0.0f || bank.above <= 0.0f) return;
+    if (over <= 0.0f || thickness[p] <= 0.0f) return;
+    const float own = thickness[p] / std::max(up[p], kSteepest);
     const glm::vec3 buried(0.0f, 0.0f, std::min(over, own));
     offsets[p] = glm::mix(offsets[p], buried, shared::eased(over, 0.0f, kIsBuried * depth));
   });

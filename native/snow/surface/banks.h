@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "base/triangle_tree.h"
@@ -10,17 +9,14 @@
 
 namespace snowbough::snow {
 
-/// A point on a slope in a hollow, as a bowl: above a level place whose snow may bury it, or before
-/// a wall opposite. Its snow is drawn along the vertical: along the normal it would lie within that
-/// of the level place, or meet that on the wall.
+/// A point on a slope above a level place whose snow may bury it, as in a bowl. Buried snow is
+/// drawn along the vertical: along the normal it would lie within the snow of the level place.
 struct Bank {
-  int32_t point = -1;
+  int32_t point = 0;
   /// Points of the level place, which give the thickness there.
   PointMean level;
-  /// Height of the point above the level place, in metres; 0: there is none.
+  /// Height of the point above the level place, in metres.
   float above = 0.0f;
-  /// Distance to the wall in metres.
-  float across = std::numeric_limits<float>::infinity();
 };
 
 /// @param tree a tree over the triangles of `receiver`.

@@ -352,15 +352,10 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
   }
   fronts.banks = find_banks(points, receiver, tree, lying, depth);
   // Below a rim over an upright face, the front has the shape.
-  for (Bank& bank : fronts.banks) {
+  std::erase_if(fronts.banks, [&](const Bank& bank) {
     const RimPlace& place = zone[bank.point].place;
-    if (place.is_far_off) continue;
-    if (rims.all()[place.parts[0].rim].far_normal.z < kSteepBank) bank.above = 0.0f;
-    // A joint is no hollow.
-    if (rims.opposite(place, shared::kBridgedGap * depth).nearness > 0.0f) {
-      bank.across = std::numeric_limits<float>::infinity();
-    }
-  }
+    return !place.is_far_off && rims.all()[place.parts[0].rim].far_normal.z < kSteepBank;
+  });
   if (rims.all().empty()) return fronts;
   for (size_t p = 0; p < points.count(); ++p) {
     if (zone[p].place.is_far_off || zone[p].share < -1.6f) continue;
