@@ -27,6 +27,13 @@ SMALLEST = {
     "realtime/preview.py": (WINDOW, ["--", "--resolution", "64", "--frames", "3"], r"\| draw handler \| \d"),
     "snow/thesis_mapping.py": (PYTHON, ["--steps", "1", "--only", "plane"], r"\| .*\d"),
     "snow/receivers.py": (PYTHON, ["--count", "2", "--resolution", "64"], r"[0-9a-f]{64}"),
+    "snow/real_shapes.py": (BLENDER, ["--", "--depth", "0.05", "--only", "slats"], r"\| slats .*\d"),
+    "snow/ledger.py": (BLENDER, ["--", "--frames", "2"], r"error on any frame: \d.*e-(0[789]|1\d)"),
+    "snow/beside_real_snow.py": (
+        BLENDER,
+        ["--", "wall", "ours", "0.1", "--out", "OUT", "--views", "wide", "--size", "32x18", "--samples", "1"],
+        r"wall ours 0\.1 m: \d",
+    ),
     "snow/display.py": (BLENDER, ["--", "--frames", "2"], r"\| .*\d"),
     "tree/read_benchmark.py": (PYTHON, ["--megabytes", "1", "--repeats", "1"], r"generated\.obj .*\d"),
     "tree/size_table.py": (PYTHON, ["--branches", "200", "--corners", "200"], r"\| 200 \| .*\d"),
