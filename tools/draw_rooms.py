@@ -6,7 +6,7 @@
     python3 tools/draw_rooms.py --table COMMIT    # prints the lines of all rooms at that commit and now
 
 The rooms and their order are those of the code; tests/python/test_house.py fails if a room is missing here, or if its
-lines have changed by a tenth.
+lines have changed by a quarter.
 """
 
 import argparse

@@ -61,8 +61,8 @@ def choose_receivers(pose, request):
 
 
 def share_points(native, request, pose, receivers):
-    """Gives each of the BakedReceivers its WantedPoints, and the time that its surface takes. Computed from all receivers
-    of the complete_pose, so that machines that bake some of them agree."""
+    """Gives each BakedReceiver its WantedPoints and the time that its surface takes. Computed from all receivers of the
+    complete_pose, so that machines that bake some of them agree."""
     depth = max(request.start_depth, request.end_depth, 1e-4)
     thaws = request.end_depth < request.start_depth
     wanted = {}
