@@ -16,7 +16,7 @@ inline constexpr int32_t kBinSize = 64;
 
 /// Sorts triangles into the squares of kBinSize pixels in which they may show. Counts, sums up and
 /// fills, so that bins hold their triangles in drawing order for any number of threads. Keeps its
-/// memory between uses.
+/// memory between uses. The bins are what threads share out: there is no way to draw without them.
 class TriangleBins {
  public:
   struct Input {
