@@ -2,20 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <utility>
 
 namespace snowbough::tree {
-namespace {
-
-/// Cones per bounding sphere.
-constexpr size_t kRun = 16;
-/// Relative rounding error of a bounding sphere, with a large margin.
-constexpr double kRounding = 1e-11;
-
-}  // namespace
-
 Cone Cone::between(const glm::dvec3& begin, double begin_radius, const glm::dvec3& end,
                    double end_radius) {
   const glm::dvec3 along = end - begin;
@@ -47,48 +37,10 @@ void ConeChain::add(std::span<const TubeSection> sections) {
   }
 }
 
-void ConeChain::finish() {
-  for (size_t begin = 0; begin < cones_.size(); begin += kRun) {
-    const size_t end = std::min(begin + kRun, cones_.size());
-    glm::dvec3 low(1e300), high(-1e300);
-    for (size_t i = begin; i < end; ++i) {
-      const glm::dvec3 beyond = cones_[i].begin + cones_[i].along;
-      low = glm::min(low, glm::min(cones_[i].begin, beyond));
-      high = glm::max(high, glm::max(cones_[i].begin, beyond));
-    }
-    Ball& ball = balls_.emplace_back();
-    ball.centre = 0.5 * (low + high);
-    for (size_t i = begin; i < end; ++i) {
-      const Cone& cone = cones_[i];
-      // A cone is farthest out at one of its ends.
-      const double one = glm::distance(cone.begin, ball.centre) + cone.begin_radius;
-      const double other =
-          glm::distance(cone.begin + cone.along, ball.centre) + cone.begin_radius + cone.widening;
-      ball.radius = std::max({ball.radius, one, other});
-    }
-    const glm::dvec3 size = glm::abs(ball.centre);
-    ball.radius += kRounding * (ball.radius + size.x + size.y + size.z);
-  }
-}
-
-bool ConeChain::beyond(const Ball& ball, const glm::dvec3& p, const FieldValue& nearest) const {
-  const double least = ball.radius + nearest.distance;
-  const glm::dvec3 off = p - ball.centre;
-  return least <= 0.0 || glm::dot(off, off) > least * least;
-}
-
 void ConeChain::take_nearer(const glm::dvec3& p, size_t begin, size_t end, bool back,
                             FieldValue& nearest) const {
-  while (begin < end) {
-    const size_t next = back ? (end - 1) / kRun * kRun : (begin / kRun + 1) * kRun;
-    const size_t low = back ? std::max(begin, next) : begin;
-    const size_t high = back ? end : std::min(end, next);
-    if (!beyond(balls_[low / kRun], p, nearest)) {
-      for (size_t i = low; i < high; ++i) {
-        cones_[back ? low + high - 1 - i : i].take_nearer(p, nearest);
-      }
-    }
-    (back ? end : begin) = back ? low : high;
+  for (size_t i = begin; i < end; ++i) {
+    cones_[back ? begin + end - 1 - i : i].take_nearer(p, nearest);
   }
 }
 

@@ -30,16 +30,13 @@ struct Cone {
   void take_nearer(const glm::dvec3& p, FieldValue& nearest) const;
 };
 
-/// All cones of a chain of limbs, in order, with bounding spheres around runs of them.
+/// All cones of a chain of limbs, in order.
 class ConeChain {
  public:
   /// The index of the next cone to be added.
   size_t size() const { return cones_.size(); }
 
   void add(std::span<const TubeSection> sections);
-
-  /// Call it after adding all sections, before any query.
-  void finish();
 
   const Cone& front() const { return cones_.front(); }
 
@@ -53,19 +50,9 @@ class ConeChain {
   size_t begin_within(size_t from, double length) const;
 
  private:
-  struct Ball {
-    glm::dvec3 centre{0.0};
-    double radius = 0.0;
-  };
-
-  /// Whether all cones of a sphere are farther away than `nearest`.
-  bool beyond(const Ball& ball, const glm::dvec3& p, const FieldValue& nearest) const;
-
   std::vector<Cone> cones_;
   /// Arc length at each cone and, last, at the end.
   std::vector<double> lengths_{0.0};
-  /// One for every kRun cones, from the first on.
-  std::vector<Ball> balls_;
 };
 
 /// A chain's cones on both sides of a place. Limbs that leave the same parent share its cones.

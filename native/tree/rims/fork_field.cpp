@@ -81,9 +81,6 @@ std::vector<Fork> collect_forks(const Surface& surface, const LimbTubes& tubes) 
     first[b] = chain->size();
     chain->add(tubes.sections(static_cast<int32_t>(b)));
   }
-  for (const std::shared_ptr<ConeChain>& chain : all) {
-    if (chain) chain->finish();
-  }
   std::vector<Fork> forks;
   forks.reserve(surface.junctions.size());
   for (const Junction& junction : surface.junctions) {
