@@ -12,7 +12,7 @@ constexpr int kRounds = 6;
 /// Number of rounds without improvement after which the search stops.
 constexpr int kRoundsWithoutGain = 2;
 /// Number of attempts to take narrowing back.
-constexpr int kRoundsBack = 3;
+constexpr int kRoundsBack = 5;
 
 /// Adds a narrowing step to branches that intersect: of two, the one farther from the trunk; in
 /// later rounds both, except the junction's own limb.
@@ -60,11 +60,17 @@ std::vector<int32_t> crossing_children(const Surface& surface, const JunctionCro
 }
 
 /// Takes narrowing back where it avoids nothing: first of limbs that intersect nevertheless, then
-/// of all. Those keep it without which others would intersect.
+/// of all. Those keep it without which others would intersect, and if that does not suffice, those
+/// beside them: the knuckles of a parent's children share its length.
 /// @param best, narrowing  the best round; receive the result.
 template <typename Build>
 void take_back(const Build& build, int threads, UncrossedSurface& best,
                std::vector<uint8_t>& narrowing) {
+  if (std::all_of(narrowing.begin(), narrowing.end(), [](uint8_t steps) { return steps == 0; })) {
+    return;
+  }
+  // The rounds searched moved faces only.
+  best.crossing = crossing_children(best.surface, find_crossings(best.surface, {}, threads));
   std::vector<uint8_t> needed(narrowing.size(), 0), crosses(narrowing.size(), 0);
   for (const int32_t child : best.crossing) crosses[child] = 1;
   for (int round = 0; round < kRoundsBack; ++round) {
@@ -78,15 +84,22 @@ void take_back(const Build& build, int threads, UncrossedSurface& best,
     if (less == narrowing) return;
     Surface wider = build(less);
     const JunctionCrossings crossings = find_crossings(wider, {}, threads);
+    const std::vector<uint8_t> before(needed);
     bool more = false;
     for (size_t j = 0; j < crossings.size(); ++j) {
       const int32_t child = wider.junctions[j].child;
       if (crossings[j].empty() || crosses[child] != 0) continue;
       more = true;
-      needed[child] = 1;
+      std::vector<int32_t> there{child};
       for (const auto& [f, g] : crossings[j]) {
-        needed[wider.origins[f].branch] = 1;
-        needed[wider.origins[g].branch] = 1;
+        there.push_back(wider.origins[f].branch);
+        there.push_back(wider.origins[g].branch);
+      }
+      const bool are_needed =
+          std::all_of(there.begin(), there.end(), [&](int32_t b) { return before[b] != 0; });
+      for (const int32_t b : there) {
+        needed[b] = 1;
+        if (are_needed && wider.parents[b] >= 0) needed[wider.parents[b]] = 1;
       }
     }
     if (more) continue;

@@ -27,6 +27,10 @@ constexpr double kFarthest = 40.0;
 constexpr double kLater = 1.05;
 /// A stem begins beside another stem within this many of that stem's radii.
 constexpr double kBeside = 2.0;
+/// Two limbs of which one is no stem leave their parent together if they begin within this many
+/// radii, and separate this many times as far up as from their parent.
+constexpr double kTogether = 1.0;
+constexpr double kMuchLater = 1.3;
 /// Joints closer than this to an added one are left out, in the limb's radii.
 constexpr double kClosest = 0.5;
 /// Samples across two circles.
@@ -76,6 +80,28 @@ double zero_between(double a, double b) {
 
 double mix(double a, double b, double t) {
   return a + (b - a) * t;
+}
+
+/// Arc length at which a child is outside its parent.
+double leaves_at(const PathSearch& search, const LimbPath& child) {
+  const LimbPath& parent = search.path();
+  double s = 0.0;
+  while (s < child.length()) {
+    const glm::dvec3 p = position_at(child, s);
+    const double beside = search.nearest_length(p), radius = radius_at(child, s);
+    const double apart =
+        glm::distance(p, position_at(parent, beside)) - radius - radius_at(parent, beside);
+    if (apart >= 0.0) break;
+    s += std::max(-apart, kStep * radius) + kClosest * radius;
+  }
+  return std::min(s, child.length());
+}
+
+/// Whether a limb begins beside another one that is as thick.
+bool leave_together(const LimbPath& limb, const LimbPath& other) {
+  const double apart = glm::distance(limb.points[0], other.points[0]);
+  const double radius = radius_at(other, apart);
+  return apart <= kTogether * radius && radius_at(limb, apart) <= radius;
 }
 
 /// The circle with the area and the centroid of two circles together.
@@ -225,10 +251,12 @@ std::vector<int32_t> surface_parents(const Skeleton& skeleton, const std::vector
     std::optional<PathSearch>& search = searches[parent];
     if (!search) search.emplace(paths[parent]);
     const auto crotch = find_crotch(*search, search->nearest_length(attach), paths[b], scale);
-    if (!crotch) continue;
-    double latest = crotch->child_end;
+    const double end = crotch ? crotch->child_end : leaves_at(*search, paths[b]);
+    double latest = end;
     for (const Stem& other : stems[parent]) {
       const LimbPath& path = paths[other.branch];
+      const bool are_stems = crotch && heels[other.branch] >= 0.0;
+      if (!are_stems && !leave_together(paths[b], path)) continue;
       std::optional<PathSearch>& beside = searches[other.branch];
       if (!beside) beside.emplace(path);
       const double near = beside->nearest_length(attach);
@@ -236,13 +264,14 @@ std::vector<int32_t> surface_parents(const Skeleton& skeleton, const std::vector
       if (away > (near > 0.0 ? kBeside : kLongest) * radius_at(path, near)) continue;
       const auto between = find_crotch(*beside, near, paths[b], scale);
       // The other stem must have left their parent by then.
-      if (between && between->child_end > kLater * latest && between->parent_end > other.end) {
+      if (between && between->child_end > (are_stems ? kLater : kMuchLater) * latest &&
+          between->parent_end > other.end) {
         latest = between->child_end;
         parents[b] = other.branch;
       }
     }
-    heels[b] = crotch->child_heel;
-    stems[parent].push_back({branch, crotch->child_end});
+    if (crotch) heels[b] = crotch->child_heel;
+    stems[parent].push_back({branch, end});
   }
   return parents;
 }

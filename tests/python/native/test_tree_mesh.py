@@ -132,6 +132,20 @@ def test_of_three_stems_the_nearest_two_leave_each_other():
     assert mesh.report["components"] == 1 and mesh.report["euler"] == [2]
 
 
+@pytest.mark.parametrize("around, parent", [(20, 1), (30, 1), (150, 0)])
+def test_of_two_branches_that_leave_a_trunk_together_one_leaves_the_other(around, parent):
+    def leaning(name, radius, turn):
+        way = (np.sin(56 * degree) * np.cos(turn), np.sin(56 * degree) * np.sin(turn), np.cos(56 * degree))
+        return branch(name, 1, 0, [np.array((0, 0, 5)) + 0.5 * i * np.array(way) for i in range(9)], radius)
+
+    degree = np.pi / 180
+    trunk = branch("trunk", 0, -1, [(0, 0, z) for z in range(11)], 0.2)
+    limbs = [trunk, leaning("one", 0.18, 0.0), leaning("other", 0.17, around * degree)]
+    mesh = native.build_tree_mesh(native.Skeleton.from_branches(limbs))
+    assert list(mesh.branch_parents) == [-1, 0, parent]
+    assert mesh.warnings == [] and mesh.report["closed"]
+
+
 def test_weights_sum_to_one():
     mesh = native.build_tree_mesh(small_tree(), detail="GAME")
     assert np.abs(mesh.bone_weights.sum(1) - 1).max() < 1e-6
