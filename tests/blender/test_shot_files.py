@@ -276,6 +276,10 @@ def test_surfaces_that_take_longer_than_expected_are_not_nearly_done(addon, comm
     running.shape(0.0)
     running._shaping_begun -= 40.0
     assert running.status() == "making snow surfaces, 0:11 left"
+    running.shape(0.05)
+    assert running.status() == "making snow surfaces, 0:11 left"
+    running.shape(0.9)
+    assert running.status() == "making snow surfaces, 0:05 left"
 
 
 def test_a_bake_tells_the_next_one_how_long_surfaces_take(addon, common_processor):
@@ -365,6 +369,8 @@ def test_the_ledger_of_a_split_bake_is_that_of_a_whole_one(tmp_path, addon):
     s.receive(bpy.data.objects["Terrace"])
     s.bake()
     assert ledger_of(tmp_path / "whole")[-1]["floor"] == 0.0  # the terrace shows its snow now
+    roof, terrace = (s.manifest_of(tmp_path / "whole", name)["frames"][-1] for name in ("Roof", "Terrace"))
+    assert terrace["landed"] > 0.5 * roof["slid"] > 0.0 == roof["landed"]
     bpy.context.scene.snowbough.cache_directory = str(tmp_path / "parts")
     assert s.bake_part(addon, objects=["Roof"]).error is None
     assert not list(tmp_path.glob("parts/*/v001/ledger.json"))

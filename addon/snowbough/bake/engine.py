@@ -126,9 +126,9 @@ class RunningBake:
             last = self.last_result
             return None if last is None else pace * (last.last - last.frame) + surfaces
         spent = time.monotonic() - self._shaping_begun
-        if self.shaping > 0.0:
-            return spent * (1.0 / self.shaping - 1.0)
-        return max(surfaces, (1.0 + OVERDUE) * spent) - spent
+        expected = max(surfaces, (1.0 + OVERDUE) * spent) - spent
+        # While the first receivers are planned, the share stands still and says too little.
+        return min(expected, spent * (1.0 / self.shaping - 1.0)) if self.shaping > 0.0 else expected
 
     def status(self):
         """One line for the user: ``frame 12 of 1-48, 0:34 left``. The time is at least a second until all is done."""
