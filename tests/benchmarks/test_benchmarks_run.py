@@ -27,6 +27,7 @@ SMALLEST = {
     "realtime/preview.py": (WINDOW, ["--", "--resolution", "64", "--frames", "3"], r"\| draw handler \| \d"),
     "snow/thesis_mapping.py": (PYTHON, ["--steps", "1", "--only", "plane"], r"\| .*\d"),
     "snow/receivers.py": (PYTHON, ["--count", "2", "--resolution", "64"], r"[0-9a-f]{64}"),
+    "snow/reacting.py": (PYTHON, ["--steps", "3", "--only", "Granular"], r"\| .*\d"),
     "snow/real_shapes.py": (BLENDER, ["--", "--depth", "0.05", "--only", "slats"], r"\| slats .*\d"),
     "snow/ledger.py": (BLENDER, ["--", "--frames", "2"], r"error on any frame: \d.*e-(0[789]|1\d)"),
     "snow/beside_real_snow.py": (

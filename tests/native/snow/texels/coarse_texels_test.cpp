@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <numeric>
 #include <glm/vec4.hpp>
+#include <numeric>
 #include <vector>
 
 namespace snowbough::snow {
