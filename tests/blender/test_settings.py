@@ -92,23 +92,6 @@ def test_the_manifest_names_all_of_them(snowy, tmp_path):
     assert {name: snowfall[name] for name in OTHER} == {name: pytest.approx(v) for name, v in OTHER.items()}
 
 
-def test_a_bake_of_the_format_before_is_still_that_of_the_scene(addon, snowy, tmp_path):
-    """Format 1 had flutter in degrees, as BakeRequest carried it."""
-    s.bake()
-    path = s.folder_of(tmp_path, "Ground") / "object.json"
-    manifest = s.manifest_of(tmp_path, "Ground")
-    (path.parent / "frames.tsv").unlink()
-    snowfall = manifest["settings"]["snowfall"]
-    snowfall["flutter"] *= 57.29577951308232
-    manifest["format"] = 1
-    del manifest["checksum"]
-    path.write_text(json.dumps(manifest))
-    assert addon("bake.changes_since_bake").settings_changes(snowy) == []
-    s.bake(resume=True)  # compares settings and poses, and refuses what has changed
-    snowy.snowbough.flutter = 0.125
-    assert addon("bake.changes_since_bake").settings_changes(snowy) == ["Flutter: 7.162°, was 14.32°"]
-
-
 def test_panels_show_every_setting_of_the_simulation(addon):
     panels = addon("ui.panels")
     shown = {
