@@ -140,8 +140,10 @@ class Drawn:
     def __init__(self, scene, playback):
         from snowbough.base import view_drawing
         from snowbough.preview import drawing, live
+        from snowbough.surface.style import SurfaceStyle
 
         self.playback = playback
+        self.style = SurfaceStyle()
         budget = drawing.SOFTWARE_BUDGET if view_drawing.draws_in_software() else drawing.BUDGET
         self.surfaces = live.make_surfaces(playback, *budget)
         self.drawn = drawing.Drawing(scene.unit_settings.scale_length)
@@ -154,7 +156,7 @@ class Drawn:
         for key, height in maps.items():
             pose = self.playback.pose.objects[key]
             depth = float(np.abs(height).max())
-            self.surfaces[key].points(height, depth, pose.positions)
+            self.surfaces[key].points(height, depth, pose.positions, self.style)
             self.drawn.show(key, self.surfaces[key])
 
     def end(self):

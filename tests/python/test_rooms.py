@@ -66,7 +66,7 @@ LINES = {
     "addon/snowbough/usd": 600,
     "shaders": 5050,
     "benchmarks": 6100,
-    "tests": 58400,
+    "tests": 58350,
 }
 SOURCES = {".h", ".cpp", ".glsl", ".py"}
 
