@@ -32,8 +32,6 @@ constexpr float kBegins = 0.05f;
 constexpr float kTurns = 0.02f;
 /// Faces of a strip may turn back up by this much: those of uneven stones are not quite flat.
 constexpr float kUneven = 0.12f;
-/// Width of a far face, in widths of the widest face of its strip.
-constexpr float kWider = 2.0f;
 /// Cosine of the greatest angle between triangles that count as one face.
 constexpr float kOneFace = 0.9998f;
 /// The supporting face of a strip must be flat over this many widths of the strip, up to this
@@ -156,7 +154,7 @@ class RimFinder {
                                      mesh_.position[edges_.ends[edge][1]], kMeasured);
     Step step{first, static_cast<int32_t>(edge), start};
     bool smooth = is_smooth(step.edge, carrier, first);
-    float width = 0.0f, widest = 0.0f;
+    float width = 0.0f;
     int32_t edges_across = 0;
     std::vector<int32_t> strip;
     for (int k = 0; k < kMostSteps; ++k) {
@@ -165,18 +163,15 @@ class RimFinder {
       const float across = glm::distance(next.at, step.at);
       const bool is_far = b.z <= kGoesDown && b.z <= a.z - kTurnsDown &&
                           glm::dot(a, b) <= (smooth ? kSharpSmooth : kSharp);
-      // A far face is wider than the faces of its strip. Its own triangles may not be quite flat.
-      const bool is_wide = across > kWider * widest;
       const bool goes_on = next.face >= 0 && width + across <= reach_.strip &&
                            normals_[next.face].z >= (is_far ? kTurnsUnder : -1.0f) &&
                            normals_[next.face].z <= b.z + kUneven &&
-                           (!is_far || (normals_[next.face].z < b.z - kTurns && !is_wide));
+                           (!is_far || normals_[next.face].z < b.z - kTurns);
       if (!goes_on) {
         if (!is_far) return;
         break;
       }
       width += across;
-      widest = std::max(widest, across);
       strip.push_back(step.face);
       // The diagonals of flat faces do not count.
       if (glm::dot(b, normals_[next.face]) < kOneFace) ++edges_across;
