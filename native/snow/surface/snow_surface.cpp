@@ -20,7 +20,7 @@ constexpr int kRoundsBefore = 5;
 constexpr int kRoundsAfter = 2;
 /// Volume of a front, as a fraction of the height behind it times the width of its zone.
 constexpr float kUpright = 0.95f;
-/// Height of a front, as a fraction of the height behind it.
+/// Height of a front at the rim, as a fraction of the height behind it.
 constexpr float kDrawn = 0.94f;
 /// Greatest offset due to a curved receiver, as a fraction of the height.
 constexpr float kMostCurvature = 0.5f;
@@ -64,7 +64,9 @@ std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& styl
       const SnowJoin join = snow_join(front, style, behind);
       const float presence = fronts.presence(f, behind, join);
       if (presence <= 0.0f) continue;
-      const float part = glm::mix(kDrawn, 1.0f, join.joined);
+      // Up to the height off rims: the middle of a narrow top must not stand out.
+      const float inwards = eased(front.distance, kFrontPart * front.zone, front.zone);
+      const float part = glm::mix(kDrawn, 1.0f, std::max(join.joined, inwards));
       // The volume is kept here, not where the height comes from; but no front is higher than the
       // snow behind it.
       const float behind_it = std::max(fronts.inland[f].of(heights.factor), 1e-3f);

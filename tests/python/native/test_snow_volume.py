@@ -83,3 +83,15 @@ def test_verges_and_eaves_have_a_full_rounded_edge(axis, pitch):
 def test_a_verge_bulges_above_its_rim(pitch):
     profile = edge(pitch, 0)
     assert profile.argmax() >= 3 and profile.max() > profile[0] + 0.02
+
+
+@pytest.mark.parametrize("size", [0.3, 0.4])
+def test_the_middle_of_a_narrow_top_does_not_stand_out(size):
+    """The zones of four rims meet there."""
+    *mesh, resolution = pieces([((0.0, 0.0, 0.5 * size), (size, size, size), 0.0)])
+    snow = map_of(mesh, resolution, lambda places, up: np.where(up > 0.3, DEPTH, 0.0))
+    along = np.arange(0.0, 0.09, 0.01)
+    top, _ = shown_over(
+        mesh, snow, DEPTH, np.stack([along, np.full(9, 0.001)], axis=1), style={"relief": 0.0, "hem_variation": 0.0}
+    )
+    assert np.abs(np.diff(top)).max() < 0.004
