@@ -24,6 +24,7 @@ def blender(addon_zip, tmp_path_factory):
 
 @pytest.fixture
 def window(blender):
+    blender.restart_if_ended()
     # Blender 4.3's first window with Vulkan on a busy processor may not answer for a minute, with hardly any work done.
     blender.run("bpy.ops.wm.read_homefile(app_template='')\nresult = True", timeout=300)
     return blender

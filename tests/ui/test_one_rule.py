@@ -124,6 +124,7 @@ def metres(depth):
 def pictures(blender, tmp_path_factory):
     """{way: metres, (SIZE, SIZE)} of the scene under its snow, and without it as "bare"."""
     folder = tmp_path_factory.mktemp("one_rule")
+    blender.restart_if_ended()
     blender.run("bpy.ops.wm.read_homefile(app_template='')\nresult = True", timeout=300)
     assert blender.run(SCENE.format(path=str(folder / "shot.blend"))) == ["Cube", "Sphere"]
     blender.run(snow_shot.START)

@@ -54,16 +54,27 @@ class BlenderWindow:
 
     def __init__(self, folder, addon_zip, blender="/usr/bin/blender", log="blender.log"):
         self.folder = Path(folder)
-        self.tab_at = []
+        self.addon_zip, self.executable = addon_zip, blender
         SCREENSHOTS.mkdir(parents=True, exist_ok=True)
         self.log_path = SCREENSHOTS / log
+        self.log_path.write_text("")
+        self._start()
+
+    def restart_if_ended(self):
+        """Starts Blender again if a test ended it, so that the others show what they find."""
+        if self.blender.poll() is not None:
+            self.close()
+            self._start()
+
+    def _start(self):
+        self.tab_at = []
         self.screen, self.display = start_screen()
         environment = blender_tests.user_environment(self.folder / "user")
         environment.update(DISPLAY=self.display, LIBGL_ALWAYS_SOFTWARE="1")
-        self.log = self.log_path.open("w")
+        self.log = self.log_path.open("a")
         self.blender = subprocess.Popen(
             [
-                blender,
+                self.executable,
                 *os.environ.get("SNOWBOUGH_TEST_BLENDER_ARGUMENTS", "").split(),
                 "--factory-startup",
                 "--window-geometry",
@@ -76,7 +87,7 @@ class BlenderWindow:
                 "-P",
                 str(Path(__file__).parent / "inside.py"),
                 "--",
-                str(addon_zip),
+                str(self.addon_zip),
                 str(self.folder),
             ],
             env=environment,
