@@ -12,14 +12,29 @@
 namespace snowbough::snow {
 namespace {
 
+using shared::eased;
+
 /// Upward components of the normals of slopes, and the least one of level places.
 constexpr float kSteepest = 0.12f;
-constexpr float kFlattest = 0.8f;
+constexpr float kSteep = 0.8f;
+constexpr float kFlattest = 0.98f;
 constexpr float kIsLevel = 0.85f;
+/// By this much a level place is more level than a slope that is not steep.
+constexpr float kMoreLevel = 0.02f;
 /// Distances down the slope's direction at which a level place is looked for, as fractions of the
-/// depth, and the distance beyond it that gives its thickness.
+/// depth; half of them is too far for a slope that is not steep. The distance beyond it that gives
+/// its thickness.
 constexpr std::array<float, 5> kAway{0.05f, 0.15f, 0.3f, 0.5f, 0.75f};
 constexpr float kOffBank = 0.2f;
+/// Thickness along the normals is smoothed, which takes from the snow of slopes: the column over a
+/// point may be higher by the first factor, and by the second one at the foot of the slope.
+constexpr float kColumn = 1.4f;
+constexpr float kColumnAtFoot = 3.0f;
+/// Distances from the level place at which these count.
+constexpr float kOnSlope = 0.3f;
+constexpr float kAtFoot = 0.05f;
+/// Halvings of the distance between a slope and a level place.
+constexpr int kHalvings = 4;
 /// Height of the snow over a point at which the point counts as buried, as a fraction of the depth.
 constexpr float kIsBuried = 0.12f;
 
@@ -34,21 +49,39 @@ std::vector<Bank> find_banks(const SurfacePoints& points, const SurfaceMesh& rec
     if (normal.z < kSteepest || normal.z > kFlattest) return;
     const glm::vec3& at = points.mesh.position[p];
     const glm::vec3 away = unit(glm::vec3(normal.x, normal.y, 0.0f));
-    for (const float distance : kAway) {
+    const auto ground = [&](float distance) {
       const glm::vec3 place = at + away * (distance * depth);
-      const base::TriangleTree::Hit hit =
-          tree.first_along(0, glm::dvec3(place), {0.0, 0.0, -1.0}, 1e-5, depth);
-      if (hit.triangle < 0) continue;
-      const glm::vec3 cross = triangle_cross(receiver, static_cast<size_t>(hit.triangle));
-      if (unit(cross).z < kIsLevel) continue;
-      const glm::vec3 foot = place - glm::vec3(0.0f, 0.0f, static_cast<float>(hit.distance));
-      const auto own = static_cast<int32_t>(p);
-      Bank& bank = found[p];
-      bank.level = lying.at(foot + away * (kOffBank * depth), own, depth, false);
-      bank.above = static_cast<float>(hit.distance);
-      bank.point = bank.level.point[0] == own ? -1 : own;
-      return;
+      return tree.first_along(0, glm::dvec3(place), {0.0, 0.0, -1.0}, 1e-5, depth);
+    };
+    const auto level_at = [&](float distance) {
+      const int32_t face = ground(distance).triangle;
+      return face < 0 ? 0.0f : unit(triangle_cross(receiver, static_cast<size_t>(face))).z;
+    };
+    const float wanted = std::max(kIsLevel, normal.z + kMoreLevel);
+    float slope = 0.0f, level = 0.0f;
+    for (const float distance : kAway) {
+      if (level_at(distance) >= wanted) {
+        level = distance;
+        break;
+      }
+      slope = distance;
     }
+    if (level <= 0.0f) return;
+    for (int round = 0; normal.z > kSteep && round < kHalvings; ++round) {
+      const float middle = 0.5f * (slope + level);
+      (level_at(middle) >= wanted ? level : slope) = middle;
+    }
+    const float above = static_cast<float>(ground(level).distance);
+    const glm::vec3 foot = at + away * (level * depth) - glm::vec3(0.0f, 0.0f, above);
+    const auto own = static_cast<int32_t>(p);
+    Bank& bank = found[p];
+    bank.level = lying.at(foot + away * (kOffBank * depth), own, depth, false);
+    bank.above = above;
+    bank.point = bank.level.point[0] == own ? -1 : own;
+    const float steep = eased(normal.z, kFlattest, kSteep);
+    bank.share = glm::mix(eased(level, kAway.back(), 0.5f * kAway.back()), 1.0f, steep);
+    bank.steep = steep;
+    bank.column = glm::mix(kColumn, kColumnAtFoot, eased(level, kOnSlope, kAtFoot));
   });
   std::erase_if(found, [](const Bank& bank) { return bank.above <= 0.0f || bank.point < 0; });
   return found;
@@ -63,8 +96,8 @@ void bury_banks(const std::vector<Bank>& banks, const std::vector<float>& thickn
     const float over = bank.level.of(shown) - bank.above;
     if (over <= 0.0f || thickness[p] <= 0.0f) return;
     const float own = thickness[p] / std::max(up[p], kSteepest);
-    const glm::vec3 buried(0.0f, 0.0f, std::min(over, own));
-    offsets[p] = glm::mix(offsets[p], buried, shared::eased(over, 0.0f, kIsBuried * depth));
+    const glm::vec3 buried(0.0f, 0.0f, glm::mix(own, std::min(over, bank.column * own), bank.steep));
+    offsets[p] = glm::mix(offsets[p], buried, bank.share * eased(over, 0.0f, kIsBuried * depth));
   });
 }
 

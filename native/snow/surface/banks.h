@@ -17,6 +17,12 @@ struct Bank {
   PointMean level;
   /// Height of the point above the level place, in metres.
   float above = 0.0f;
+  /// Share of the vertical in its offset where it is buried; 1 on steep slopes, whose snow ends at
+  /// the top of that of the level place: `steep` is 1 there.
+  float share = 1.0f;
+  float steep = 1.0f;
+  /// Greatest height of its snow, as a factor on that of the column over it.
+  float column = 1.0f;
 };
 
 /// @param tree a tree over the triangles of `receiver`.
