@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
@@ -33,6 +34,10 @@ constexpr float kColumnAtFoot = 3.0f;
 /// Distances from the level place at which these count.
 constexpr float kOnSlope = 0.3f;
 constexpr float kAtFoot = 0.05f;
+/// Ground that falls more steeply than a slope, by this factor, and by this part of the depth, is
+/// no foot of it.
+constexpr float kSteeper = 1.5f;
+constexpr float kUneven = 0.03f;
 /// Halvings of the distance between a slope and a level place.
 constexpr int kHalvings = 4;
 /// Height of the snow over a point at which the point counts as buried, as a fraction of the depth.
@@ -53,14 +58,18 @@ std::vector<Bank> find_banks(const SurfacePoints& points, const SurfaceMesh& rec
       const glm::vec3 place = at + away * (distance * depth);
       return tree.first_along(0, glm::dvec3(place), {0.0, 0.0, -1.0}, 1e-5, depth);
     };
-    const auto level_at = [&](float distance) {
-      const int32_t face = ground(distance).triangle;
-      return face < 0 ? 0.0f : unit(triangle_cross(receiver, static_cast<size_t>(face))).z;
+    const auto up_of = [&](const base::TriangleTree::Hit& hit) {
+      return hit.triangle < 0 ? 0.0f
+                              : unit(triangle_cross(receiver, static_cast<size_t>(hit.triangle))).z;
     };
     const float wanted = std::max(kIsLevel, normal.z + kMoreLevel);
+    const float steepest = kSteeper * std::sqrt(1.0f - normal.z * normal.z) / normal.z;
     float slope = 0.0f, level = 0.0f;
     for (const float distance : kAway) {
-      if (level_at(distance) >= wanted) {
+      const base::TriangleTree::Hit hit = ground(distance);
+      // Over a rim, or over a joint: not the foot of this slope.
+      if (hit.triangle >= 0 && hit.distance > (steepest * distance + kUneven) * depth) return;
+      if (up_of(hit) >= wanted) {
         level = distance;
         break;
       }
@@ -69,7 +78,7 @@ std::vector<Bank> find_banks(const SurfacePoints& points, const SurfaceMesh& rec
     if (level <= 0.0f) return;
     for (int round = 0; normal.z > kSteep && round < kHalvings; ++round) {
       const float middle = 0.5f * (slope + level);
-      (level_at(middle) >= wanted ? level : slope) = middle;
+      (up_of(ground(middle)) >= wanted ? level : slope) = middle;
     }
     const float above = static_cast<float>(ground(level).distance);
     const glm::vec3 foot = at + away * (level * depth) - glm::vec3(0.0f, 0.0f, above);
@@ -96,7 +105,8 @@ void bury_banks(const std::vector<Bank>& banks, const std::vector<float>& thickn
     const float over = bank.level.of(shown) - bank.above;
     if (over <= 0.0f || thickness[p] <= 0.0f) return;
     const float own = thickness[p] / std::max(up[p], kSteepest);
-    const glm::vec3 buried(0.0f, 0.0f, glm::mix(own, std::min(over, bank.column * own), bank.steep));
+    const glm::vec3 buried(0.0f, 0.0f,
+                           glm::mix(own, std::min(over, bank.column * own), bank.steep));
     offsets[p] = glm::mix(offsets[p], buried, bank.share * eased(over, 0.0f, kIsBuried * depth));
   });
 }

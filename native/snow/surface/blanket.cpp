@@ -219,8 +219,10 @@ void Blanket::set_upright(const std::vector<glm::vec3>& upper,
   for (size_t i = 0; i < members_.size(); ++i) {
     const Member& member = members_[i];
     const auto p = static_cast<size_t>(member.point);
-    const float bears = eased(glm::dot(upper[p], near_[i].up), kLeans, kBears);
-    const glm::vec3 upright = glm::mix(near_[i].up, upper[p], bears);
+    // The normals on the bevel of a rim are those of its supporting face.
+    const glm::vec3 own = member.front >= 0 && !member.is_far ? normal[p] : upper[p];
+    const float bears = eased(glm::dot(own, near_[i].up), kLeans, kBears);
+    const glm::vec3 upright = glm::mix(near_[i].up, own, bears);
     normal[p] = unit(glm::mix(normal[p], upright, member.foot));
   }
 }

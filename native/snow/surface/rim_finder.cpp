@@ -31,7 +31,7 @@ constexpr float kSharpSmooth = 0.259f;
 constexpr float kBegins = 0.05f;
 constexpr float kTurns = 0.02f;
 /// Faces of a strip may turn back up by this much: those of uneven stones are not quite flat.
-constexpr float kUneven = 0.12f;
+constexpr float kUneven = 0.25f;
 /// Cosine of the greatest angle between triangles that count as one face.
 constexpr float kOneFace = 0.9998f;
 /// The supporting face of a strip must be flat over this many widths of the strip, up to this

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import snowbough_native as native
 from shown_snow import faces_of, map_of, shown_over
-from snow_meshes import box, lathe, unfolded
+from snow_meshes import bevelled_box, box, lathe, unfolded
 from snow_rays import first_hits
 
 # Metres.
@@ -360,3 +360,28 @@ def test_snow_on_a_stair_has_no_slit_before_the_risers():
     above = drawn - (0.16 + (along[:, None] + 0.2) * 0.16 / 0.34)
     assert above.min() > 0.5 * depth
     assert abs(np.diff(drawn, axis=0)).max() < 0.03
+
+
+def uneven_stones(seed):
+    """Five stones in a row with bevels of two segments, whose corners are moved by up to 2.5 mm: the faces of the
+    bevels are twisted."""
+    print(f"seed {seed}")
+    moves = np.random.default_rng(seed)
+    positions, triangles, _, _ = bevelled_box(0.02, 2, STONE / 2, 0.2)
+    faces = []
+    for x in range(-2, 3):
+        shift = (x * (STONE / 2 + 0.015), 0.0, moves.uniform(-0.01, 0.01))
+        faces += [positions[triangle] + shift for triangle in triangles]
+    *mesh, resolution = unfolded(faces, 0.005)
+    mesh[0] = mesh[0] + moves.uniform(-0.0025, 0.0025, mesh[0].shape).astype(np.float32)
+    return mesh, resolution
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_snow_over_the_joints_of_uneven_stones_has_no_tufts_and_no_holes(seed):
+    mesh, resolution = uneven_stones(seed)
+    along = np.linspace(-0.6, 0.6, 241)
+    for y in (-0.08, 0.0, 0.08):
+        top = tops(mesh, resolution, np.stack([along, np.full_like(along, y)], axis=1))
+        usual = np.median(np.lib.stride_tricks.sliding_window_view(top, 41), axis=1)
+        assert abs(top[20:-20] - usual).max() < 0.06
