@@ -105,8 +105,8 @@ void bury_banks(const std::vector<Bank>& banks, const std::vector<float>& thickn
     const float over = bank.level.of(shown) - bank.above;
     if (over <= 0.0f || thickness[p] <= 0.0f) return;
     const float own = thickness[p] / std::max(up[p], kSteepest);
-    const glm::vec3 buried(0.0f, 0.0f,
-                           glm::mix(own, std::min(over, bank.column * own), bank.steep));
+    const float most = std::min(over, bank.column * own);
+    const glm::vec3 buried(0.0f, 0.0f, glm::mix(std::max(own, most), most, bank.steep));
     offsets[p] = glm::mix(offsets[p], buried, bank.share * eased(over, 0.0f, kIsBuried * depth));
   });
 }

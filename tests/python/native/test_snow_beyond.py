@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from shown_snow import highest, map_of, shown_over
-from snow_meshes import grid, unfolded
+from snow_meshes import grid, lathe, smooth, unfolded
 from snow_pieces import pieces, tile_courses
 
 # Metres.
@@ -61,6 +61,23 @@ def test_a_bowl_holds_one_heap_without_a_moat():
     top, _ = shown_over(mesh, snow, DEPTH, places)
     assert np.abs(top - dome(places)).max() < 0.08
     assert np.abs(top - dome(places)).mean() < 0.03
+
+
+@pytest.mark.parametrize("shading", [None, smooth])
+def test_an_urn_full_of_snow_has_a_level_top(shading):
+    """Around its level bottom the slope grows in four steps: 13, 56, 73 and 63 degrees; then a flat lip and the
+    outside. The map's snow is level at a height of 0.5 m."""
+    profile = [(0.02, 0.18), (0.1, 0.2), (0.18, 0.32), (0.21, 0.42), (0.235, 0.47), (0.27, 0.47), (0.27, 0.1)]
+    faces = [face[::-1] for face in lathe(profile, 32)]
+    bottom = np.array([face[3] for face in faces[:32]])
+    *mesh, resolution = unfolded([*faces, bottom], 0.01)
+    snow = map_of(mesh, resolution, lambda points, up: np.maximum(0.5 - points[:, 2], 0.0) * np.maximum(up, 0.0))
+    around, out = np.meshgrid(np.linspace(0.1, 6.3, 24), np.linspace(0.04, 0.2, 9))
+    places = np.stack([out * np.cos(around), out * np.sin(around)], axis=2).reshape(-1, 2)
+    given = {"shading": shading(*mesh[:2])} if shading else {}
+    top, _ = shown_over(mesh, snow, DEPTH, places, style={"relief": 0.0}, **given)
+    assert np.abs(top - 0.5).max() < 0.09
+    assert np.abs(top - 0.5).mean() < 0.055
 
 
 @pytest.mark.parametrize("below, is_covered", [(0.05, True), (0.5, False)])
