@@ -27,13 +27,12 @@ constexpr float kMoreLevel = 0.02f;
 /// its thickness.
 constexpr std::array<float, 5> kAway{0.05f, 0.15f, 0.3f, 0.5f, 0.75f};
 constexpr float kOffBank = 0.2f;
-/// Thickness along the normals is smoothed, which takes from the snow of slopes: the column over a
-/// point may be higher by the first factor, and by the second one at the foot of the slope.
-constexpr float kColumn = 1.4f;
+/// Thickness along the normals is smoothed, which takes from the snow at the foot of a slope: the
+/// column over a point there may be higher by this factor, up to the first height above the level
+/// place fully, and not at all from the second one on.
 constexpr float kColumnAtFoot = 3.0f;
-/// Distances from the level place at which these count.
-constexpr float kOnSlope = 0.3f;
-constexpr float kAtFoot = 0.05f;
+constexpr float kAtFoot = 0.03f;
+constexpr float kOnSlope = 0.15f;
 /// Ground that falls more steeply than a slope, by this factor, and by this part of the depth, is
 /// no foot of it.
 constexpr float kSteeper = 1.5f;
@@ -90,7 +89,7 @@ std::vector<Bank> find_banks(const SurfacePoints& points, const SurfaceMesh& rec
     const float steep = eased(normal.z, kFlattest, kSteep);
     bank.share = glm::mix(eased(level, kAway.back(), 0.5f * kAway.back()), 1.0f, steep);
     bank.steep = steep;
-    bank.column = glm::mix(kColumn, kColumnAtFoot, eased(level, kOnSlope, kAtFoot));
+    bank.column = glm::mix(1.0f, kColumnAtFoot, eased(above, kOnSlope * depth, kAtFoot * depth));
   });
   std::erase_if(found, [](const Bank& bank) { return bank.above <= 0.0f || bank.point < 0; });
   return found;
