@@ -37,6 +37,9 @@ constexpr float kOnSlope = 0.15f;
 /// no foot of it.
 constexpr float kSteeper = 1.5f;
 constexpr float kUneven = 0.03f;
+/// Depth and greatest width of a hollow.
+constexpr float kHollow = 0.2f;
+constexpr float kAcross = 2.0f;
 /// Halvings of the distance between a slope and a level place.
 constexpr int kHalvings = 4;
 /// Height of the snow over a point at which the point counts as buried, as a fraction of the depth.
@@ -61,6 +64,10 @@ std::vector<Bank> find_banks(const SurfacePoints& points, const SurfaceMesh& rec
       return hit.triangle < 0 ? 0.0f
                               : unit(triangle_cross(receiver, static_cast<size_t>(hit.triangle))).z;
     };
+    // Gentle slopes count in hollows: where another slope stands opposite.
+    const glm::dvec3 over = at + glm::vec3(0.0f, 0.0f, kHollow * depth);
+    if (normal.z > kSteep && tree.first_along(0, over, away, 0.0, kAcross * depth).triangle < 0)
+      return;
     const float wanted = std::max(kIsLevel, normal.z + kMoreLevel);
     const float steepest = kSteeper * std::sqrt(1.0f - normal.z * normal.z) / normal.z;
     float slope = 0.0f, level = 0.0f;
