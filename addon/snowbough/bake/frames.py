@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The frames of a bake, in the thread of the simulation: steps, snapshots for the writer, checkpoints. No ``bpy``."""
+"""The frames of a bake: ShotPoses evaluates their poses in Blender's thread; FrameBaker has steps, snapshots for the
+writer and checkpoints, in the thread of the simulation. No ``bpy``."""
 
 import collections
 import contextlib
@@ -15,6 +16,7 @@ from ..cache.files import frame_file
 from ..cache.folder import checkpoints
 from ..cache.journal import packed
 from ..cache.ledger import COMMON, REMOVED
+from ..scene.tracker import SceneTracker
 from . import memory, plan
 from .map_writer import WriteFailed
 from .request import BakeCancelled, FrameResult
@@ -36,6 +38,70 @@ class FrameWork:
     """{key: (4, 4) from a receiver's space to metres in the world}."""
     hidden: frozenset
     """Keys of the receivers that are not shown."""
+
+
+class ShotPoses:
+    """The poses of a shot, in order. evaluate: see BakeJob.run. first_pose: the complete_pose of a BakeRequest's shot,
+    snowfall its plan.Snowfall."""
+
+    def __init__(self, evaluate, request, snowfall, first_pose):
+        self._evaluate = evaluate
+        self._request = request
+        self._snowfall = snowfall
+        self._first_pose = first_pose
+        self._tracker = SceneTracker()
+        # Number of its poses that the journals have.
+        self._noted = 0
+        self.first_changes = self._tracker.register_changes(first_pose, request.frame_start, 0.0)
+        """scene.tracker.Changes of the first pose."""
+
+    @property
+    def inputs(self):
+        """scene.inputs.SceneInputs of the poses so far."""
+        return self._tracker.inputs
+
+    def new_inputs(self):
+        """The fingerprints of the poses since the last call."""
+        poses = self.inputs.poses
+        begin, self._noted = self._noted, len(poses)
+        return poses[begin:]
+
+    def replay(self, receivers, last, cancelled):
+        """Evaluates all poses up to frame ``last`` without snow, and records those of the BakedReceivers. Returns their
+        scene.tracker.Changes as one. Raises BakeCancelled."""
+        start, pose = (self._request.frame_start, 0.0), self._first_pose
+        changes = self._tracker.register_changes(pose, *start)
+        for frame in range(start[0], last + 1):
+            if cancelled():
+                raise BakeCancelled
+            for at, _ in plan.poses_of_frame(self._request, self._snowfall, frame):
+                if at != start:
+                    pose = self._evaluate(*at)
+                    changes = changes.then(self._tracker.register_changes(pose, *at))
+            _record(receivers, frame, pose)
+        return changes
+
+    def work(self, receivers, frame):
+        """The FrameWork of a frame, whose pose the BakedReceivers record."""
+        poses = []
+        for at, steps in plan.poses_of_frame(self._request, self._snowfall, frame):
+            pose = self._evaluate(*at)
+            direction = plan.fall_direction(pose.fall_angle, pose.bearing)
+            poses.append((self._tracker.register_changes(pose, *at), direction, pose, steps))
+        _record(receivers, frame, pose)
+        return FrameWork(
+            frame,
+            poses,
+            self.new_inputs(),
+            self._snowfall.totals[frame - self._request.frame_start],
+            {receiver.key: pose.known_at(receiver.key).to_world for receiver in receivers},
+            frozenset(pose.hidden),
+        )
+
+
+def _record(receivers, frame, pose):
+    for receiver in receivers:
+        receiver.record(frame, pose)
 
 
 class FrameBaker:

@@ -29,11 +29,10 @@ from ..cache.folder import restore_manifest
 from ..cache.ledger import read_ledger, write_ledger
 from ..cache.lock import drop_dead_locks, lock_receivers
 from ..cache.versions import is_finished
-from ..scene.tracker import SceneTracker
 from ..surface.side_by_side import run_side_by_side, takes_longer_than, workers
 from . import continuing, memory, plan, resuming, simulation
 from .choice import choose_receivers, complete_pose, share_points
-from .frames import FrameBaker, FrameWork, bake_frames
+from .frames import FrameBaker, ShotPoses, bake_frames
 from .log import open_log
 from .map_writer import MapWriter
 from .request import BakeCancelled
@@ -46,12 +45,10 @@ STOPPING_SECONDS = 4.0
 class _Run:
     """The arguments of BakeJob.run, and the shot as it is known after its first pose."""
 
-    evaluate: Callable
     report: Callable
     cancelled: Callable
     shaping: Callable
-    first_pose: object
-    snowfall: plan.Snowfall = None
+    poses: ShotPoses = None
     settings: dict = None
     log: Callable = None
 
@@ -85,9 +82,6 @@ class BakeJob:
         """The continuing.Finished bake that this one adds frames to."""
         self._simulation = None
         self._registry = None
-        self._tracker = SceneTracker()
-        # Number of its poses that the journals have.
-        self._noted = 0
         # Positions for the next step of the simulation.
         self._positions = {}
         self._driver = ""
@@ -106,15 +100,16 @@ class BakeJob:
         with contextlib.ExitStack() as stack:
             stack.enter_context(self._engine)
             first_pose = complete_pose(evaluate, self.request)
-            run = _Run(evaluate, report, cancelled, shaping, first_pose)
+            run = _Run(report, cancelled, shaping)
             self._identify(first_pose)
             self.request, self._finished = continuing.find_parts(self.root, self.receivers, self.request)
             request = self.request
-            run.snowfall = self._plan(evaluate)
-            settings = run.settings = self._settings(run.snowfall)
+            snowfall = self._plan(evaluate)
+            settings = run.settings = self._settings(snowfall)
             if request.extend:
                 self._finished.compare_settings(self.receivers, settings, request.units)
-            first = self._tracker.register_changes(first_pose, request.frame_start, 0.0)
+            run.poses = ShotPoses(evaluate, request, snowfall, first_pose)
+            first = run.poses.first_changes
             self._positions = first.moved
             stack.callback(self._close_simulation)
             stack.callback(lambda: [receiver.close() for receiver in self.receivers])
@@ -319,13 +314,13 @@ class BakeJob:
                 receiver.compare_settings(run.settings, request)
             state, before = resuming.read_checkpoints(self.native, self.receivers, beside, frame, driver)
         run.log(f"comparing frames {request.frame_start} to {frame} with the checkpoint")
-        changes = self._replay_frames(run, frame)
-        self._new_poses()
+        changes = run.poses.replay(self.receivers, frame, run.cancelled)
+        run.poses.new_inputs()  # its journal has them
         self._registry.register_changes(changes.added)
         self._registry.set_effects(changes.masks, changes.pressers)
         self._positions.update(changes.moved)
         recorded = {**resuming.finished_inputs(self.baked, self.receivers), **before}
-        resuming.compare_scenes(recorded, self._tracker.inputs, "was baked from", "bake again from the start")
+        resuming.compare_scenes(recorded, run.poses.inputs, "was baked from", "bake again from the start")
         if not request.extend:
             for receiver in self.receivers:
                 receiver.forget_after(frame, run.settings)
@@ -337,31 +332,13 @@ class BakeJob:
         recorded = resuming.finished_inputs(self.baked, self.receivers)
         if not recorded:
             return
-        self._replay_frames(run, self.request.last)
+        run.poses.replay(self.receivers, self.request.last, run.cancelled)
         resuming.compare_scenes(
             recorded,
-            self._tracker.inputs,
+            run.poses.inputs,
             f"in {self.version.name} was baked from",
             "bake again; the finished version is kept until it is freed",
         )
-
-    def _replay_frames(self, run, last):
-        """Evaluates all poses up to frame ``last`` without snow; returns their scene.tracker.Changes as one."""
-        start, pose = (self.request.frame_start, 0.0), run.first_pose
-        changes = self._tracker.register_changes(pose, *start)
-        for frame in range(start[0], last + 1):
-            if run.cancelled():
-                raise BakeCancelled
-            for at, _ in plan.poses_of_frame(self.request, run.snowfall, frame):
-                if at != start:
-                    pose = run.evaluate(*at)
-                    changes = changes.then(self._tracker.register_changes(pose, *at))
-            self._record(frame, pose)
-        return changes
-
-    def _record(self, frame, pose):
-        for receiver in self.receivers:
-            receiver.record(frame, pose)
 
     # -- the scene and the simulation ------------------------------------------------------------------
 
@@ -406,33 +383,15 @@ class BakeJob:
 
     def _evaluate_frame(self, run, frame):
         """The FrameWork of a frame."""
-        poses = []
-        for at, steps in plan.poses_of_frame(self.request, run.snowfall, frame):
-            pose = run.evaluate(*at)
-            direction = plan.fall_direction(pose.fall_angle, pose.bearing)
-            poses.append((self._tracker.register_changes(pose, *at), direction, pose, steps))
-        self._record(frame, pose)
+        work = run.poses.work(self.receivers, frame)
         if self._finished is not None and frame <= self._finished.last:
             resuming.compare_scenes(
                 self._finished.inputs(self.receivers),
-                self._tracker.inputs,
+                run.poses.inputs,
                 f"in {self._finished.version.name} was baked from",
                 "bake again from the start",
             )
-        return FrameWork(
-            frame,
-            poses,
-            self._new_poses(),
-            run.snowfall.totals[frame - self.request.frame_start],
-            {receiver.key: pose.known_at(receiver.key).to_world for receiver in self.receivers},
-            frozenset(pose.hidden),
-        )
-
-    def _new_poses(self):
-        """The fingerprints of the poses since the last call."""
-        poses = self._tracker.inputs.poses
-        begin, self._noted = self._noted, len(poses)
-        return poses[begin:]
+        return work
 
     def _close_simulation(self):
         if self._simulation is not None:
