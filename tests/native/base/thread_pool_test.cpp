@@ -33,7 +33,7 @@ TEST(ParallelParts, callsEveryPartOnce) {
   }
 }
 
-TEST(ParallelParts, throwsWhatTheFirstPartThatFailedThrew) {
+TEST(ParallelParts, throwsTheErrorOfTheFirstFailedPart) {
   try {
     parallel_for(4, [](size_t part, size_t) {
       if (part > 1) throw std::runtime_error(std::to_string(part));
@@ -125,7 +125,7 @@ TEST(ThreadPool, worksOnAfterAPartHasFailed) {
   }
 }
 
-TEST(ThreadPool, ofPartsThatFailThrowsTheFirstsError) {
+TEST(ThreadPool, throwsTheErrorOfTheFirstFailedPart) {
   ThreadPool pool(4);
   for (int round = 0; round < 100; ++round) {
     try {
@@ -151,7 +151,7 @@ std::vector<int> nicenesses_of_the_shared_pool() {
   return found;
 }
 
-TEST(SharedPool, hasThePriorityOfWhoeverUsesIt) {
+TEST(SharedPool, hasThePriorityOfItsCaller) {
   const int before = getpriority(PRIO_PROCESS, 0);
   EXPECT_EQ(nicenesses_of_the_shared_pool(), std::vector<int>(64, before));
   std::jthread([&] {
@@ -169,7 +169,7 @@ TEST(BegunWork, RunsOnAThreadOfThePool) {
   EXPECT_NE(ran.get_future().get(), std::this_thread::get_id());
 }
 
-TEST(BegunWork, DoesNotHoldUpCallersOfRun) {
+TEST(BegunWork, DoesNotDelayCallersOfRun) {
   std::promise<void> started;
   std::promise<void> go_on;
   ThreadPool pool(2);

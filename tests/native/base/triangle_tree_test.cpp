@@ -18,7 +18,7 @@ TriangleTree two_levels() {
           {0, 1, 2, 2}};
 }
 
-TEST(FirstAlong, IsThatToTheTriangleFromEitherSide) {
+TEST(FirstAlong, IsTheDistanceToATriangleFromBothSides) {
   EXPECT_DOUBLE_EQ(two_levels().first_along(0, {0.2, 0.2, 3}, {0, 0, -1}, 0.0).distance, 3.0);
   EXPECT_DOUBLE_EQ(two_levels().first_along(0, {0.2, 0.2, -3}, {0, 0, 1}, 0.0).distance, 3.0);
 }
@@ -27,19 +27,19 @@ TEST(FirstAlong, LooksAtOneGroup) {
   EXPECT_DOUBLE_EQ(two_levels().first_along(1, {0.2, 0.2, 3}, {0, 0, -1}, 0.0).distance, 1.0);
 }
 
-TEST(FirstAlong, IsInfiniteWhereNothingIsMet) {
+TEST(FirstAlong, IsInfiniteWithoutAHit) {
   EXPECT_TRUE(std::isinf(two_levels().first_along(0, {0.8, 0.8, 3}, {0, 0, -1}, 0.0).distance));
   EXPECT_TRUE(std::isinf(two_levels().first_along(0, {0.2, 0.2, 3}, {0, 0, 1}, 0.0).distance));
   EXPECT_TRUE(std::isinf(two_levels().first_along(2, {0.2, 0.2, 3}, {0, 0, -1}, 0.0).distance));
 }
 
-TEST(FirstAlong, PassesOverWhatIsNotFartherThanTheLeast) {
+TEST(FirstAlong, SkipsHitsWithinTheLeastDistance) {
   const TriangleTree both({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 2}, {1, 0, 2}, {0, 1, 2}},
                           {{0, 1, 2}, {3, 4, 5}}, {0, 2});
   EXPECT_DOUBLE_EQ(both.first_along(0, {0.2, 0.2, 0}, {0, 0, 1}, 1e-5).distance, 2.0);
 }
 
-TEST(FirstAlong, IsThatOfTheNearestOfManyTriangles) {
+TEST(FirstAlong, IsTheDistanceToTheNearestOfManyTriangles) {
   const auto seed = std::random_device{}();
   std::cout << "seed " << seed << '\n';
   std::mt19937 random(seed);
@@ -63,7 +63,7 @@ TEST(FirstAlong, IsThatOfTheNearestOfManyTriangles) {
   }
 }
 
-TEST(FirstAlong, MissesNoEdgeBetweenTriangles) {
+TEST(FirstAlong, HitsEdgesBetweenTriangles) {
   // A fan around a vertex: rays through its edges and through the vertex itself.
   std::vector<glm::vec3> vertices{{0.1f, 0.2f, 0.3f}};
   std::vector<std::array<int32_t, 3>> triangles;
@@ -82,7 +82,7 @@ TEST(FirstAlong, MissesNoEdgeBetweenTriangles) {
   }
 }
 
-TEST(FirstAlong, NamesTheTriangleAndTakesTheFirstOfTwoInOnePlace) {
+TEST(FirstAlong, NamesTheTriangleAndOfTwoInOnePlaceTheFirst) {
   const TriangleTree twice({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {1, 2, 0}}, {0, 2});
   EXPECT_EQ(twice.first_along(0, {0.2, 0.2, 3}, {0, 0, -1}, 0.0).triangle, 0);
   EXPECT_EQ(twice.first_along(0, {0.2, 0.2, 3}, {0, 0, -1}, 0.0, 2.5).triangle, -1);

@@ -8,7 +8,7 @@
 namespace snowbough::base {
 namespace {
 
-TEST(ZeroedArray, HoldsZeroesAndThenWhatIsWritten) {
+TEST(ZeroedArray, HoldsZeroesUntilWritten) {
   const ZeroedArray<float> values(100000);
   EXPECT_EQ(values.size(), 100000u);
   EXPECT_TRUE(std::all_of(values.data(), values.data() + values.size(),

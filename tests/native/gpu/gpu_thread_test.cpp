@@ -51,7 +51,7 @@ TEST(GpuThread, NamesTheDriverAndItsLimits) {
   EXPECT_GE(info.max_storage_buffer_bytes, int64_t{1} << 27);
 }
 
-TEST(GpuThread, TakesTheDeviceByTheNameThatItTells) {
+TEST(GpuThread, OpensADeviceByItsName) {
   const std::string device = GpuThread::shared()->info().device;
   EXPECT_EQ(GpuThread(device).info().device, device);
 }
@@ -89,7 +89,7 @@ TEST(GpuThread, PostReturnsAtOnceAndHandsErrorsOver) {
   EXPECT_EQ(done, 1);
 }
 
-TEST(GpuThread, AnErrorOfPostedGlIsHandedOverAndGone) {
+TEST(GpuThread, AGlErrorOfPostedWorkIsReportedOnce) {
   const auto thread = GpuThread::shared();
   std::promise<std::string> message;
   thread->post([] { glEnable(0xFFFF); },

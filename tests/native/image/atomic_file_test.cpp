@@ -93,7 +93,7 @@ TEST_F(AtomicFile, theBytesAreOnTheDiskBeforeTheFileHasItsName) {
   EXPECT_THAT(file_calls(), ElementsAre("fsync", "rename"));
 }
 
-TEST_F(AtomicFile, anExistingFileIsNotTakenForATemporaryOne) {
+TEST_F(AtomicFile, anExistingFileIsNotUsedAsTheTemporaryOne) {
   atomic_write(path("a.tmp"), "another one's");
   EXPECT_LT(create_file(path("a.tmp")), 0);
 }

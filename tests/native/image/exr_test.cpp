@@ -92,7 +92,7 @@ TEST_F(Exr, noiseComesBackAndGivesTheSameBytesTwice) {
 }
 
 /// Bare maps are packed most: their files are the smallest for their size.
-TEST_F(Exr, aLargeBareMapIsReadHoweverItIsPacked) {
+TEST_F(Exr, aLargeBareMapIsReadInEveryCompression) {
   std::vector<float> bare(size_t{4096} * 2048, 0.0f);
   for (int method = Imf::NO_COMPRESSION; method <= Imf::PIZ_COMPRESSION; ++method) {
     Imf::Header header(4096, 2048);

@@ -56,7 +56,7 @@ TEST(FrameQueue, theNewestRequestIsDrawnAndArrivesUnderItsTicket) {
   });
 }
 
-TEST(FrameReader, threePicturesAreUnderWayAndNoneIsWaitedFor) {
+TEST(FrameReader, threePicturesAreReadWithoutWaiting) {
   gpu::GpuThread::shared("")->run([] {
     FrameReader reader;
     const gpu::Texture light(GL_RGBA16F, 2, 1);

@@ -132,7 +132,7 @@ Calls calls_of_frame(Scene& scene) {
   return {after.dispatches - before.dispatches, after.draws - before.draws, watch.seen().barriers};
 }
 
-TEST(SceneForest, aFrameHasAsManyDispatchesAndDrawsForTwentyTreesAsForOne) {
+TEST(SceneForest, twentyTreesNeedTheDispatchesAndDrawsOfOne) {
   with_scene([](Scene& scene) {
     add_tree(scene, "tree");
     const Calls one = calls_of_frame(scene);
@@ -168,7 +168,7 @@ TEST(SceneForest, differentTreesAreDrawnTogether) {
   });
 }
 
-TEST(SceneForest, buffersThatAreTooSmallSplitTheChainNotThePicture) {
+TEST(SceneForest, smallBuffersSplitTheChainAndKeepThePicture) {
   std::vector<uint8_t> whole;
   with_scene([&](Scene& scene) {
     add_tree(scene, "tree");

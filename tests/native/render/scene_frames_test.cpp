@@ -64,7 +64,7 @@ TEST(SceneFrames, trianglesAreThoseThatThePictureCounts) {
   });
 }
 
-TEST(SceneFrames, theSunsPictureIsKeptAsLongAsItWouldBeTheSame) {
+TEST(SceneFrames, theShadowMapIsDrawnOnlyAfterAChange) {
   with_scene([](Scene& scene) {
     add_both(scene);
     const auto light = [&](Shadows shadows) {
@@ -82,7 +82,7 @@ TEST(SceneFrames, theSunsPictureIsKeptAsLongAsItWouldBeTheSame) {
   });
 }
 
-TEST(SceneFrames, aFrameBringsNothingBackAndWaitsForNothing) {
+TEST(SceneFrames, aFrameReadsNothingBackAndNeverWaits) {
   with_scene([](Scene& scene) {
     add_both(scene);
     scene.objects.set_snow("tree", blanket(0.05f));

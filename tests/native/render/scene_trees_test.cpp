@@ -47,7 +47,7 @@ TEST(SceneTrees, aPoseHasAMatrixABoneAndMovesTheTree) {
   });
 }
 
-TEST(SceneTrees, snowWantsPlacesOnItsMap) {
+TEST(SceneTrees, snowNeedsCoordinatesOnItsMap) {
   with_scene([](Scene& scene) {
     add_tube(scene, false);
     EXPECT_THAT([&] { scene.objects.set_snow("tree", blanket(0.1f)); },
@@ -55,7 +55,7 @@ TEST(SceneTrees, snowWantsPlacesOnItsMap) {
   });
 }
 
-TEST(SceneTrees, snowThickensATreeAndAMapWithoutAnyTakesItOff) {
+TEST(SceneTrees, snowThickensATreeAndABareMapRemovesIt) {
   with_scene([](Scene& scene) {
     add_tube(scene);
     const Picture bare = scene.frames.render(square_camera(), {});

@@ -29,7 +29,7 @@ TEST(PosedBounds, aTurnedBoxReachesAsFarAsItsCorners) {
   EXPECT_NEAR(turned.low.y, -1.41421f, 1e-4f);
 }
 
-TEST(PosedBounds, whatABoneCarriesMovesWithIt) {
+TEST(PosedBounds, verticesMoveWithTheirBone) {
   PosedBounds bounds(2);
   bounds.add(0, {0, 0, 0});
   bounds.add(1, {0, 0, 1});

@@ -32,7 +32,7 @@ std::vector<DropSize> sizes_in_order() {
   return sizes;
 }
 
-TEST(DropOrder, nothingThatIsDrawnIsLeftOutAndLittleElseIsKept) {
+TEST(DropOrder, everyDrawnItemIsKeptAndFewOthers) {
   const std::vector<DropSize> sizes = sizes_in_order();
   DropOrder order(sizes);
   const float never = std::numeric_limits<float>::max();

@@ -19,7 +19,7 @@ TEST(ThinLimbs, theMeanAreaStaysAtEveryShare) {
   }
 }
 
-TEST(ThinLimbs, allAreDrawnAsTheyAreAtAShareOfOne) {
+TEST(ThinLimbs, allAreDrawnUnchangedAtAShareOfOne) {
   EXPECT_FLOAT_EQ(area_factor(1.0f, 0.0f), 1.0f);
   EXPECT_FLOAT_EQ(area_factor(1.0f, 0.999f), 1.0f);
 }
@@ -45,7 +45,7 @@ TEST(ThinLimbs, successivePatchesHaveNumbersFarApart) {
   }
 }
 
-TEST(ThinLimbs, onlyWhatIsSmallerThanTheLeastIsThinned) {
+TEST(ThinLimbs, onlyPatchesBelowTheLeastSizeAreThinned) {
   EXPECT_FLOAT_EQ(drawn_share(0.35f, 0.7f), 0.5f);
   EXPECT_FLOAT_EQ(drawn_share(0.8f, 0.7f), 1.0f);
   EXPECT_FLOAT_EQ(drawn_share(0.0f, 0.0f), 1.0f);

@@ -24,7 +24,7 @@ TEST(CpuFilter, doesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(CpuFilter(map.table, map.seams, {0.03f}, 3).run(stored).height, one);
 }
 
-TEST(CpuFilter, mapsMadeAtOnceAreWhatTheyAreAlone) {
+TEST(CpuFilter, mapsMadeInParallelAreTheSame) {
   const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 256));
   CpuFilter output(map.table, map.seams, {0.03f});
   std::vector<std::vector<float>> stored;

@@ -90,7 +90,7 @@ TEST(LiveFilter, keepsFrontAndBackApart) {
   for (size_t i = 0; i < map.size(); ++i) ASSERT_NEAR(made.map[i], map[i], 1e-6f);
 }
 
-TEST(LiveFilter, goesOnAcrossASeamAndBeyondTheCharts) {
+TEST(LiveFilter, smoothsAcrossASeamAndBeyondTheCharts) {
   // A wave once round a tube, highest at the seam: a filter that stopped there would flatten it.
   const LaidOutMesh mesh = cylinder(48, 16, 0.5f, 2.0f, kMapSize);
   const TexelTable table = build_texel_table(mesh.topology);

@@ -16,7 +16,7 @@ TEST(RoundedHalf, IsExactToAPartIn256) {
   }
 }
 
-TEST(SmoothingGrid, HasTheAreasOfTexelsAndNoneWithoutSurface) {
+TEST(SmoothingGrid, HoldsInverseAreasAndZeroWithoutSurface) {
   const Map map = cut_strip();
   const SmoothingGrid grid = build_smoothing_grid(map.table, map.seams);
   EXPECT_NEAR(grid.inverse_area[10 * 64 + 10], 256.0f, 0.01f);
@@ -34,7 +34,7 @@ TEST(SmoothingGrid, LinksNeighboursByHowCloseTheyAre) {
   EXPECT_EQ(level.upwards()[23 * 64 + 10], 0);
 }
 
-TEST(SmoothingGrid, NotesLinksAcrossASeamAtBothOfTheirEnds) {
+TEST(SmoothingGrid, HoldsLinksAcrossASeamAtBothEnds) {
   const Map map = cut_strip();
   const SmoothingLevel level = build_smoothing_grid(map.table, map.seams).levels[0];
   const auto others_of = [&](int32_t cell) {

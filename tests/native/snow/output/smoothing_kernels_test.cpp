@@ -5,7 +5,7 @@
 namespace snowbough::snow {
 namespace {
 
-TEST(SmoothingKernels, ALinkIsOpenBetweenSnowOfOneSideThatIsNotAFiftiethOfTheOther) {
+TEST(SmoothingKernels, ALinkIsClosedBetweenFrontAndBackAndBelowAFiftieth) {
   EXPECT_TRUE(is_open(0.1f, 0.1f));
   EXPECT_TRUE(is_open(-0.1f, -0.2f));
   EXPECT_TRUE(is_open(0.1f, 0.0021f));

@@ -11,7 +11,7 @@
 namespace snowbough::snow {
 namespace {
 
-TEST(SmoothingLinks, nothingLeaksToAChartBesideThatIsNoNeighbourOnTheSurface) {
+TEST(SmoothingLinks, chartsThatTouchOnTheMapOnlyAreNotLinked) {
   LaidOutMesh mesh;
   mesh.topology.resolution = 64;
   add_plate(mesh, glm::vec2(0, 0), glm::vec2(0.5f, 1), 0, 1, 1);
@@ -24,7 +24,7 @@ TEST(SmoothingLinks, nothingLeaksToAChartBesideThatIsNoNeighbourOnTheSurface) {
   EXPECT_THAT(smooth(map, 0.2f, heights), testing::Pointwise(testing::FloatNear(1e-6f), heights));
 }
 
-TEST(SmoothingLinks, theBackIsSmoothedLikeTheFrontAndNotWithIt) {
+TEST(SmoothingLinks, frontAndBackAreSmoothedSeparatelyAndAlike) {
   const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 256));
   std::vector<float> heights = patchy_snow(map, 4);
   const auto front = smooth(map, 0.03f, heights);

@@ -26,7 +26,7 @@ TEST(AlphaMask, HasABitATexelRowByRowLowestFirst) {
   EXPECT_EQ(mask.extension, shared::kAlphaClip);
 }
 
-TEST(AlphaMask, OfNoTexelsOrOtherThanItsSizeIsRefused) {
+TEST(AlphaMask, OfTheWrongSizeIsRefused) {
   EXPECT_THROW(make_alpha_mask(0, 4, shared::kAlphaRepeat, {}), std::invalid_argument);
   EXPECT_THROW(make_alpha_mask(8193, 1, shared::kAlphaRepeat, std::vector<uint8_t>(8193)),
                std::invalid_argument);

@@ -31,13 +31,13 @@ struct ImageOnASquare {
   std::vector<float> opacity() const { return fragment_opacity(table, topology, alpha); }
 };
 
-TEST(FragmentOpacity, OfWhatHasNoImageIsNotKept) {
+TEST(FragmentOpacity, IsNotStoredWithoutAnImage) {
   ImageOnASquare scene(make_alpha_mask(1, 1, shared::kAlphaRepeat, {0}));
   scene.alpha = {};
   EXPECT_THAT(scene.opacity(), IsEmpty());
 }
 
-TEST(FragmentOpacity, IsOneOnTrianglesWithoutAnImageAndNoneInHoles) {
+TEST(FragmentOpacity, IsOneWithoutAnImageAndZeroInHoles) {
   ImageOnASquare scene(make_alpha_mask(1, 1, shared::kAlphaRepeat, {0}));
   EXPECT_THAT(scene.opacity(), Each(0.0f));
   scene.alpha.mask = {-1, -1};
@@ -56,7 +56,7 @@ TEST(FragmentOpacity, FollowsTheImageFromTexelToTexel) {
   }
 }
 
-TEST(FragmentOpacity, OfATexelThatHoldsManyOfTheImagesIsTheirShare) {
+TEST(FragmentOpacity, OfALargeTexelIsTheMeanOfItsImage) {
   // A chequered image of 128 x 128 on 64 texels: 2 x 2 each, of which two are there.
   std::vector<uint8_t> chequered(128 * 128);
   for (size_t i = 0; i < chequered.size(); ++i) {

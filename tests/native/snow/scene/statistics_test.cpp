@@ -21,11 +21,11 @@ shared::ObjectSums sums() {
   return made;
 }
 
-TEST(Balance, NamesWhatNeitherFellNorSlidAsStretched) {
+TEST(Balance, BooksTheRemainderAsStretched) {
   EXPECT_EQ(balance_of(sums()).step.stretched_volume, 0.5);
 }
 
-TEST(Balance, HoldsNowWhateverTheStepAndTheTotalSay) {
+TEST(Balance, HeldIsTheCurrentVolumeInBoth) {
   const StatisticsPair pair = balance_of(sums());
   EXPECT_EQ(pair.step.held_volume, 11.5);
   EXPECT_EQ(pair.total.held_volume, 11.5);

@@ -82,7 +82,7 @@ TEST(SeamFactor, leavesOutWhatIsNegligible) {
   EXPECT_FLOAT_EQ(values[3], -1.0f / 3.0f);
 }
 
-TEST(SeamFactor, knowsWhatHangsTogether) {
+TEST(SeamFactor, numbersItsComponents) {
   const std::vector<SeamRow> rows{row({{0, 1.0f}, {2, 1.0f}}, 5), row({{1, 1.0f}, {4, 1.0f}}, 5),
                                   row({{3, 1.0f}}, 5), row({{0, 1.0f}, {2, 0.5f}}, 5)};
   SeamFactor factor = begun(rows, 5, 1.0f);
@@ -90,7 +90,7 @@ TEST(SeamFactor, knowsWhatHangsTogether) {
   EXPECT_THAT(factor.components(), ElementsAre(2, 4, 2, 3, 4));
 }
 
-TEST(SeamFactor, knowsWhatHangsTogetherNoMore) {
+TEST(SeamFactor, splitsComponentsWhereAnUnknownGoes) {
   const std::vector<SeamRow> rows{row({{0, 1.0f}, {1, 1.0f}}, 4), row({{1, 1.0f}, {2, 1.0f}}, 4),
                                   row({{2, 1.0f}, {3, 1.0f}}, 4)};
   SeamFactor factor = begun(rows, 4, 1.0f);

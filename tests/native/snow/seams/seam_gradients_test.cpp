@@ -19,7 +19,7 @@ TEST(SeamGradients, comeNearTheFactorsSolution) {
   EXPECT_THAT(values, Pointwise(FloatNear(1e-3f), dense_solution(problem, 0.1f)));
 }
 
-TEST(SeamGradients, leaveNothingToDoAtZero) {
+TEST(SeamGradients, leaveAnExactSolutionUnchanged) {
   std::vector<float> values{0.0f, 0.0f};
   solve_by_gradients({row({{0, 1.0f}, {1, -1.0f}}, 2)}, 3, 0.1f, 5, values);
   EXPECT_THAT(values, ElementsAre(0.0f, 0.0f));

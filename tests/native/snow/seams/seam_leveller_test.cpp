@@ -37,7 +37,7 @@ TEST(SeamLeveller, noSnowStaysNoSnow) {
   EXPECT_THAT(map, testing::Each(0.0f));
 }
 
-TEST(SeamLeveller, snowThatOneSideAloneHasIsSharedOut) {
+TEST(SeamLeveller, snowOnOneSideOnlyIsSpreadOverBoth) {
   std::vector<float> map(8, 0.0f);
   map[5] = 0.2f;
   SeamLeveller(two_sides(2)).run(map);
@@ -79,7 +79,7 @@ SeamLevelling straight_seam(int32_t unknowns) {
 }
 
 /// The first eight texels of each side hold snow.
-TEST(SeamLeveller, sidesAreEvenJustBeyondTheSnowsEndToo) {
+TEST(SeamLeveller, sidesAreEqualJustBeyondTheEndOfSnow) {
   const SeamLevelling levelling = straight_seam(32);
   std::vector<float> map(32, 0.0f);
   for (const size_t texel : {0, 1, 2, 3, 4, 5, 6, 7}) map[texel] = map[16 + texel] = 0.1f;

@@ -30,7 +30,7 @@ SeamLevelling gaps_of_cut_strip(float column, float row, TexelTable& table) {
   return find_seam_gaps(topology, table, find_charts(topology), owned, 0.2f);
 }
 
-TEST(SeamGaps, everyPointIsTheOneSideLessTheOther) {
+TEST(SeamGaps, areTheDifferencesBetweenBothSides) {
   TexelTable table;
   const SeamLevelling gaps = gaps_of_cut_strip(40, 8, table);
   EXPECT_FLOAT_EQ(gaps.least_height, 0.005f);

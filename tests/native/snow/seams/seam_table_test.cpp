@@ -223,7 +223,7 @@ TEST(Seams, aLayoutOfTinyChartsIsLevelled) {
   EXPECT_LT(p99(levelled), 0.5f * p99(map));
 }
 
-TEST(Seams, levellingStaysWithinTheHeightsThereWereAndForgetsTheMapBefore) {
+TEST(Seams, levelledHeightsStayInRangeAndDependOnTheirMapOnly) {
   LaidOutMesh mesh = cube(128);
   const TexelTable table = build_texel_table(mesh.topology);
   const SeamTable seams = build_seam_table(mesh.topology, table, mesh.positions);

@@ -97,7 +97,7 @@ TEST_F(CheckpointFile, keepsPlanesAndPressers) {
   EXPECT_EQ(image::read_file(path_)[16], 5);
 }
 
-TEST_F(CheckpointFile, withoutPlanesHasTheFormatThatKnowsNone) {
+TEST_F(CheckpointFile, withoutPlanesHasTheOlderFormat) {
   save_checkpoint(path_, frozen_example());
   EXPECT_EQ(image::read_file(path_)[16], 4);
   Checkpoint thawed = frozen_example();
@@ -109,7 +109,7 @@ TEST_F(CheckpointFile, withoutPlanesHasTheFormatThatKnowsNone) {
   EXPECT_EQ(image::read_file(path_)[16], 7);
 }
 
-TEST_F(CheckpointFile, withPlanesIsRefusedWhereverItIsCutOffOrWrong) {
+TEST_F(CheckpointFile, withPlanesIsRefusedIfCutOffOrChangedAnywhere) {
   Checkpoint checkpoint = example();
   checkpoint.state.objects[0].planes["packed"] = {0.5f};
   checkpoint.state.pressers["foot"] = {{1.0f, -2.0f, 0.0f}};
@@ -177,7 +177,7 @@ std::string with_body(std::string file, const std::string& body) {
   return file.substr(0, 32) + body;
 }
 
-TEST_F(CheckpointFile, withTheRightCheckSumIsRefusedIfItsContentIsImpossible) {
+TEST_F(CheckpointFile, withImpossibleContentIsRefusedDespiteItsCheckSum) {
   save_checkpoint(path_, example());
   const std::string whole = image::read_file(path_);
   const std::string body = whole.substr(32);

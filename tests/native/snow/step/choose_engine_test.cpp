@@ -7,7 +7,7 @@
 namespace snowbough::snow {
 namespace {
 
-TEST(ChooseEngine, TakesTheOneThatIsAskedFor) {
+TEST(ChooseEngine, UsesTheRequestedEngine) {
   EngineChoice cpu({EngineKind::kCpu});
   EXPECT_EQ(cpu.engine().kind(), EngineKind::kCpu);
   EXPECT_EQ(cpu.reason(), "requested");
@@ -16,21 +16,21 @@ TEST(ChooseEngine, TakesTheOneThatIsAskedFor) {
   EXPECT_FALSE(gl.may_fall_back());
 }
 
-TEST(ChooseEngine, TakesOpenGlByItselfOnHardwareOnly) {
+TEST(ChooseEngine, AutoUsesOpenGlOnHardwareOnly) {
   EngineChoice choice({EngineKind::kAuto});
   const bool software = gpu::is_software(gpu::GpuThread::shared("")->info().renderer);
   EXPECT_EQ(choice.engine().kind(), software ? EngineKind::kCpu : EngineKind::kGl);
   EXPECT_NE(choice.reason(), "");
 }
 
-TEST(ChooseEngine, TakesOpenGlForGeometryAndForADeviceThatIsNamed) {
+TEST(ChooseEngine, AutoUsesOpenGlForGeometryAndForANamedDevice) {
   EngineChoice geometry({EngineKind::kAuto, DepositMapping::kGeometry});
   EXPECT_EQ(geometry.engine().kind(), EngineKind::kGl);
   EngineChoice named({EngineKind::kAuto, DepositMapping::kCompute, "surfaceless"});
   EXPECT_EQ(named.engine().kind(), EngineKind::kGl);
 }
 
-TEST(ChooseEngine, RefusesGeometryOnTheProcessorAndDevicesThatAreNot) {
+TEST(ChooseEngine, RefusesGeometryOnTheProcessorAndUnknownDevices) {
   EXPECT_THROW(EngineChoice({EngineKind::kCpu, DepositMapping::kGeometry}), std::invalid_argument);
   EngineChoice none({EngineKind::kGl, DepositMapping::kCompute, "no such device"});
   EXPECT_THROW(none.engine(), std::runtime_error);

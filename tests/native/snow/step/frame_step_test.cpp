@@ -119,7 +119,7 @@ TEST(FrameStep, ReadsHeightsBackOnlyIfSnowMoves) {
   EXPECT_THAT(engine.calls, Not(Contains("movement")));
 }
 
-TEST(FrameStep, HandsOverPositionsOfWhatMovedOnly) {
+TEST(FrameStep, UploadsOnlyPositionsThatChanged) {
   SceneObject ground = square_at("ground", 0, true, true);
   SceneObject roof = square_at("roof", 1, false, true);
   WritesDown engine({&ground, &roof});
@@ -132,7 +132,7 @@ TEST(FrameStep, HandsOverPositionsOfWhatMovedOnly) {
   EXPECT_EQ(engine.calls[1], "triangles");
 }
 
-TEST(FrameStep, LooksAtNoSkyWhereNothingFalls) {
+TEST(FrameStep, RendersNoOcclusionWithoutSnowfall) {
   SceneObject ground = square_at("ground", 0, true, true);
   WritesDown engine({&ground});
   step_on(engine, {&ground}, step_of(0.0));
@@ -148,7 +148,7 @@ TEST(FrameStep, BeginsTheDepositWithItsFirstTile) {
   EXPECT_EQ(std::count(engine.calls.begin(), engine.calls.end(), "deposit"), 3);
 }
 
-TEST(FrameStep, DrawsNeighboursInOneRunAndLeavesOutWhatOccludesNothingOrLiesElsewhere) {
+TEST(FrameStep, DrawsAdjacentObjectsTogetherAndOnlyOccludersOfTheTile) {
   SceneObject ghost = square_at("a ghost", 0, false, false);
   SceneObject ground = square_at("b ground", 0, true, true);
   SceneObject roof = square_at("c roof", 0, false, true);
@@ -162,7 +162,7 @@ TEST(FrameStep, DrawsNeighboursInOneRunAndLeavesOutWhatOccludesNothingOrLiesElse
   EXPECT_EQ(engine.drawn[0][0].count, 4);
 }
 
-TEST(FrameStep, ThinSnowFallsThickerSoThatItsDepthIsTheSame) {
+TEST(FrameStep, ReducedDensityKeepsTheMeanDepth) {
   SceneObject ground = square_at("ground", 0, true, true);
   WritesDown engine({&ground});
   FrameStep step = step_of(0.01);

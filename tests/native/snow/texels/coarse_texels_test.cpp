@@ -61,7 +61,7 @@ TEST(CoarseTexels, JoinTexelsOfOneChart) {
   }
 }
 
-TEST(CoarseTexels, AreNoneWhereAChartWouldBeLost) {
+TEST(CoarseTexels, AreNotMadeIfAChartWouldBeLost) {
   // A chart of one texel in the corner of another's square.
   const TexelTable fine = table_of({{0.0f, 0.0f, 0.5f, 0.98f},
                                     {32.0f / 64, 0.5f, 33.0f / 64, 33.0f / 64},

@@ -27,7 +27,7 @@ TEST(OpenSheets, ACubeWithoutALidIsOpen) {
   EXPECT_EQ(find_open_sheets(faces, kCube), Open(10, 1));
 }
 
-TEST(OpenSheets, ACubeOfFacesWithVerticesOfTheirOwnIsClosedWhereverItStands) {
+TEST(OpenSheets, ACubeOfSeparateFacesIsClosedFarFromTheOriginToo) {
   for (const float scale : {1e-4f, 1.0f, 1e4f}) {
     std::vector<glm::vec3> positions;
     std::vector<int32_t> faces;
@@ -66,7 +66,7 @@ Open open_of_tube(float length) {
   return find_open_sheets(faces, positions);
 }
 
-TEST(OpenSheets, ALimbWithOpenEndsIsClosedButForThemAndAHoopIsOpen) {
+TEST(OpenSheets, ALongOpenTubeIsClosedAndAShortOneIsOpen) {
   EXPECT_EQ(open_of_tube(20.0f), Open(24, 0));
   EXPECT_EQ(open_of_tube(1.0f), Open(24, 1));
 }

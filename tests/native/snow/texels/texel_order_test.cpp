@@ -6,7 +6,7 @@
 namespace snowbough::snow {
 namespace {
 
-TEST(SurfaceOrder, GoesByChartThenBySquareThenByTheTablesOwnOrder) {
+TEST(SurfaceOrder, IsByChartThenBySquareThenByNumber) {
   TexelTable table;
   table.resolution = 64;
   table.chart_count = 2;

@@ -76,7 +76,7 @@ TEST(TexelTable, aTexelBelongsToTheChartThatCoversMostOfIt) {
   EXPECT_THAT(share_sums(table, 4), Each(testing::DoubleNear(1.0, 1e-6)));
 }
 
-TEST(TexelTable, whatLiesInAForeignTexelIsReassignedToTheNearestOwnOne) {
+TEST(TexelTable, displacedFragmentsGoToTheNearestTexelOfTheirChart) {
   MapTopology topology = quad_map(0, 0, 10.3f / 64, 1, 64);
   add_quad(topology, 10.3f / 64, 0, 20.0f / 64, 1);
   const TexelTable table = build_texel_table(topology);
@@ -91,7 +91,7 @@ TEST(TexelTable, whatLiesInAForeignTexelIsReassignedToTheNearestOwnOne) {
   EXPECT_NEAR(column[9] / column[8], 1.3, 1e-4);
 }
 
-TEST(TexelTable, aChartTooSmallToOwnATexelTakesTheOneUnderIt) {
+TEST(TexelTable, aSmallChartOwnsTheTexelUnderIt) {
   MapTopology topology = quad_map(0, 0, 0.5f, 1, 64);
   add_quad(topology, 3.1f / 64, 3.1f / 64, 3.2f / 64, 3.2f / 64);
   const TexelTable table = build_texel_table(topology);
@@ -104,7 +104,7 @@ TEST(TexelTable, aChartTooSmallToOwnATexelTakesTheOneUnderIt) {
   EXPECT_THAT(share_sums(table, 4), Each(testing::DoubleNear(1.0, 1e-5)));
 }
 
-TEST(TexelTable, chartsThatShareOneTexelAreCountedAsUnmappedAndLoseNothing) {
+TEST(TexelTable, chartsWithoutATexelAreCountedAsUnmappedAndKeepTheirArea) {
   MapTopology topology;
   topology.resolution = 64;
   for (int i = 0; i < 3; ++i) add_quad(topology, 0.001f * i, 0, 0.001f * i + 0.001f, 0.01f);
@@ -342,7 +342,7 @@ TEST(TexelTable, trianglesThatReachOverManyRowsKeepTheirArea) {
   EXPECT_EQ(table.overlap, 0.0f);
 }
 
-TEST(TexelTable, texelsThatSeveralTrianglesHoldAsAWholeGoToTheFirstChart) {
+TEST(TexelTable, texelsCoveredByTwoChartsGoToTheFirst) {
   MapTopology topology = quad_map(0, 0, 1, 1, 64);
   add_quad(topology, 0, 0, 1, 1);
   const TexelTable table = build_texel_table(topology);

@@ -13,7 +13,7 @@ ClipPolygon polygon(std::vector<glm::dvec2> points) {
   return result;
 }
 
-TEST(AreaAndCentroid, knowsATriangleInEitherWinding) {
+TEST(AreaAndCentroid, areTheSameForBothWindings) {
   for (const ClipPolygon& triangle :
        {polygon({{1, 1}, {4, 1}, {1, 4}}), polygon({{1, 1}, {1, 4}, {4, 1}})}) {
     const AreaCentroid found = area_and_centroid(triangle);
@@ -37,7 +37,7 @@ TEST(SampleRow, bitsGoByRowsFromTheLowerLeft) {
   EXPECT_EQ(mask >> 56, 0x80u);
 }
 
-TEST(SampleRow, neighboursShareNoSampleAndLeaveNone) {
+TEST(SampleRow, adjacentTrianglesCoverEachSampleOnce) {
   const SampleEdges below(UvTriangle{glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(1, 1)});
   const SampleEdges above(UvTriangle{glm::dvec2(0, 0), glm::dvec2(1, 1), glm::dvec2(0, 1)});
   const uint64_t a = SampleRow(below, 0).mask(0);

@@ -40,7 +40,7 @@ int32_t texel_of(const SceneObject& object, const std::vector<int32_t>& order,
   return object.table->texel[order[group * shared::kTexelGroup + all.texel[fragment]]];
 }
 
-TEST(FragmentRuns, AreATrianglesFragmentsInSquaresOfSixteenTexelsGroupByGroup) {
+TEST(FragmentRuns, HoldOneTrianglesFragmentsInASquareOfSixteenTexels) {
   static_assert(shared::kTexelGroup == 1024 && kRunSquare == 16);
   const SceneObject object = quads(1, 64);
   const FragmentRuns all = make_fragment_runs(object, texel_order(*object.table), 0);
@@ -103,7 +103,7 @@ TEST(FragmentRuns, HoldEveryFragmentOfTheTableOnce) {
   EXPECT_TRUE(made == expected);
 }
 
-TEST(FragmentRuns, KnowBetweenWhichWeightsTheirCentroidsLie) {
+TEST(FragmentRuns, BoundTheWeightsOfTheirCentroids) {
   const SceneObject object = quads(3, 100);
   const FragmentRuns all = make_fragment_runs(object, texel_order(*object.table), 0);
   for (size_t r = 0; r + 1 < all.runs.size(); ++r) {
@@ -129,7 +129,7 @@ TEST(FragmentRuns, KnowBetweenWhichWeightsTheirCentroidsLie) {
   }
 }
 
-TEST(FragmentRuns, CarryTheirFragmentsOpacityWhereThereIsAny) {
+TEST(FragmentRuns, HoldTheOpacityOfFragmentsWithAnImage) {
   SceneObject object = quads(2, 64);
   const std::vector<int32_t> order = texel_order(*object.table);
   EXPECT_THAT(make_fragment_runs(object, order, 0).opacity, IsEmpty());

@@ -99,7 +99,7 @@ TEST(CpuOcclusion, DepthFollowsThePlaneAndStaysBetweenThoseOfTheCorners) {
   }
 }
 
-TEST(CpuOcclusion, TheNearerHidesInWhateverOrder) {
+TEST(CpuOcclusion, TheNearerTriangleHidesTheOtherInAnyOrder) {
   const auto level = [](float depth) {
     return Corners{at(0, 0, depth), at(4, 0, depth), at(0, 4, depth)};
   };
@@ -112,7 +112,7 @@ TEST(CpuOcclusion, TheNearerHidesInWhateverOrder) {
   }
 }
 
-TEST(CpuOcclusion, OfEquallyNearOnesTheFirstDrawnShows) {
+TEST(CpuOcclusion, OfTwoAtTheSameDepthTheFirstDrawnShows) {
   const Corners one = {at(0, 0, 1), at(4, 0, 1), at(0, 4, 1)};
   Corners corners = one;
   corners.insert(corners.end(), one.begin(), one.end());
@@ -163,7 +163,7 @@ TEST(CpuOcclusion, ATriangleFarLargerThanTheTileFillsIt) {
   }
 }
 
-TEST(CpuOcclusion, HugeNeighboursShareNoPixelAndLeaveNoneOut) {
+TEST(CpuOcclusion, HugeAdjacentTrianglesCoverEachPixelOnce) {
   for (const float reach : {1e4f, 1e6f, 1e7f, 1e10f}) {
     const glm::vec4 low = at(-reach, -0.7f * reach);
     const glm::vec4 high = at(1.1f * reach, 0.9f * reach);
@@ -178,7 +178,7 @@ TEST(CpuOcclusion, HugeNeighboursShareNoPixelAndLeaveNoneOut) {
   }
 }
 
-TEST(CpuOcclusion, NeighboursShareNoPixelAndLeaveNoneOut) {
+TEST(CpuOcclusion, AdjacentTrianglesCoverEachPixelOnce) {
   for (const float radius : {3.0f, 30.0f, 100.0f, 3000.0f}) {
     for (uint32_t seed = 0; seed < 8; ++seed) {
       std::mt19937 random(seed);
@@ -264,7 +264,7 @@ Seen by_brute_force(const Corners& corners, const PixelRect& pixels) {
   return seen;
 }
 
-TEST(CpuOcclusion, IsWhatEveryTriangleAtEveryPixelGives) {
+TEST(CpuOcclusion, EqualsTestingEveryTriangleAtEveryPixel) {
   for (uint32_t seed = 0; seed < 6; ++seed) {
     for (const float largest : {4.0f, 40.0f, 400.0f, 30000.0f}) {
       const Corners corners = random_triangles(300, 150.0f, largest, seed);
@@ -351,7 +351,7 @@ TEST(CpuOcclusion, APassIsUsedAgainForOtherRectangles) {
   }
 }
 
-TEST(CpuOcclusion, RefusesRoomThatIsNotThatOfThePixels) {
+TEST(CpuOcclusion, RefusesABufferOfTheWrongSize) {
   Seen seen(99);
   EXPECT_THROW(cpu::OcclusionPass().run({}, square_of(10), seen), std::invalid_argument);
   EXPECT_THROW(cpu::OcclusionPass().run({}, {}, {}), std::invalid_argument);

@@ -49,7 +49,7 @@ TEST(RunSight, AnOpenRunSeesAllOfTheSky) {
   EXPECT_EQ(visibility_of(run, shown.tile, shown.seen.data()), RunVisibility::kMixed);
 }
 
-TEST(RunSight, WhatIsTooCloseToCallIsLeftToTheSamples) {
+TEST(RunSight, IsUndecidedNearAnEdge) {
   Shown shown(4.999f);
   EXPECT_EQ(visibility_of(level(110.5f, 210.5f, 120.0f, 220.0f), shown.tile, shown.seen.data()),
             RunVisibility::kMixed);
@@ -92,7 +92,7 @@ TEST(RunSight, TellsWhichTileSamplesLieIn) {
   EXPECT_EQ(visibility(100.1f, 131.9f), RunVisibility::kOpen);
 }
 
-TEST(RunSight, OfWhatIsNoNumberNothingIsKnown) {
+TEST(RunSight, IsUndecidedForNotANumber) {
   const Shown shown(5.0f);
   cpu::RunPlane run = level(110.5f, 210.5f, 120.0f, 220.0f);
   run.edge_b.x = std::numeric_limits<float>::quiet_NaN();

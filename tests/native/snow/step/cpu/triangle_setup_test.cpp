@@ -36,7 +36,7 @@ TEST(CpuTriangleSetup, ATriangleWithoutAreaFacesNowhere) {
   EXPECT_EQ(made.surface[1], glm::vec4(0.0f));
 }
 
-TEST(CpuTriangleSetup, RefusesRoomForOtherThanItsTriangles) {
+TEST(CpuTriangleSetup, RefusesBuffersOfTheWrongSize) {
   const std::vector<shared::SceneTriangle> triangles(2);
   const std::vector<glm::vec3> positions(1);
   Corners corners(5);

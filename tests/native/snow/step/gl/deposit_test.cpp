@@ -31,7 +31,7 @@ TEST(Deposit, IsTheCosineEverywhereOnAPlaneWhateverThePixels) {
   });
 }
 
-TEST(Deposit, AtGrazingFallIsTheCosineStill) {
+TEST(Deposit, IsTheCosineAtGrazingFall) {
   gpu::GpuThread::shared()->run([] {
     const double angle = 89.0 * std::numbers::pi / 180.0;
     Bench bench(objects_of(square("a", 1.0f, 0.0f)),
@@ -52,7 +52,7 @@ float gain_at(const Bench& bench, const std::vector<shared::TexelStep>& steps, i
          shared::kGainUnits;
 }
 
-TEST(Deposit, IsNoneBelowARoofAndWholeBesideIt) {
+TEST(Deposit, IsZeroBelowARoofAndFullBesideIt) {
   gpu::GpuThread::shared()->run([] {
     Bench bench(objects_of(square("a", 1.0f, 0.0f), square("roof", 0.5f, 2.0f, 64, false)),
                 falling({0, 0, -1}, 1.0 / 64.0));
@@ -64,7 +64,7 @@ TEST(Deposit, IsNoneBelowARoofAndWholeBesideIt) {
   });
 }
 
-TEST(Deposit, IsNoneUnderAClothThatLiesCloserThanAPixel) {
+TEST(Deposit, IsZeroUnderAClothCloserThanAPixel) {
   gpu::GpuThread::shared()->run([] {
     for (const glm::dvec3 direction : {glm::dvec3(0, 0, -1), glm::dvec3(0.6, 0, -1)}) {
       Bench bench(objects_of(square("a", 1.0f, 0.0f), square("cloth", 0.5f, 0.001f, 64, false)),
@@ -91,7 +91,7 @@ TEST(Deposit, OfAStripThinnerThanAPixelIsItsOwnShare) {
   });
 }
 
-TEST(Deposit, OfTexelsLargerThanPixelsIsThePartOfThemThatIsLit) {
+TEST(Deposit, OfLargeTexelsIsTheirVisibleShare) {
   gpu::GpuThread::shared()->run([] {
     // Texels of 8 pixels; the roof's edge cuts through them at a quarter.
     SceneObject roof = square("roof", 1.0f, 2.0f, 64, false);
@@ -105,7 +105,7 @@ TEST(Deposit, OfTexelsLargerThanPixelsIsThePartOfThemThatIsLit) {
   });
 }
 
-TEST(Deposit, OnAFaceThatTurnsAwayIsNone) {
+TEST(Deposit, IsZeroOnAFaceThatTurnsAway) {
   gpu::GpuThread::shared()->run([] {
     Bench bench(objects_of(plate()), falling({0, 0, -1}, 1.0 / 64.0));
     const auto steps = gathered(bench);
@@ -143,7 +143,7 @@ TEST(Deposit, IsTheSameBitsHoweverTheTilesAreCut) {
   });
 }
 
-TEST(Deposit, WithNoiseComesThroughAsManyPixelsAsTheDensitySays) {
+TEST(Deposit, WithNoiseReachesTheShareOfPixelsThatTheDensitySets) {
   gpu::GpuThread::shared()->run([] {
     FallSettings settings = falling({0, 0, -1}, 1.0 / 64.0);
     settings.noise_density = 0.25;

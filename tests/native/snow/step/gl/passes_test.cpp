@@ -138,7 +138,7 @@ std::vector<uint32_t> listed(const gpu::Buffer& list) {
   return groups;
 }
 
-TEST(TexelGroups, LeaveOutWhatFacesAwayOnceItIsKnownToBeBare) {
+TEST(TexelGroups, AreInactiveIfTheyFaceAwayAndHoldNoSnow) {
   gpu::GpuThread::shared()->run([] {
     Bench bench(objects_of(plate()), falling({0, 0, -1}, 0.1));
     TexelBatch& batch = bench.scene.batches[0];
@@ -155,7 +155,7 @@ TEST(TexelGroups, LeaveOutWhatFacesAwayOnceItIsKnownToBeBare) {
   });
 }
 
-TEST(TexelGroups, KeepThoseOnWhichSnowLies) {
+TEST(TexelGroups, AreActiveWhileTheyHoldSnow) {
   gpu::GpuThread::shared()->run([] {
     Bench bench(objects_of(plate()), falling({0, 0, -1}, 0.1));
     TexelBatch& batch = bench.scene.batches[0];

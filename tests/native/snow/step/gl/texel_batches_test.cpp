@@ -12,7 +12,7 @@
 namespace snowbough::snow {
 namespace {
 
-TEST(TexelBatches, FillUpTheirLastGroupWithTexelsOfNobody) {
+TEST(TexelBatches, FillTheirLastGroupWithUnusedTexels) {
   gpu::GpuThread::shared()->run([] {
     SceneObject object = square("a", 1.0f, 0.0f);
     // Half of the map: 64 x 32 texels, and the rim.
@@ -38,7 +38,7 @@ TEST(TexelBatches, FillUpTheirLastGroupWithTexelsOfNobody) {
   });
 }
 
-TEST(BufferWriter, HoldsWhatWasAddedAndNoMore) {
+TEST(BufferWriter, HoldsExactlyTheAddedElements) {
   gpu::GpuThread::shared()->run([] {
     std::vector<uint32_t> wanted(200000);
     std::iota(wanted.begin(), wanted.end(), 7u);
