@@ -27,7 +27,7 @@ import bpy
 from mathutils import Matrix, Vector, noise
 
 FRAMES = 16
-REAL_LEAST = 0.1
+REAL_MIN = 0.1
 
 COLOURS = {
     # name: (colour, roughness)
@@ -451,7 +451,7 @@ def real(objects, depth, _root):
     if addon_utils.enable("real_snow") is None:
         raise SystemExit("beside_real_snow: this Blender has no add-on Real Snow")
     scene = bpy.context.scene
-    scene.snow.height = max(depth, REAL_LEAST)
+    scene.snow.height = max(depth, REAL_MIN)
     random.seed(1)
     begun = time.monotonic()
     for obj in objects:

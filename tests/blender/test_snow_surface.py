@@ -409,7 +409,7 @@ def test_apply_snow_of_a_shot_keeps_earlier_files(tmp_path):
 
 def test_apply_snow_refuses_more_shape_keys_than_a_file_should_hold(tmp_path, addon, monkeypatch):
     bake_surfaces(tmp_path / "cache", s.square("Ground"))
-    monkeypatch.setattr(addon("result.applied_snow"), "MOST_KEY_BYTES", 1000)
+    monkeypatch.setattr(addon("result.applied_snow"), "MAX_KEY_BYTES", 1000)
     objects = set(bpy.data.objects)
     with pytest.raises(RuntimeError, match="points on 4 frames.*use Mesh Cache"):
         bpy.ops.snowbough.apply_snow(frames="KEYS")

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..base.names import MIN_DEPTH
 from ..surface.compute import expected_seconds
 from ..surface.style import patchy_points, shared_out
 from . import baked_receiver
@@ -63,7 +64,7 @@ def choose_receivers(pose, request):
 def share_points(native, request, pose, receivers):
     """Gives each BakedReceiver its WantedPoints and the time that its surface takes. Computed from all receivers of the
     complete_pose, so that machines that bake some of them agree."""
-    depth = max(request.start_depth, request.end_depth, 1e-4)
+    depth = max(request.start_depth, request.end_depth, MIN_DEPTH)
     thaws = request.end_depth < request.start_depth
     wanted = {}
     for key, obj in pose.known.items():

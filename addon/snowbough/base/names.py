@@ -17,6 +17,9 @@ SNOW_UV = "snow"
 # Tolerance for UVs outside 0 to 1 on a snow map; the native module has the same.
 UV_TOLERANCE = 1e-4
 
+# Depth of snow in metres that the look assumes at least: its noise and shapes are scaled by the depth.
+MIN_DEPTH = 1e-4
+
 # Metres from the origin beyond which single precision cannot separate texels; such vertices are left out.
 FARTHEST = 1e6
 

@@ -17,7 +17,7 @@ from ..surface.compute import seed_of
 from ..surface.style import SurfaceStyle
 from . import drawing, hidden
 from .playback import QUICK_STEPS, STEPS, Playback
-from .receiver_surface import MIN_DEPTH, ReceiverSurface
+from .receiver_surface import PLANNED_DEPTH, ReceiverSurface
 
 # Seconds between checks of the settings: Blender sends no message when an add-on's setting changes.
 INTERVAL = 0.08
@@ -88,7 +88,7 @@ class Preview:
     def depths(self):
         """Snow depth in metres on open level ground, now and at the end of the shot."""
         settings = self.simulated.settings
-        return settings.total(self.simulated.frame), max(settings.snowfall.totals[-1], MIN_DEPTH)
+        return settings.total(self.simulated.frame), max(settings.snowfall.totals[-1], PLANNED_DEPTH)
 
     def surface(self, key):
         """The current ReceiverSurface of a receiver, computed on demand; None if the receiver is not in the view."""

@@ -7,8 +7,8 @@ import numpy as np
 
 # A surface is planned again if the depth has changed by these factors, or the covered area of the map by the last one.
 DEEPER, THINNER, WIDER = 1.6, 0.5, 1.25
-# Metres. Planning assumes at least MIN_DEPTH; texels with at most BARE count as bare.
-MIN_DEPTH = 0.01
+# Metres. Planning assumes at least PLANNED_DEPTH; texels with at most BARE count as bare.
+PLANNED_DEPTH = 0.01
 BARE = 0.001
 
 
@@ -41,7 +41,7 @@ class ReceiverSurface:
         them in `shown`."""
         heights = np.ascontiguousarray(heights, dtype=np.float32)
         covered = int(np.count_nonzero(np.abs(heights) > BARE))
-        depth = max(open_depth, MIN_DEPTH)
+        depth = max(open_depth, PLANNED_DEPTH)
         if self._needs_new_plan(depth, covered):
             self._plan(heights, depth, covered, positions)
         self._surface.set_style(**style.sliders())

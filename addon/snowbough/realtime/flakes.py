@@ -11,7 +11,7 @@ SECONDS_AN_HOUR = 3600.0
 
 
 # Flakes in the air sway about their way; dust from the whole sky has no other.
-MOST_FLUTTER = math.pi / 4
+MAX_FLUTTER = math.pi / 4
 
 
 def flakes_of(scene):
@@ -26,7 +26,7 @@ def flakes_of(scene):
         rate=rate,
         direction=tuple(fall_direction(snow.fall_angle, snow.bearing)),
         speed=options.flake_speed,
-        flutter=min(snow.flutter, MOST_FLUTTER),
+        flutter=min(snow.flutter, MAX_FLUTTER),
         radius=options.flake_size,
         shutter=min(render.motion_blur_shutter / fps, 1.0),
         time=scene.frame_current_final / fps,

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from ..base import session
+from ..base.names import MIN_DEPTH
 from ..cache.files import frame_file
 from ..cache.manifest import read_manifest
 from ..result import snow_surface
@@ -18,8 +19,6 @@ from ..scene.receivers import snow_style
 from . import materials
 from .records import LyingSnow, Shape
 
-# Minimum of LyingSnow.last_depth, in metres. It sets the noise of the snow.
-LEAST_DEPTH = 1e-4
 # The value of unused entries of a persistent_id.
 NO_INDEX = 0x7FFFFFFF
 
@@ -241,6 +240,6 @@ class BakedSnow:
                 frame_file("height", entry["frame"]): entry["depth"]
                 for entry in read_manifest(path.parent)["frames"]
             }
-            depths = (by_file[path.name] / self._unit, max(*by_file.values(), LEAST_DEPTH) / self._unit)
+            depths = (by_file[path.name] / self._unit, max(*by_file.values(), MIN_DEPTH) / self._unit)
             self._maps[path.parent] = (path, stamp, (metres / self._unit, depths))
         return self._maps[path.parent][2]

@@ -17,7 +17,7 @@ from ..surface.point_cache import PointCacheWriter, collapsed
 from . import snow_surface, surface_files
 
 # Shape keys lie in the .blend file; more bytes than this in one mesh are refused.
-MOST_KEY_BYTES = 1 << 30
+MAX_KEY_BYTES = 1 << 30
 
 
 def _move_bare_points(mesh, before, matrix):
@@ -122,7 +122,7 @@ def of_shot(receiver, folder=None):
     points = [surface_files.points_of(surface) for surface in surfaces]
     if folder is None:
         for surface, samples in zip(surfaces, points, strict=True):
-            if samples.nbytes > MOST_KEY_BYTES:
+            if samples.nbytes > MAX_KEY_BYTES:
                 raise ValueError(
                     f"{surface.name} has {samples.shape[1]:,} points on {len(samples) - 1} frames, "
                     f"{samples.nbytes / 2**30:.1f} GiB of shape keys: use Mesh Cache"

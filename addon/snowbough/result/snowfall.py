@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..base.names import MIN_DEPTH
 from ..cache.files import POSITIONS
 from ..cache.manifest import read_manifest
 from ..surface.point_cache import read_point_cache
@@ -45,7 +46,7 @@ def read_snowfall(folder):
     local = read_point_cache(Path(folder) / POSITIONS)
     matrix = np.array(frames[-1]["to_world"], np.float64).reshape(4, 4)[:3, :3]
     scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-9)
-    depth = max(max(entry["depth"] for entry in frames), 1e-4)
+    depth = max(max(entry["depth"] for entry in frames), MIN_DEPTH)
 
     blown = np.mean([entry["direction"] for entry in frames], axis=0) * (1.0, 1.0, 0.0)
     sine = float(np.linalg.norm(blown))

@@ -13,7 +13,7 @@ from . import look, snow_nodes
 # Colour in the Solid view, where other objects are greyer.
 SOLID_COLOR = (1.0, 1.0, 1.0, 1.0)
 # Minimum depth for the material, in metres: its edges dissolve by the height of the mesh, not by the map.
-MIN_DEPTH = 0.02
+MATERIAL_DEPTH = 0.02
 # Depth of bare parts of the mesh below the receiver, in metres.
 BARE_DEPTH = 0.001
 # Initial values of the material's sliders, as JSON. A new bake keeps the sliders that the artist has changed.
@@ -49,9 +49,9 @@ def make_material(scene, name, sequence, uv_map, snowfall, wet=None):
     material.roughness = snow_nodes.ROUGH
     material.node_tree.nodes.clear()
     builder = NodeBuilder(material.node_tree)
-    depth = MIN_DEPTH
+    depth = MATERIAL_DEPTH
     if sequence is not None:
-        depth = builder.math("MAXIMUM", builder.absolute(_texel(builder, sequence, uv_map)), MIN_DEPTH)
+        depth = builder.math("MAXIMUM", builder.absolute(_texel(builder, sequence, uv_map)), MATERIAL_DEPTH)
     place = builder.node("ShaderNodeAttribute", attribute_name=SURFACE_POSITION_ATTRIBUTE).outputs["Vector"]
     group = builder.node("ShaderNodeGroup", node_tree=snow_nodes.ensure_group())
     look.set_group_inputs(group, look.of(scene))

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..base.names import MIN_DEPTH
 from ..cache import integrity
 from ..cache.errors import CacheError
 from ..cache.files import POSITIONS, RECEIVER, SURFACE, SURFACE_FACES, SURFACE_POINTS, frame_file
@@ -172,7 +173,7 @@ class Surface:
             inputs.world(last),
             inputs.height(fullest),
             highest,
-            max(max(entry["depth"] for entry in inputs.frames), 1e-4),
+            max(max(entry["depth"] for entry in inputs.frames), MIN_DEPTH),
             shading=inputs.mesh.smooth,
             scale=style.scale,
             most_points=WantedPoints(*inputs.manifest.get("wanted", ())).most(style.detail),
