@@ -15,7 +15,7 @@ if [ -n "$tree" ] && [ ! -f "$tree" ]; then
   exit 1
 fi
 started=$SECONDS
-echo "demo: the first run takes about 6 minutes on two cores: a minute for packages, then the build, snow and renders"
+echo "demo: the first run installs packages and compiles the native core, which takes most of its time; then come snow and renders"
 tools/setup.sh module
 unset PYTHONPATH PYTHONHOME
 rm -rf build/demo
