@@ -11,7 +11,7 @@ in vec2 snow_uv;
 #endif
 #ifdef IS_SNOW
 #include "glsl/snow_shading.glsl"
-in vec3 own_place;
+in vec3 own_position;
 /// Depth in metres at which snow has its full bumps and glints.
 const float kDeepSnow = 0.1;
 
@@ -21,7 +21,7 @@ const float kDeepSnow = 0.1;
 vec3 lit_surface() {
   const vec3 to_eye = normalize(view.eye.xyz - world);
   const vec3 normal = normalize(smooth_normal);
-  return lit_snow(world, normalize(normal - min(dot(normal, to_eye), 0.0) * to_eye), kDeepSnow, own_place);
+  return lit_snow(world, normalize(normal - min(dot(normal, to_eye), 0.0) * to_eye), kDeepSnow, own_position);
 }
 #endif
 

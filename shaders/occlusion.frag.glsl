@@ -16,14 +16,14 @@ layout(location = 0) out uvec2 visible;
 #ifdef WITH_ALPHA
 uniform usamplerBuffer alpha_bits;
 
-/// An AlphaPlane and an AlphaMaskPlace.
+/// An AlphaPlane and an AlphaMaskHeader.
 flat in vec2 alpha_corner;
 flat in vec4 alpha_gradient;
-flat in uvec4 alpha_place;
+flat in uvec4 alpha_header;
 
 bool is_cut_away(vec2 offset) {
-  const AlphaMaskPlace mask =
-      AlphaMaskPlace(alpha_place.x, alpha_place.y, alpha_place.z, alpha_place.w);
+  const AlphaMaskHeader mask =
+      AlphaMaskHeader(alpha_header.x, alpha_header.y, alpha_header.z, alpha_header.w);
   const uint bit = mask_bit(alpha_uv(offset.x, offset.y, alpha_corner, alpha_gradient), mask);
   return bit == kNowhere ||
          is_hole(texelFetch(alpha_bits, int(mask.first_word + (bit >> 5u))).x, bit);
@@ -33,7 +33,7 @@ bool is_cut_away(vec2 offset) {
 void main() {
   const vec2 offset = gl_FragCoord.xy + vec2(tile_origin) - corner_gradient.xy;
 #ifdef WITH_ALPHA
-  if (alpha_place.y != 0u && is_cut_away(offset)) {
+  if (alpha_header.y != 0u && is_cut_away(offset)) {
     discard;
   }
 #endif

@@ -15,15 +15,15 @@ flat out vec3 depth_range;
 
 #ifdef WITH_ALPHA
 uniform usamplerBuffer alpha_triangles;
-uniform usamplerBuffer alpha_places;
+uniform usamplerBuffer alpha_headers;
 /// Offset from a triangle's index to its alpha's.
 uniform int alpha_offset;
 
 /// An AlphaPlane.
 flat out vec2 alpha_corner;
 flat out vec4 alpha_gradient;
-/// An AlphaMaskPlace; width 0 = opaque.
-flat out uvec4 alpha_place;
+/// An AlphaMaskHeader; width 0 = opaque.
+flat out uvec4 alpha_header;
 
 void find_alpha(int index, vec3 a, vec3 b, vec3 c) {
   const uvec4 low = texelFetch(alpha_triangles, 2 * (index + alpha_offset));
@@ -32,7 +32,7 @@ void find_alpha(int index, vec3 a, vec3 b, vec3 c) {
                                        uintBitsToFloat(high.xy));
   alpha_corner = plane.corner;
   alpha_gradient = plane.gradient;
-  alpha_place = high.z == 0u ? uvec4(0u) : texelFetch(alpha_places, int(high.z) - 1);
+  alpha_header = high.z == 0u ? uvec4(0u) : texelFetch(alpha_headers, int(high.z) - 1);
 }
 #endif
 

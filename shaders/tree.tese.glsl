@@ -19,8 +19,8 @@ void main() {
   smooth_normal = shading_normal(of, at, point.normal);
   bark = vec4(patch_bark_uv(of, at), point.limb);
 #ifdef IMAGE
-  const BarkPlace place = bark_places[tree.lists.y + drawn_patch.y];
-  image_place = vec3(patch_uv(place.uv_01, place.uv_23, at), place.layer.x);
+  const BarkUv uv = bark_uvs[tree.lists.y + drawn_patch.y];
+  image_uv = vec3(patch_uv(uv.uv_01, uv.uv_23, at), uv.layer.x);
 #endif
 #ifndef WIRE
   drawn_tree = drawn_patch.x;
@@ -28,8 +28,8 @@ void main() {
   snow_map = tree.map;
   snow_depths = tree.snow;
   snow_style = tree.style;
-  snow_place = patch_snow_uv(of, at);
-  rest_place = point.rest;
+  snow_uv = patch_snow_uv(of, at);
+  rest_position = point.rest;
   snow_noises = point.noise;
 #endif
 #endif

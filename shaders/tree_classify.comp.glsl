@@ -76,7 +76,7 @@ uint class_of(WorkRange range, int index) {
   const float away = distance(view.eye.xyz, centre);
   const float highest = max(max(edge_level(of.edges.x), edge_level(of.edges.y)),
                             max(edge_level(of.edges.z), edge_level(of.edges.w)));
-  if (view.thesis.w > 0.5 && is_level_too_far(away, float(of.place.y), thesis_of_tree())) {
+  if (view.thesis.w > 0.5 && is_level_too_far(away, float(of.limb.y), thesis_of_tree())) {
     return kDropped;
   }
   if (highest > 1.0) {
@@ -100,10 +100,10 @@ uint class_of(WorkRange range, int index) {
     const float in_width = drawn_share(pixels_of(kDrawnWidth * reach, away), least);
     if (in_width < 1.0) {
       // Caps of thin limbs cover almost no pixels.
-      if (of.place.x < 0) {
+      if (of.limb.x < 0) {
         return kDropped;
       }
-      const float in_length = drawn_share(pixels_of(sections[tree.base.w + of.place.x].begin.w, away), kMinLength * least);
+      const float in_length = drawn_share(pixels_of(sections[tree.base.w + of.limb.x].begin.w, away), kMinLength * least);
       growth.along.x = 1.0 / in_length;
       growth.middle.w = in_length * area_factor(in_width * in_length, of.rest[2].w);
       if (growth.middle.w <= 0.0) {

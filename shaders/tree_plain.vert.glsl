@@ -54,8 +54,8 @@ void main() {
   }
   bark = vec4(corner_uv(of.bark_uv_01, of.bark_uv_23, corner), at.normal.w, at.position.w);
 #ifdef IMAGE
-  const BarkPlace place = bark_places[tree.lists.y + drawn.y];
-  image_place = vec3(corner_uv(place.uv_01, place.uv_23, corner), place.layer.x);
+  const BarkUv uv = bark_uvs[tree.lists.y + drawn.y];
+  image_uv = vec3(corner_uv(uv.uv_01, uv.uv_23, corner), uv.layer.x);
 #endif
 #ifndef WIRE
   drawn_tree = drawn.x;
@@ -63,9 +63,9 @@ void main() {
   snow_map = tree.map;
   snow_depths = tree.snow;
   snow_style = tree.style;
-  snow_place = corner_uv(of.snow_uv_01, of.snow_uv_23, corner);
-  rest_place = vertex.position.xyz;
-  snow_noises = has_snow() ? limb_noise(rest_place) : vec4(0.0);
+  snow_uv = corner_uv(of.snow_uv_01, of.snow_uv_23, corner);
+  rest_position = vertex.position.xyz;
+  snow_noises = has_snow() ? limb_noise(rest_position) : vec4(0.0);
 #endif
 #endif
 #endif

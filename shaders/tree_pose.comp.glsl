@@ -44,7 +44,7 @@ void main() {
     result.row_y += vertex.weights[k] * bone_rows[bone + 1];
     result.row_z += vertex.weights[k] * bone_rows[bone + 2];
   }
-  place_rows(result.row_x, result.row_y, result.row_z);
+  rows_to_world(result.row_x, result.row_y, result.row_z);
   const vec4 p = vec4(vertex.position.xyz, 1.0);
   const vec3 bare = vec3(dot(result.row_x, p), dot(result.row_y, p), dot(result.row_z, p));
   const vec3 n = vertex.normal.xyz;

@@ -159,7 +159,7 @@ def grass(renderer, blades=3000, size=2.0):
     quarter = random.integers(0, 4, len(at)) * (np.pi / 2)
     matrices[:, 0, 0] = matrices[:, 1, 1] = np.cos(quarter)
     matrices[:, 1, 0], matrices[:, 0, 1] = np.sin(quarter), -np.sin(quarter)
-    renderer.set_places("grass", matrices)
+    renderer.set_instances("grass", matrices)
 
 
 def meadow(renderer):

@@ -67,7 +67,7 @@ def plant(renderer, meshes, count, apart):
         own = matrices[kind :: len(meshes)]
         if not apart:
             renderer.add_tree(f"tree {kind}", mesh)
-            renderer.set_places(f"tree {kind}", own)
+            renderer.set_instances(f"tree {kind}", own)
             continue
         bones = len(mesh.bone_heads)
         for number, matrix in enumerate(own):

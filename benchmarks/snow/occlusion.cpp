@@ -37,7 +37,7 @@ struct Scene {
   std::vector<shared::SceneTriangle> triangles;
   /// Empty, or one per triangle, all with the same mask.
   std::vector<shared::AlphaTriangle> alpha;
-  std::vector<shared::AlphaMaskPlace> masks;
+  std::vector<shared::AlphaMaskHeader> masks;
   std::vector<uint32_t> mask_bits;
 
   TriangleRange range() const {
@@ -164,10 +164,10 @@ Times on_gpu(const Scene& scene, const Projection& projection, const Budget& bud
     buffers.views.triangles = gpu::BufferTexture(buffers.triangles, GL_RGBA32UI);
     buffers.views.triangle_corners = gpu::BufferTexture(buffers.triangle_corners, GL_RGBA32F);
     buffers.alpha_triangles = gpu::Buffer(scene.alpha);
-    buffers.alpha_places = gpu::Buffer(scene.masks);
+    buffers.alpha_headers = gpu::Buffer(scene.masks);
     buffers.alpha_bits = gpu::Buffer(scene.mask_bits);
     buffers.views.alpha_triangles = gpu::BufferTexture(buffers.alpha_triangles, GL_RGBA32UI);
-    buffers.views.alpha_places = gpu::BufferTexture(buffers.alpha_places, GL_RGBA32UI);
+    buffers.views.alpha_headers = gpu::BufferTexture(buffers.alpha_headers, GL_RGBA32UI);
     buffers.views.alpha_bits = gpu::BufferTexture(buffers.alpha_bits, GL_R32UI);
     const gpu::Buffer frame(sizeof projection.frame, &projection.frame);
     TriangleSetupPass setup;

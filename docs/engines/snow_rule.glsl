@@ -138,10 +138,10 @@ const float kSink = 0.004f;
 /// Fractions of the thickness.
 const float kSag = 0.6f;
 const float kSagVariation = 0.5f;
-const float kMostSag = 1.4f;
+const float kMaxSag = 1.4f;
 const float kRelief = 0.13f;
 const float kBumps = 0.08f;
-const float kMostRelief = 0.11f;
+const float kMaxRelief = 0.11f;
 
 /// Smooth step from 0 at `from` to 1 at `to`. `to` may be less than `from`.
 float eased(float x, float from, float to) {
@@ -200,7 +200,7 @@ float swept_height(const SnowPoint point, float height) {
 /// Height of the surface noise.
 float surface_relief(const SnowPoint point, const SnowStyle style,
                                                float height, float open_depth) {
-  const float wave = clamp(kRelief * point.relief + kBumps * point.bumps, -kMostRelief, kMostRelief);
+  const float wave = clamp(kRelief * point.relief + kBumps * point.bumps, -kMaxRelief, kMaxRelief);
   return style.relief * wave * min(max(height, 0.0f), open_depth);
 }
 
@@ -208,7 +208,7 @@ float surface_relief(const SnowPoint point, const SnowStyle style,
 float sagging(const SnowPoint point, const SnowStyle style,
                                         const SnowEdge edge, float thickness, float height, float up) {
   const float x = max(thickness - edge.threshold, 0.0f);
-  const float amount = clamp(kSag + style.hem_variation * kSagVariation * point.hem, 0.0f, kMostSag);
+  const float amount = clamp(kSag + style.hem_variation * kSagVariation * point.hem, 0.0f, kMaxSag);
   return style.overhang * max(height, 0.0f) * amount * exp(-x / (1.5f * edge.lip)) * steepness(up) *
          eased(up, -0.2f, 0.2f);
 }
@@ -266,6 +266,6 @@ float limb_height(const SnowPoint point, const SnowStyle style,
 
 /// Upper bound of the distance between a point away from rims and its carrier, for snow up to `thickness` in the map.
 float farthest_offset(float thickness, const SnowStyle style) {
-  const float height = (1.0f + style.relief * kMostRelief) * most_shown(thickness);
-  return thickness > 0.0f ? height * length(vec3(1.0f, style.overhang * kMostSag, 0.0f)) : 0.0f;
+  const float height = (1.0f + style.relief * kMaxRelief) * most_shown(thickness);
+  return thickness > 0.0f ? height * length(vec3(1.0f, style.overhang * kMaxSag, 0.0f)) : 0.0f;
 }

@@ -313,7 +313,8 @@ TreeLevels FrameDrawing::levels(const std::string& name) const {
 
 void FrameDrawing::count_all_patches() {
   for (const auto& [name, of] : objects_.trees()) {
-    statistics_->dropped += of->model()->patch_count() * static_cast<int64_t>(of->places().size());
+    statistics_->dropped +=
+        of->model()->patch_count() * static_cast<int64_t>(of->matrices().size());
   }
   for (const TreeChain& chain : forest_.chains()) {
     const PatchCounts counts = TreePasses::count(chain.camera.bark);

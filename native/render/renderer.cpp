@@ -119,8 +119,8 @@ void Renderer::add_mesh(const std::string& name, const MeshSource& source) {
   change([name, source](SceneObjects& objects) { objects.add_mesh(name, source); });
 }
 
-void Renderer::set_places(const std::string& name, const std::vector<glm::mat4>& matrices) {
-  change([name, matrices](SceneObjects& objects) { objects.set_places(name, matrices); });
+void Renderer::set_instances(const std::string& name, const std::vector<glm::mat4>& matrices) {
+  change([name, matrices](SceneObjects& objects) { objects.set_instances(name, matrices); });
 }
 
 void Renderer::set_mesh_snow(const std::string& mesh, const MeshSnow& snow) {

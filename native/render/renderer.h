@@ -48,7 +48,7 @@ class Renderer {
   // and for bad input; std::runtime_error after `close` and for GPU errors.
 
   void add_tree(const std::string& name, const TreeSource& source, const TreeLook& look = {});
-  /// Adds a tree that shares base, bark and leaves with another one. It has its own pose, places
+  /// Adds a tree that shares base, bark and leaves with another one. It has its own pose, instances
   /// and snow.
   void share_tree(const std::string& name, const std::string& tree);
   /// Sets the leaves of a tree, which move with its bones, and replaces earlier ones.
@@ -59,9 +59,9 @@ class Renderer {
   /// upload per frame.
   void set_pose(const std::string& tree, const std::vector<glm::mat4>& matrices);
   void add_mesh(const std::string& name, const MeshSource& source);
-  /// Sets the instances of a mesh or a tree: one matrix per place, from its own space, or that of
+  /// Sets the instances of a mesh or a tree: a matrix for each, from its own space, or that of
   /// the pose, to the world. The default is the identity.
-  void set_places(const std::string& name, const std::vector<glm::mat4>& matrices);
+  void set_instances(const std::string& name, const std::vector<glm::mat4>& matrices);
   /// Sets the snow on a mesh; a map without heights removes it.
   void set_mesh_snow(const std::string& mesh, const MeshSnow& snow);
   /// Sets the snow on a tree that has snow map coordinates.

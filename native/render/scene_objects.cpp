@@ -80,9 +80,9 @@ void SceneObjects::set_pose(const std::string& name, const std::vector<glm::mat4
   of.set_pose(matrices);
 }
 
-SceneTree& SceneObjects::tree_with_places(const std::string& name) const {
+SceneTree& SceneObjects::tree_with_snow_uvs(const std::string& name) const {
   SceneTree& of = tree(name);
-  if (!of.model()->has_snow_places) {
+  if (!of.model()->has_snow_uvs) {
     throw std::invalid_argument("tree '" + name +
                                 "' has no snow map coordinates: add it with snow_uv");
   }
@@ -103,7 +103,7 @@ std::vector<const SceneTree*> SceneObjects::drawn_trees() const {
 
 void SceneObjects::set_snow(const std::string& name, const TreeSnow& snow) {
   ++revision_;
-  SceneTree& of = tree_with_places(name);
+  SceneTree& of = tree_with_snow_uvs(name);
   // Trees without snow use the shaders without snow.
   const bool is_bare = std::all_of(snow.values.begin(), snow.values.end(),
                                    [](float height) { return height == 0.0f; });
@@ -114,7 +114,7 @@ void SceneObjects::set_snow(const std::string& name, const TreeSnow& snow) {
 void SceneObjects::share_snow(const std::string& name, const gpu::Texture& heights,
                               const SnowLook& look) {
   ++revision_;
-  tree_with_places(name).set_snow(heights, look);
+  tree_with_snow_uvs(name).set_snow(heights, look);
 }
 
 MeshBuffers& SceneObjects::mesh(const std::string& name) const {
@@ -135,11 +135,11 @@ void SceneObjects::add_mesh(const std::string& name, const MeshSource& source) {
   meshes_[name] = std::make_unique<MeshBuffers>(source);
 }
 
-void SceneObjects::set_places(const std::string& name, const std::vector<glm::mat4>& matrices) {
+void SceneObjects::set_instances(const std::string& name, const std::vector<glm::mat4>& matrices) {
   ++revision_;
   const auto found = trees_.find(name);
-  if (found != trees_.end()) return found->second->set_places(matrices);
-  mesh(name).set_places(matrices);
+  if (found != trees_.end()) return found->second->set_instances(matrices);
+  mesh(name).set_instances(matrices);
 }
 
 void SceneObjects::set_mesh_snow(const std::string& name, const MeshSnow& snow) {

@@ -29,7 +29,7 @@ class SceneObjects {
   void set_snow(const std::string& tree, const TreeSnow& snow);
   void share_snow(const std::string& tree, const gpu::Texture& heights, const SnowLook& look);
   void add_mesh(const std::string& name, const MeshSource& source);
-  void set_places(const std::string& name, const std::vector<glm::mat4>& matrices);
+  void set_instances(const std::string& name, const std::vector<glm::mat4>& matrices);
   void set_mesh_snow(const std::string& mesh, const MeshSnow& snow);
   void remove(const std::string& name);
 
@@ -46,7 +46,7 @@ class SceneObjects {
   uint64_t revision() const { return revision_; }
 
  private:
-  SceneTree& tree_with_places(const std::string& name) const;
+  SceneTree& tree_with_snow_uvs(const std::string& name) const;
   MeshBuffers& mesh(const std::string& name) const;
   void require_new(const std::string& name) const;
 

@@ -4,12 +4,12 @@
 
 /// True if a patch's corners 2 and 3 lie on a rim.
 bool is_inset(TreePatch of) {
-  return of.place.w >= kRoundInset;
+  return of.limb.w >= kRoundInset;
 }
 
 /// The change of the posed normal at a corner of an inset.
 vec3 turn_at(TreePatch of, TreeVertex vertex, PosedVertex at) {
-  const vec3 turn = limb_normal(sections[tree.base.w + of.place.x], vertex.position.xyz) - vertex.normal.xyz;
+  const vec3 turn = limb_normal(sections[tree.base.w + of.limb.x], vertex.position.xyz) - vertex.normal.xyz;
   return vec3(dot(at.row_x.xyz, turn), dot(at.row_y.xyz, turn), dot(at.row_z.xyz, turn));
 }
 

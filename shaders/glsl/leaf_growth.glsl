@@ -16,7 +16,7 @@ struct LeafRows {
 LeafRows leaf_rows(LeafVertex at) {
   const int bone = 3 * (tree.own.w + floatBitsToInt(at.position.w));
   LeafRows rows = LeafRows(bone_rows[bone], bone_rows[bone + 1], bone_rows[bone + 2]);
-  place_rows(rows.x, rows.y, rows.z);
+  rows_to_world(rows.x, rows.y, rows.z);
   return rows;
 }
 

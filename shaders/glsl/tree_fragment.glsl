@@ -15,7 +15,7 @@ in vec3 smooth_normal;
 in vec4 bark;
 #ifdef IMAGE
 uniform sampler2DArray bark_images;
-in vec3 image_place;
+in vec3 image_uv;
 #endif
 #ifdef SNOW
 #include "glsl/tree_snow.glsl"
@@ -23,8 +23,8 @@ in vec3 image_place;
 flat in ivec4 snow_map;
 flat in vec4 snow_depths;
 flat in SnowStyle snow_style;
-in vec2 snow_place;
-in vec3 rest_place;
+in vec2 snow_uv;
+in vec3 rest_position;
 in vec4 snow_noises;
 
 /// Fraction of the snow's own slopes that shows on limbs.
@@ -34,11 +34,11 @@ const float kTwigRelief = 0.6;
 vec3 with_snow(vec3 bare) {
   const vec3 limb = normalize(smooth_normal);
   const float depth =
-      shown_snow(limb_point(snow_noises, bark.z), max(height_between(snow_place), 0.0), limb.z);
+      shown_snow(limb_point(snow_noises, bark.z), max(height_between(snow_uv), 0.0), limb.z);
   // Twigs are only a few texels wide, so soften the steps between texels.
   const vec3 normal = normalize(mix(limb, with_relief(world, limb, depth), kTwigRelief));
   const float pixel = distance(view.eye.xyz, world) / view.eye.w;
-  return mix(bare, lit_snow(world, normal, depth, rest_place), snow_cover(depth, rest_place, pixel));
+  return mix(bare, lit_snow(world, normal, depth, rest_position), snow_cover(depth, rest_position, pixel));
 }
 #endif
 #endif
@@ -51,7 +51,7 @@ void main() {
 #else
   const vec3 relief = pixel_relief(world, bark);
 #ifdef IMAGE
-  const vec3 albedo = texture(bark_images, image_place).rgb;
+  const vec3 albedo = texture(bark_images, image_uv).rgb;
 #else
   const vec3 albedo = mix(instances[drawn_tree].bark_dark.rgb, instances[drawn_tree].bark_light.rgb, bark_share(relief.x));
 #endif

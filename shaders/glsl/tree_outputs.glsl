@@ -12,9 +12,9 @@ out vec3 world;
 out vec3 smooth_normal;
 out vec4 bark;
 #ifdef IMAGE
-layout(std430) readonly buffer BarkPlaces { BarkPlace bark_places[]; };
+layout(std430) readonly buffer BarkUvs { BarkUv bark_uvs[]; };
 /// Coordinates on the bark's image, and its layer.
-out vec3 image_place;
+out vec3 image_uv;
 #endif
 #ifndef WIRE
 flat out int drawn_tree;
@@ -24,8 +24,8 @@ flat out ivec4 snow_map;
 flat out vec4 snow_depths;
 flat out SnowStyle snow_style;
 /// Coordinates on the snow map, and the position in the rest pose without bark.
-out vec2 snow_place;
-out vec3 rest_place;
+out vec2 snow_uv;
+out vec3 rest_position;
 /// See limb_noise.
 out vec4 snow_noises;
 #endif

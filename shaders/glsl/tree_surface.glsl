@@ -137,7 +137,7 @@ vec2 patch_snow_uv(TreePatch of, vec2 at) {
 
 /// A point within a patch, not on its edges.
 SurfacePoint inner_point(TreePatch of, vec2 at) {
-  const float round_share = of.place.w == kWallPatch ? 1.0 : of.place.w == kRoundInset ? 1.0 - at.y : 0.0;
+  const float round_share = of.limb.w == kWallPatch ? 1.0 : of.limb.w == kRoundInset ? 1.0 - at.y : 0.0;
   const vec2 s = vec2(mix(at.x, chord_share(at.x), round_share), at.y);
   const ivec4 v = tree.base.x + of.vertices;
   const ivec4 w = tree.own.x + of.vertices;
@@ -146,8 +146,8 @@ SurfacePoint inner_point(TreePatch of, vec2 at) {
   const vec4 n =
       bilinear(vertices[v.x].normal, vertices[v.y].normal, vertices[v.z].normal, vertices[v.w].normal, s);
   vec3 round_point = vec3(p);
-  if (of.place.x >= 0) {
-    round_point = on_limb(sections[tree.base.w + of.place.x], vec3(p));
+  if (of.limb.x >= 0) {
+    round_point = on_limb(sections[tree.base.w + of.limb.x], vec3(p));
   }
   const vec2 low = vec2(rest_share(at.x), rest_share(at.y));
   const vec2 high = vec2(rest_share(1.0 - at.x), rest_share(1.0 - at.y));

@@ -81,7 +81,7 @@ SNOWBOUGH_SHARED_FUNCTION vec2 alpha_uv(float offset_x, float offset_y, vec2 cor
 }
 
 /// The mask bit at uv: of the texel that contains it. kNowhere: none; snow falls through.
-SNOWBOUGH_SHARED_FUNCTION uint mask_bit(vec2 uv, KERNEL_CONST_REF(AlphaMaskPlace) mask) {
+SNOWBOUGH_SHARED_FUNCTION uint mask_bit(vec2 uv, KERNEL_CONST_REF(AlphaMaskHeader) mask) {
   if (mask.extension == kAlphaClip &&
       (min(uv.x, uv.y) < 0.0f || max(uv.x, uv.y) > 1.0f)) {
     return kNowhere;

@@ -59,8 +59,8 @@ SNOWBOUGH_SHARED_FUNCTION float limb_height(KERNEL_CONST_REF(SnowPoint) point, K
 
 /// Upper bound of the distance between a point away from rims and its carrier, for snow up to `thickness` in the map.
 SNOWBOUGH_SHARED_FUNCTION float farthest_offset(float thickness, KERNEL_CONST_REF(SnowStyle) style) {
-  const float height = (1.0f + style.relief * kMostRelief) * most_shown(thickness);
-  return thickness > 0.0f ? height * length(vec3(1.0f, style.overhang * kMostSag, 0.0f)) : 0.0f;
+  const float height = (1.0f + style.relief * kMaxRelief) * most_shown(thickness);
+  return thickness > 0.0f ? height * length(vec3(1.0f, style.overhang * kMaxSag, 0.0f)) : 0.0f;
 }
 
 #ifndef SNOWBOUGH_GLSL

@@ -32,21 +32,21 @@ struct AlphaTriangle {
   vec2 uv_a;
   vec2 uv_b;
   vec2 uv_c;
-  /// 1 + index of an AlphaMaskPlace; 0 = the triangle is opaque.
+  /// 1 + index of an AlphaMaskHeader; 0 = the triangle is opaque.
   uint mask;
   uint unused_row_end;
 };
 SNOWBOUGH_SHARED_SIZE(AlphaTriangle, 32)
 
 /// An alpha mask in the buffer of all masks' bits.
-struct AlphaMaskPlace {
+struct AlphaMaskHeader {
   uint first_word;
   uint width;
   uint height;
   /// kAlphaRepeat and so on.
   uint extension;
 };
-SNOWBOUGH_SHARED_SIZE(AlphaMaskPlace, 16)
+SNOWBOUGH_SHARED_SIZE(AlphaMaskHeader, 16)
 
 /// The part of a triangle in a texel.
 struct Fragment {

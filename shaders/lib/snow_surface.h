@@ -105,10 +105,10 @@ KERNEL_CONSTANT float kSink = 0.004f;
 /// Fractions of the thickness.
 KERNEL_CONSTANT float kSag = 0.6f;
 KERNEL_CONSTANT float kSagVariation = 0.5f;
-KERNEL_CONSTANT float kMostSag = 1.4f;
+KERNEL_CONSTANT float kMaxSag = 1.4f;
 KERNEL_CONSTANT float kRelief = 0.13f;
 KERNEL_CONSTANT float kBumps = 0.08f;
-KERNEL_CONSTANT float kMostRelief = 0.11f;
+KERNEL_CONSTANT float kMaxRelief = 0.11f;
 
 // At rims. Lengths are fractions of the height behind the rim.
 /// Position in the zone, from 0 at the rim to 1, where the front ends and the top begins.
@@ -199,7 +199,7 @@ SNOWBOUGH_SHARED_FUNCTION float swept_height(KERNEL_CONST_REF(SnowPoint) point, 
 /// Height of the surface noise.
 SNOWBOUGH_SHARED_FUNCTION float surface_relief(KERNEL_CONST_REF(SnowPoint) point, KERNEL_CONST_REF(SnowStyle) style,
                                                float height, float open_depth) {
-  const float wave = clamp(kRelief * point.relief + kBumps * point.bumps, -kMostRelief, kMostRelief);
+  const float wave = clamp(kRelief * point.relief + kBumps * point.bumps, -kMaxRelief, kMaxRelief);
   return style.relief * wave * min(max(height, 0.0f), open_depth);
 }
 
@@ -207,7 +207,7 @@ SNOWBOUGH_SHARED_FUNCTION float surface_relief(KERNEL_CONST_REF(SnowPoint) point
 SNOWBOUGH_SHARED_FUNCTION float sagging(KERNEL_CONST_REF(SnowPoint) point, KERNEL_CONST_REF(SnowStyle) style,
                                         KERNEL_CONST_REF(SnowEdge) edge, float thickness, float height, float up) {
   const float x = max(thickness - edge.threshold, 0.0f);
-  const float amount = clamp(kSag + style.hem_variation * kSagVariation * point.hem, 0.0f, kMostSag);
+  const float amount = clamp(kSag + style.hem_variation * kSagVariation * point.hem, 0.0f, kMaxSag);
   return style.overhang * max(height, 0.0f) * amount * exp(-x / (1.5f * edge.lip)) * steepness(up) *
          eased(up, -0.2f, 0.2f);
 }

@@ -36,7 +36,7 @@ KERNEL_CONSTANT float kUnbounded = 3e38f;
 /// Units of volume per metre on a texel of the object's mean area; and the maximum flow of a link per round, so that
 /// sums over a texel's links are exact in a float.
 KERNEL_CONSTANT float kUnitsAMetre = 16777216.0f;
-KERNEL_CONSTANT float kMostFlow = 524288.0f;
+KERNEL_CONSTANT float kMaxFlow = 524288.0f;
 /// Number of links of a texel in the middle of a chart.
 KERNEL_CONSTANT float kLinks = 8.0f;
 /// Fraction of the excess that flows per round between two equal texels with eight links each.
@@ -111,7 +111,7 @@ SNOWBOUGH_SHARED_FUNCTION float flow_momentum(int round) { return float(round) /
 SNOWBOUGH_SHARED_FUNCTION float wanted_flow(float before, float fall, float limit, float rate, float momentum) {
   const float steep = abs(fall);
   const float onwards = fall < 0.0f ? -before : before;
-  const float wanted = max(min(momentum * onwards + rate * (steep - kRests * limit), kMostFlow), 0.0f);
+  const float wanted = max(min(momentum * onwards + rate * (steep - kRests * limit), kMaxFlow), 0.0f);
   const float least = onwards > 0.0f ? kStops * limit : limit;
   const float flow = steep > least ? wanted : 0.0f;
   return fall < 0.0f ? -flow : flow;

@@ -27,7 +27,7 @@ struct TreeVertex {
   vec4 position;
   /// Unit; w: circumference of the limb in metres.
   vec4 normal;
-  /// The bark's coordinates; z, w: as integer bits, begin and end of its places on the snow map in a list.
+  /// The bark's coordinates; z, w: as integer bits, begin and end of its coordinates on the snow map in a list.
   vec4 bark_uv;
   ivec4 bones;
   vec4 weights;
@@ -85,11 +85,11 @@ struct TreePatch {
   /// Twice the edge from corner k to k + 1, plus one if it runs the other way.
   ivec4 edges;
   /// Section (-1: flat), branch level, branch, kind: kCapPatch and so on.
-  ivec4 place;
+  ivec4 limb;
   /// The bark's coordinates of corners 0 and 1, 2 and 3.
   vec4 bark_uv_01;
   vec4 bark_uv_23;
-  /// Places on the snow map of corners 0 and 1, 2 and 3.
+  /// Coordinates on the snow map of corners 0 and 1, 2 and 3.
   vec4 snow_uv_01;
   vec4 snow_uv_23;
   /// Offsets near each corner that make the patch reach its vertices; w of the first: its area (m2), of the second:
@@ -102,12 +102,12 @@ struct TreePatch {
 SNOWBOUGH_SHARED_SIZE(TreePatch, 192)
 
 /// Material image of a patch: coordinates of corners 0 and 1, 2 and 3, and the image's layer (x).
-struct BarkPlace {
+struct BarkUv {
   vec4 uv_01;
   vec4 uv_23;
   vec4 layer;
 };
-SNOWBOUGH_SHARED_SIZE(BarkPlace, 48)
+SNOWBOUGH_SHARED_SIZE(BarkUv, 48)
 
 /// The view of a picture and the parameters of its passes, in a uniform block.
 struct TreeView {
@@ -138,12 +138,12 @@ SNOWBOUGH_SHARED_SIZE(TreeView, 368)
 /// An instance of a tree in a frame: where it stands, and where its data begin in the buffers of all trees.
 struct TreeInstance {
   /// Rows of the matrix from the space of the pose to the world.
-  vec4 place[3];
+  vec4 to_world[3];
   /// First vertex, edge, patch and section of the base.
   ivec4 base;
   /// First posed vertex, edge level, patch growth, and bone.
   ivec4 own;
-  /// First place of vertices on the snow map, first place on the bark's images.
+  /// First coordinates of vertices on the snow map, first on the bark's images.
   ivec4 lists;
   /// Width and height of the snow map in texels (0: no snow), and its first page.
   ivec4 map;

@@ -120,7 +120,7 @@ def test_an_imported_tree_is_drawn_from_its_base_in_its_pose(scene, addon):
     base = read_scene(addon).trees[0]
     assert len(base.surface["quads"]) < len(bark.data.polygons)
     assert np.allclose(base.pose, np.eye(4), atol=1e-5)
-    assert np.allclose(base.places, np.eye(4), atol=1e-5)
+    assert np.allclose(base.matrices, np.eye(4), atol=1e-5)
     rig.location = (1, 2, 3)
     bone = next(bone for bone in rig.pose.bones if bone.parent is None)
     bone.rotation_mode = "XYZ"
@@ -133,7 +133,7 @@ def test_an_imported_tree_is_drawn_from_its_base_in_its_pose(scene, addon):
     surface = tree.surface
     skinned = np.einsum("vk,vkij->vij", surface["bone_weights"], tree.pose[surface["bone_indices"]])
     points = np.einsum("vij,vj->vi", skinned, np.c_[surface["vertices"], np.ones(len(skinned))])
-    points = (points @ tree.places[0].T)[:, :3]
+    points = (points @ tree.matrices[0].T)[:, :3]
     evaluated = bark.evaluated_get(bpy.context.evaluated_depsgraph_get())
     deformed = np.array([evaluated.matrix_world @ vertex.co for vertex in evaluated.data.vertices])
     assert np.allclose(points.min(0), deformed.min(0), atol=0.1)
@@ -162,7 +162,7 @@ def test_instances_of_one_mesh_are_one_mesh_in_many_places(scene, addon):
         empty.location.x = number
         scene.collection.objects.link(empty)
     (mesh,) = read_scene(addon).meshes
-    assert sorted(mesh.places[:, 0, 3].tolist()) == [0, 1, 2, 3, 4]
+    assert sorted(mesh.matrices[:, 0, 3].tolist()) == [0, 1, 2, 3, 4]
 
 
 def test_a_forest_of_one_tree_is_one_tree_in_many_places(scene, addon):
@@ -176,7 +176,7 @@ def test_a_forest_of_one_tree_is_one_tree_in_many_places(scene, addon):
     content = read_scene(addon)
     (tree,) = content.trees
     assert not content.meshes
-    assert sorted(tree.places[:, 0, 3].round().tolist()) == [10 * number for number in range(100)]
+    assert sorted(tree.matrices[:, 0, 3].round().tolist()) == [10 * number for number in range(100)]
 
     # A duplicate has a pose of its own, and shares the rest.
     twin = rig.copy()
@@ -185,10 +185,10 @@ def test_a_forest_of_one_tree_is_one_tree_in_many_places(scene, addon):
     scene.collection.objects.link(bark)
     bark.parent, bark.modifiers[0].object = twin, twin
     twin.location = (0, 7, 0)
-    one, other = sorted(read_scene(addon).trees, key=lambda made: len(made.places))
-    assert len(one.places) == 1 and len(other.places) == 100
+    one, other = sorted(read_scene(addon).trees, key=lambda made: len(made.matrices))
+    assert len(one.matrices) == 1 and len(other.matrices) == 100
     assert one.key != other.key and one.print == other.print
-    assert one.places[0, 1, 3] == pytest.approx(7)
+    assert one.matrices[0, 1, 3] == pytest.approx(7)
 
 
 def test_an_animation_shows_each_frames_moment(scene, tmp_path):

@@ -51,9 +51,9 @@ def test_the_places_of_snow_on_a_trees_base_are_those_of_its_bark(scene, addon, 
     trees = addon("realtime.trees")
     for bark in barks:
         surface, _print = trees.Surfaces().of(trees.rig_of(bark, "VIEWPORT"))
-        places = trees.SnowUvs(bark.data, surface)
-        assert places.uv("bark") is None
-        assert places.uv("snow").shape == (len(surface["quads"]), 4, 2)
+        uvs = trees.SnowUvs(bark.data, surface)
+        assert uvs.uv("bark") is None
+        assert uvs.uv("snow").shape == (len(surface["quads"]), 4, 2)
 
 
 def test_a_tree_that_carries_the_snow_of_a_bake_is_drawn_as_a_tree(scene, read, tmp_path):
@@ -67,7 +67,7 @@ def test_a_tree_that_carries_the_snow_of_a_bake_is_drawn_as_a_tree(scene, read, 
     rig.location.x = 1.0
     scene.frame_set(4)
     (moved,) = read().trees
-    assert moved.places[0, 0, 3] == pytest.approx(tree.places[0, 0, 3] + 1.0)
+    assert moved.matrices[0, 0, 3] == pytest.approx(tree.matrices[0, 0, 3] + 1.0)
     assert np.array_equal(moved.snow.heights, tree.snow.heights)
 
 
@@ -152,16 +152,16 @@ def snow_by_place(content):
     """{(name, x): deepest snow or None} of the meshes of a records.Scene."""
     found = {}
     for mesh in content.meshes:
-        for place in mesh.places:
+        for matrix in mesh.matrices:
             deepest = None if mesh.snow is None else float(mesh.snow.heights.max())
-            found[mesh.key.split()[1], round(float(place[0, 3]))] = deepest
+            found[mesh.key.split()[1], round(float(matrix[0, 3]))] = deepest
     return found
 
 
 def snow_surfaces(content):
     """Points in the world of the surfaces of snow of a records.Scene."""
     return [
-        mesh.shape.vertices @ mesh.places[0, :3, :3].T + mesh.places[0, :3, 3]
+        mesh.shape.vertices @ mesh.matrices[0, :3, :3].T + mesh.matrices[0, :3, 3]
         for mesh in content.meshes
         if mesh.shape.is_snow
     ]

@@ -37,7 +37,7 @@ class Reader:
         self._shapes = {}
         self._leaves = {}
         self._bark_images = {}
-        self._places = {}
+        self._snow_uvs = {}
         self.left_out = set()
         """Names of objects that are omitted in whole or in part: too far away, or with non-finite coordinates."""
 
@@ -53,7 +53,7 @@ class Reader:
             elif isinstance(block, bpy.types.Mesh):  # edited; for a pose Blender reports only the object
                 _drop(self._leaves, block)
                 _drop(self._bark_images, block)
-                _drop(self._places, block)
+                _drop(self._snow_uvs, block)
             elif isinstance(block, bpy.types.Object):
                 if update.is_updated_geometry or update.is_updated_shading:
                     _drop(self._shapes, block)
@@ -82,7 +82,7 @@ class Reader:
         world = world_color(depsgraph.scene_eval.world)
         made = [Mesh(key, *parts) for key, parts in sorted(self._meshes.items())]
         for mesh in made:
-            mesh.places = np.array(mesh.places, np.float32)
+            mesh.matrices = np.array(mesh.matrices, np.float32)
         light = light_of(lamps, world, _centre(made))
         return Scene(made, grown, light)
 
@@ -119,9 +119,9 @@ class Reader:
         if receiver is not None and snow is None:
             return False
         slot = self._trees.setdefault(_instance_name(instance, rig), {"rig": rig})
-        place = np.array(instance.matrix_world)
+        matrix = np.array(instance.matrix_world)
         if is_leaves:
-            slot["leaves"] = (obj, place)
+            slot["leaves"] = (obj, matrix)
             return True
         named = (original.name, library_name(original), rig.name, library_name(rig))
         if named not in self._poses:
@@ -131,7 +131,7 @@ class Reader:
             return False
         looks = meshes.looks_of(obj, original.data, self._look, materials.PLAIN)
         images, images_print = self._bark_images_of(original, rig, arrays, print_, looks)
-        slot["tree"] = trees.tree_of("", arrays, print_ + images_print, looks[0], pose, place, images, snow)
+        slot["tree"] = trees.tree_of("", arrays, print_ + images_print, looks[0], pose, matrix, images, snow)
         return True
 
     def _snow_on_bark(self, original, arrays, print_, receiver):
@@ -139,9 +139,9 @@ class Reader:
         if receiver is None:
             return None
         key = (original.data.name, library_name(original.data), print_)
-        if key not in self._places:
-            self._places[key] = trees.SnowUvs(original.data, arrays)
-        return self._snow.of(receiver, self._places[key])
+        if key not in self._snow_uvs:
+            self._snow_uvs[key] = trees.SnowUvs(original.data, arrays)
+        return self._snow.of(receiver, self._snow_uvs[key])
 
     def _join_leaves(self):
         """The records.Tree of all instances with their leaves. Leaves without bark become meshes."""
@@ -177,10 +177,10 @@ class Reader:
 
     # -- meshes -----------------------------------------------------------------------------------------
 
-    def _add_shape(self, obj, place, receiver):
-        """Adds an evaluated object with the matrix `place`. receiver: the ReceiverId of its snow, or None."""
+    def _add_shape(self, obj, matrix, receiver):
+        """Adds an evaluated object with its matrix in the world. receiver: the ReceiverId of its snow, or None."""
         original = obj.original
-        if outliers(place[:3]) is not None:
+        if outliers(matrix[:3]) is not None:
             self.left_out.add(original.name)
             return
         data = original.data.name if original.data is not None else ""
@@ -204,7 +204,7 @@ class Reader:
             name += f" of {receiver.key}"
         if name not in self._meshes:
             self._meshes[name] = (shape, print_, [], snow)
-        self._meshes[name][2].append(place)
+        self._meshes[name][2].append(matrix)
 
     def _read_shape(self, obj, carries):
         """(Shape, its print, _KeptUvs) of an evaluated object. The last is None unless it `carries` snow."""
@@ -272,8 +272,8 @@ def _lamp(obj, matrix):
 
 def _centre(made):
     """Mean position of the meshes."""
-    places = [mesh.places[:, :3, 3] for mesh in made]
-    return tuple(np.concatenate(places).mean(axis=0).tolist()) if places else (0.0, 0.0, 0.0)
+    middles = [mesh.matrices[:, :3, 3] for mesh in made]
+    return tuple(np.concatenate(middles).mean(axis=0).tolist()) if middles else (0.0, 0.0, 0.0)
 
 
 def world_color(world):

@@ -82,7 +82,7 @@ class Mesh:
     shape: Shape
     print: str
     """The shape's print, stored because computing it takes as long as an upload."""
-    places: np.ndarray
+    matrices: np.ndarray
     """(P, 4, 4) float32, the matrix of each instance."""
     snow: LyingSnow = None
 
@@ -144,7 +144,7 @@ class Tree:
     bark: Bark
     pose: np.ndarray
     """(B, 4, 4) float32: for each bone the matrix from its rest pose to the pose, in the space of the bark's object."""
-    places: np.ndarray
+    matrices: np.ndarray
     """(P, 4, 4) float32, the matrix of each instance."""
     leaves: Leaves = None
     leaves_print: str = ""

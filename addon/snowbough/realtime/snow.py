@@ -149,8 +149,8 @@ class LiveSnow:
                 (materials.SNOW.paint,),
                 is_snow=True,
             )
-            place = np.diag((*(1.0 / self._unit,) * 3, 1.0))
-            known = self._surfaces[receiver.key] = (surface.shown, (shape, shape.print, [place]))
+            matrix = np.diag((*(1.0 / self._unit,) * 3, 1.0))
+            known = self._surfaces[receiver.key] = (surface.shown, (shape, shape.print, [matrix]))
         return known[1]
 
 
@@ -222,11 +222,11 @@ class BakedSnow:
         if not folder:
             return None
         if folder not in self._paths:
-            place = Path(bpy.path.abspath(folder))
-            frames = frames_on_disk(place, "height")
+            baked = Path(bpy.path.abspath(folder))
+            frames = frames_on_disk(baked, "height")
             is_there = bool(frames) and self._frame >= frames[0]
             self._paths[folder] = (
-                place / frame_file("height", min(self._frame, frames[-1])) if is_there else None
+                baked / frame_file("height", min(self._frame, frames[-1])) if is_there else None
             )
         return self._paths[folder]
 

@@ -44,9 +44,9 @@ class Sync:
             if known is not None:
                 self._renderer.remove(mesh.key)
             self._add_mesh(mesh)
-        moved = not np.array_equal(np.eye(4)[None] if renewed else known.places, mesh.places)
+        moved = not np.array_equal(np.eye(4)[None] if renewed else known.matrices, mesh.matrices)
         if moved:
-            self._renderer.set_places(mesh.key, mesh.places)
+            self._renderer.set_instances(mesh.key, mesh.matrices)
         snowed = not _is_same_snow(mesh.snow, None if renewed else known.snow)
         if snowed:
             self._set_snow(mesh)
@@ -91,9 +91,9 @@ class Sync:
         posed = renewed or not np.array_equal(known.pose, tree.pose)
         if posed:
             self._renderer.set_pose(tree.key, tree.pose)
-        moved = not np.array_equal(np.eye(4)[None] if renewed else known.places, tree.places)
+        moved = not np.array_equal(np.eye(4)[None] if renewed else known.matrices, tree.matrices)
         if moved:
-            self._renderer.set_places(tree.key, tree.places)
+            self._renderer.set_instances(tree.key, tree.matrices)
         snowed = not _is_same_snow(tree.snow, None if renewed else known.snow)
         if snowed:
             snow = tree.snow or _BARE

@@ -152,15 +152,15 @@ def leaves_of(obj, looks):
     return Leaves(vertices[triangles], bones[triangles[:, 0]], *painted(arrays, looks))
 
 
-def tree_of(key, surface, print_, look, pose, place, images, snow):
-    """A records.Tree in one place, without leaves. look: the bark's Look; print_: fingerprint of the surface and the
+def tree_of(key, surface, print_, look, pose, matrix, images, snow):
+    """A records.Tree in one instance, without leaves. look: the bark's Look; print_: fingerprint of the surface and the
     BarkImages; snow: the records.LyingSnow on the bark, or None."""
     bark = bark_of(look)
-    return Tree(key, surface, print_ + repr(bark), bark, pose, place[None], bark_images=images, snow=snow)
+    return Tree(key, surface, print_ + repr(bark), bark, pose, matrix[None], bark_images=images, snow=snow)
 
 
 def joined(trees):
-    """The trees without snow of each rig as one tree in many places; each tree with snow has a map of its own. trees:
+    """The trees without snow of each rig as one tree in many instances. Those with snow keep a map of their own. trees:
     (name of the rig, key of the instance, records.Tree) of instances."""
     made, alike = [], {}
     for rig, instance, tree in trees:
@@ -177,5 +177,5 @@ def joined(trees):
             made.append(kinds[kind])
         kinds[kind].append(tree)
     for same in made:
-        same[0].places = np.concatenate([tree.places for tree in same]).astype(np.float32)
+        same[0].matrices = np.concatenate([tree.matrices for tree in same]).astype(np.float32)
     return sorted((same[0] for same in made), key=lambda tree: tree.key)

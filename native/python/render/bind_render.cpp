@@ -32,10 +32,10 @@ void add_mesh(Renderer& renderer, const std::string& name, const InputArray<floa
   renderer.add_mesh(name, source);
 }
 
-void set_places(Renderer& renderer, const std::string& name, const InputArray<float>& matrices) {
+void set_instances(Renderer& renderer, const std::string& name, const InputArray<float>& matrices) {
   const std::vector<glm::mat4> columns = matrices_of(matrices);
   const ReleasedGil release;
-  renderer.set_places(name, columns);
+  renderer.set_instances(name, columns);
 }
 
 py::array_t<float> render_light(Renderer& renderer, const Camera& camera,
@@ -150,8 +150,8 @@ before the change is done; take_frame raises their errors.)")
 triangles (T, 3); linear colour. Per corner: normals (T, 3, 3) instead of smooth ones, uv (T, 3, 2)
 in its images. materials (T,), colors and images as in set_leaves; without colors it has one
 material of `color`.)")
-      .def("set_places", &set_places, "name"_a, "matrices"_a,
-           "Sets the places of a mesh or a tree: (P, 4, 4), one matrix per place from its own "
+      .def("set_instances", &set_instances, "name"_a, "matrices"_a,
+           "Sets the instances of a mesh or a tree: (P, 4, 4), a matrix for each from its own "
            "space, or that of the pose, to the world.")
       .def("remove", &Renderer::remove, "name"_a, py::call_guard<ReleasedGil>(),
            "Removes a tree or a mesh.")

@@ -109,12 +109,12 @@ MeshBuffers::MeshBuffers(const MeshSource& source) : is_snow_(source.is_snow) {
   for (const Material& material : source.materials) {
     materials_.push_back({material.color, image_texture(material.image, "mesh")});
   }
-  set_places({glm::mat4(1.0f)});
+  set_instances({glm::mat4(1.0f)});
 }
 
-void MeshBuffers::set_places(const std::vector<glm::mat4>& matrices) {
-  places_ = gpu::Buffer(matrix_rows(matrices));
-  place_count_ = static_cast<int32_t>(matrices.size());
+void MeshBuffers::set_instances(const std::vector<glm::mat4>& matrices) {
+  matrices_ = gpu::Buffer(matrix_rows(matrices));
+  instance_count_ = static_cast<int32_t>(matrices.size());
   bounds_ = Box();
   for (const glm::mat4& matrix : matrices) bounds_.add(own_.moved(matrix));
 }
@@ -152,7 +152,7 @@ void MeshPasses::draw(MeshBuffers& mesh, const gpu::Buffer& view, const DrawStyl
     gpu::Program& program = begin_draw(mesh_, style, defines);
     program.bind("ViewBlock", view);
     program.bind("MeshCorners", piece.corners);
-    program.bind("MeshPlaces", mesh.places_);
+    program.bind("MeshInstances", mesh.matrices_);
     program.bind_texture("image", material.image);
     if (shaded && !mesh.is_snow_) program.set("image_color", vec4(material.color, 1.0f));
     if (snow) {
@@ -160,7 +160,7 @@ void MeshPasses::draw(MeshBuffers& mesh, const gpu::Buffer& view, const DrawStyl
       program.bind_texture("snow_heights", mesh.snow_heights_);
     }
     program.draw(GL_TRIANGLES, 0, 3 * static_cast<int32_t>(piece.triangles.size()),
-                 mesh.place_count_);
+                 mesh.instance_count_);
   }
 }
 

@@ -22,13 +22,13 @@ class MeshBuffers {
   /// range, or images whose bytes do not match their size.
   explicit MeshBuffers(const MeshSource& source);
 
-  /// Sets the instances: one matrix per place, from the mesh's own space to the world.
-  void set_places(const std::vector<glm::mat4>& matrices);
+  /// Sets the instances: a matrix for each, from the mesh's own space to the world.
+  void set_instances(const std::vector<glm::mat4>& matrices);
   /// Sets the snow on the mesh; a map without heights removes it.
   /// @throws std::invalid_argument if the arrays do not match the mesh or one another.
   void set_snow(const MeshSnow& snow);
 
-  /// Bounding box of the mesh in all of its places.
+  /// Bounding box of all instances.
   const Box& bounds() const { return bounds_; }
 
  private:
@@ -48,8 +48,8 @@ class MeshBuffers {
   bool is_snow_ = false;
   std::vector<Piece> pieces_;
   std::vector<DrawnMaterial> materials_;
-  gpu::Buffer places_;
-  int32_t place_count_ = 0;
+  gpu::Buffer matrices_;
+  int32_t instance_count_ = 0;
   gpu::Texture snow_heights_;
   Box own_;
   Box bounds_;

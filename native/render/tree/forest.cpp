@@ -63,7 +63,7 @@ void Forest::begin_chain(const TreeStore& store, const TreeShared& all) {
   sums_ = {};
 }
 
-void Forest::add(const SceneTree& tree, size_t place, const Seen& seen, const Needed& needed) {
+void Forest::add(const SceneTree& tree, size_t number, const Seen& seen, const Needed& needed) {
   TreeChain& chain = chains_[used_ - 1];
   const TreeModel& model = *tree.model();
   const gpu::Texture* images = model.bark_images ? &*model.bark_images : nullptr;
@@ -75,7 +75,7 @@ void Forest::add(const SceneTree& tree, size_t place, const Seen& seen, const Ne
     chain.bark_images.push_back(images);
   }
   const auto index = static_cast<int32_t>(chain.instances.size());
-  shared::TreeInstance instance = tree.instance(place);
+  shared::TreeInstance instance = tree.instance(number);
   instance.own.x = sums_.vertices;
   instance.own.y = sums_.edges;
   instance.own.z = sums_.patches;
@@ -128,8 +128,8 @@ void Forest::gather(const std::vector<const SceneTree*>& trees, const TreeShared
   used_ = 0;
   const float least = camera.tessellation.w;
   for (const SceneTree* tree : trees) {
-    for (size_t place = 0; place < tree->places().size(); ++place) {
-      const vec4& sphere = tree->sphere(place);
+    for (size_t number = 0; number < tree->matrices().size(); ++number) {
+      const vec4& sphere = tree->sphere(number);
       const vec3 centre(sphere);
       const float away = glm::distance(vec3(camera.eye), centre);
       const float radius = sphere.w + kGrowth * least * (away + sphere.w) / camera.eye.w;
@@ -149,7 +149,7 @@ void Forest::gather(const std::vector<const SceneTree*>& trees, const TreeShared
         end_chain();
         begin_chain(*tree->model()->store, all);
       }
-      add(*tree, place, seen, more);
+      add(*tree, number, seen, more);
     }
   }
   end_chain();

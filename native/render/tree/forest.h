@@ -75,7 +75,7 @@ class Forest {
     int64_t leaves = 0;
   };
   Needed needed(const SceneTree& tree, const Seen& seen, const shared::TreeView& view) const;
-  void add(const SceneTree& tree, size_t place, const Seen& seen, const Needed& needed);
+  void add(const SceneTree& tree, size_t number, const Seen& seen, const Needed& needed);
   void begin_chain(const TreeStore& store, const TreeShared& all);
   void add_leaves(TreeChain& chain);
   void end_chain();

@@ -37,7 +37,7 @@ void bound_patches(TreePatches& tree) {
       rest = std::max({rest, glm::length(vec3(patch.rest[k])), glm::length(vec3(edge.first_rest)),
                        glm::length(vec3(edge.last_rest))});
     }
-    std::vector<int32_t> sections = {patch.place.x};
+    std::vector<int32_t> sections = {patch.limb.x};
     for (int k = 0; k < 4; ++k) {
       const shared::TreeEdge& edge = tree.edges[patch.edges[k] >> 1];
       sections.push_back(edge.ends.z);

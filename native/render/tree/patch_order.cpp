@@ -23,8 +23,8 @@ DropSize size_of(const TreePatches& tree, const shared::TreePatch& patch) {
     const float radius = vertex.normal.w / kTurn;
     size.reach = std::max(size.reach, (1.0f + shared::kSquareGrowth) * radius + vertex.position.w);
   }
-  const bool is_cap = patch.place.x < 0;
-  size.length = is_cap ? 0.0f : tree.sections[static_cast<size_t>(patch.place.x)].begin.w;
+  const bool is_cap = patch.limb.x < 0;
+  size.length = is_cap ? 0.0f : tree.sections[static_cast<size_t>(patch.limb.x)].begin.w;
   size.number = is_cap ? 1.0f : 0.0f;
   return size;
 }

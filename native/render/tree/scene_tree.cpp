@@ -47,8 +47,8 @@ void SceneTree::set_pose(const std::vector<mat4>& matrices) {
   find_bounds();
 }
 
-void SceneTree::set_places(const std::vector<mat4>& matrices) {
-  places_ = matrices;
+void SceneTree::set_instances(const std::vector<mat4>& matrices) {
+  matrices_ = matrices;
   find_bounds();
 }
 
@@ -58,10 +58,10 @@ void SceneTree::find_bounds() {
   for (const mat4& bone : pose_) stretch = std::max(stretch, stretch_of(bone));
   bounds_ = Box();
   spheres_.clear();
-  for (const mat4& place : places_) {
-    const Box box = posed.moved(place);
+  for (const mat4& matrix : matrices_) {
+    const Box box = posed.moved(matrix);
     bounds_.add(box);
-    const float margin = model_->bulge * std::max(stretch * stretch_of(place), 1.0f);
+    const float margin = model_->bulge * std::max(stretch * stretch_of(matrix), 1.0f);
     spheres_.emplace_back(box.centre(), 0.5f * glm::length(box.size()) + margin + snow_reach_);
   }
 }
@@ -99,10 +99,10 @@ void SceneTree::remove_snow() {
   find_bounds();
 }
 
-shared::TreeInstance SceneTree::instance(size_t place) const {
+shared::TreeInstance SceneTree::instance(size_t number) const {
   shared::TreeInstance made = model_->instance();
-  const std::vector<vec4> rows = matrix_rows(std::span(&places_[place], 1));
-  std::copy(rows.begin(), rows.end(), made.place);
+  const std::vector<vec4> rows = matrix_rows(std::span(&matrices_[number], 1));
+  std::copy(rows.begin(), rows.end(), made.to_world);
   made.own.w = first_bone_;
   made.map = map_;
   made.snow = vec4(look_.open, look_.last, 0.0f, 0.0f);

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "render/draw/image_texture.h"
-#include "render/tree/bark_places.h"
+#include "render/tree/bark_uvs.h"
 #include "render/tree/leaf_triangles.h"
 
 namespace snowbough::render {
@@ -31,14 +31,13 @@ TreeStore::TreeStore(int64_t most_bytes, int32_t its_number)
       edges(arena_of<shared::TreeEdge>(most_bytes)),
       patches(arena_of<shared::TreePatch>(most_bytes)),
       vertex_snow(arena_of<glm::vec2>(most_bytes)),
-      bark_places(arena_of<shared::BarkPlace>(most_bytes)),
+      bark_uvs(arena_of<shared::BarkUv>(most_bytes)),
       leaf_triangles(arena_of<shared::LeafVertex>(most_bytes, 3)) {}
 
 bool TreeStore::has_room(const TreePatches& tree) const {
   return vertices.has_room(tree.vertices.size()) && sections.has_room(tree.sections.size()) &&
          edges.has_room(tree.edges.size()) && patches.has_room(tree.patches.size()) &&
-         vertex_snow.has_room(tree.vertex_snow.size()) &&
-         bark_places.has_room(tree.patches.size()) &&
+         vertex_snow.has_room(tree.vertex_snow.size()) && bark_uvs.has_room(tree.patches.size()) &&
          leaf_triangles.has_room(leaf_triangles.most() / 2);
 }
 
@@ -55,8 +54,8 @@ TreeModel::TreeModel(std::shared_ptr<TreeStore> its_store, const TreePatches& tr
       used_vertices(tree.used_vertices),
       used_edges(tree.used_edges),
       bone_count(tree.bone_count),
-      levels(tree.levels),
-      has_snow_places(tree.has_snow_places),
+      branch_levels(tree.branch_levels),
+      has_snow_uvs(tree.has_snow_uvs),
       largest_area(tree.largest_area),
       look(its_look),
       rest(tree.bone_count) {
@@ -87,17 +86,17 @@ TreeModel::~TreeModel() {
   store->patches.remove(first.z, quads.size());
   store->sections.remove(first.w, static_cast<size_t>(section_count));
   store->vertex_snow.remove(first_vertex_snow, static_cast<size_t>(vertex_snow_count));
-  if (bark_images) store->bark_places.remove(first_bark_place, quads.size());
+  if (bark_images) store->bark_uvs.remove(first_bark_uv, quads.size());
   remove_leaves();
 }
 
 void TreeModel::set_bark(const BarkSource& bark) {
-  const std::vector<shared::BarkPlace> places = bark_places(bark, quads);
+  const std::vector<shared::BarkUv> uvs = bark_uvs(bark, quads);
   gpu::Texture layers = material_layers(bark.materials, "set_bark");
   if (!bark_images) {
-    first_bark_place = store->bark_places.add(places);
+    first_bark_uv = store->bark_uvs.add(uvs);
   } else {
-    store->bark_places.write(first_bark_place, places.data(), places.size());
+    store->bark_uvs.write(first_bark_uv, uvs.data(), uvs.size());
   }
   bark_images.emplace(std::move(layers));
 }
@@ -137,9 +136,9 @@ void TreeModel::set_leaves(const LeafSource& source) {
 shared::TreeInstance TreeModel::instance() const {
   shared::TreeInstance made{};
   made.base = first;
-  made.lists = {first_vertex_snow, first_bark_place, 0, 0};
+  made.lists = {first_vertex_snow, first_bark_uv, 0, 0};
   made.bark_dark = glm::vec4(look.bark_dark, largest_area);
-  made.bark_light = glm::vec4(look.bark_light, static_cast<float>(levels));
+  made.bark_light = glm::vec4(look.bark_light, static_cast<float>(branch_levels));
   return made;
 }
 

@@ -18,7 +18,7 @@ namespace snowbough::render {
 /// The buffers of many trees' bases and leaves, so that one dispatch and one draw handles all of
 /// them.
 struct TreeStore {
-  /// `most_bytes`: greatest size of a buffer; `number`: its place in the order of drawing.
+  /// `most_bytes`: greatest size of a buffer; `number`: its number in the order of drawing.
   TreeStore(int64_t most_bytes, int32_t number);
   /// Also requires that the buffer of leaves is at most half full: leaves come after their tree.
   bool has_room(const TreePatches& tree) const;
@@ -29,7 +29,7 @@ struct TreeStore {
   Arena edges;
   Arena patches;
   Arena vertex_snow;
-  Arena bark_places;
+  Arena bark_uvs;
   /// Elements of three corners.
   Arena leaf_triangles;
 };
@@ -44,7 +44,7 @@ struct LeafPart {
 };
 
 /// A tree's base with its bark and leaves on the GPU. Trees that look the same share a model; each
-/// has its own pose, places and snow. GPU thread.
+/// has its own pose, instances and snow. GPU thread.
 class TreeModel {
  public:
   /// @throws std::invalid_argument if the tree alone is too large for the store.
@@ -62,7 +62,7 @@ class TreeModel {
   shared::TreeInstance instance() const;
 
   const std::shared_ptr<TreeStore> store;
-  /// Its place in the order of drawing.
+  /// Its number in the order of drawing.
   const int32_t number;
   /// First vertex, edge, patch and section in the store.
   glm::ivec4 first{0};
@@ -77,15 +77,15 @@ class TreeModel {
   std::vector<int32_t> used_vertices;
   std::vector<int32_t> used_edges;
   int32_t bone_count = 0;
-  int32_t levels = 1;
-  bool has_snow_places = false;
+  int32_t branch_levels = 1;
+  bool has_snow_uvs = false;
   float largest_area = 0.0f;
   TreeLook look;
   /// Greatest distance of the surface from the hull of the vertices, including bark (m).
   float bulge = 0.0f;
   /// The images of the bark, one layer per material; none: it has its own colours.
   std::optional<gpu::Texture> bark_images;
-  int32_t first_bark_place = 0;
+  int32_t first_bark_uv = 0;
   std::vector<LeafPart> leaves;
   PosedBounds rest;
 

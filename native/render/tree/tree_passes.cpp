@@ -49,7 +49,7 @@ gpu::Program& begin_bark(gpu::ProgramVariants& programs, const TreeChain& chain,
   bind_vertices(program, chain, view);
   program.bind("TreePatches", chain.store->patches.buffer());
   if (images != nullptr) {
-    program.bind("BarkPlaces", chain.store->bark_places.buffer());
+    program.bind("BarkUvs", chain.store->bark_uvs.buffer());
     program.bind_texture("bark_images", *images);
   }
   return program;

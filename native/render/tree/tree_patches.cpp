@@ -103,9 +103,10 @@ class PatchBuilder {
     list_snow();
     bound_patches(made_);
     order_patches(made_);
-    made_.has_snow_places = !source_.snow_uv.empty();
+    made_.has_snow_uvs = !source_.snow_uv.empty();
     made_.bone_count = source_.bone_count;
-    made_.levels = 1 + *std::max_element(source_.branch_level.begin(), source_.branch_level.end());
+    made_.branch_levels =
+        1 + *std::max_element(source_.branch_level.begin(), source_.branch_level.end());
     return std::move(made_);
   }
 
@@ -173,7 +174,7 @@ class PatchBuilder {
           glm::cross(position(quad[2]) - position(quad[0]), position(quad[3]) - position(quad[1]));
       const int32_t section = section_of(f);
       patch.vertices = {quad[0], quad[1], quad[2], quad[3]};
-      patch.place = {section, source_.branch_level[f], source_.branch[f], kind_of(source_.kind[f])};
+      patch.limb = {section, source_.branch_level[f], source_.branch[f], kind_of(source_.kind[f])};
       patch.bark_uv_01 = vec4(uv[0], uv[1]);
       patch.bark_uv_23 = vec4(uv[2], uv[3]);
       const std::array<vec2, 4> snow = snow_uv(f);
@@ -204,7 +205,7 @@ class PatchBuilder {
       const vec3 across = glm::cross(position(v.z) - position(v.x), position(v.w) - position(v.y));
       for (int k = 0; k < 4; ++k) {
         caps[v[k]] += across;
-        const int32_t section = patch.place.x;
+        const int32_t section = patch.limb.x;
         std::vector<int32_t>& known = counted[v[k]];
         if (section < 0 || std::find(known.begin(), known.end(), section) != known.end()) continue;
         known.push_back(section);
@@ -249,7 +250,7 @@ class PatchBuilder {
     for (size_t f = 0; f < made_.patches.size(); ++f) {
       shared::TreePatch& patch = made_.patches[f];
       const bool round_side = made_.edges[patch.edges[0] >> 1].first_rest.w > 0.5f;
-      if (source_.kind[f] == QuadKind::kInset && round_side) patch.place.w = shared::kRoundInset;
+      if (source_.kind[f] == QuadKind::kInset && round_side) patch.limb.w = shared::kRoundInset;
     }
   }
 
@@ -306,18 +307,18 @@ class PatchBuilder {
   }
 
   void list_snow() {
-    std::vector<std::vector<vec2>> places(made_.vertices.size());
+    std::vector<std::vector<vec2>> uvs(made_.vertices.size());
     for (size_t f = 0; f < source_.quads.size(); ++f) {
       for (int k = 0; k < 4; ++k) {
-        auto& known = places[source_.quads[f][k]];
-        const vec2 place = snow_uv(f)[k];
-        if (std::find(known.begin(), known.end(), place) == known.end()) known.push_back(place);
+        auto& known = uvs[source_.quads[f][k]];
+        const vec2 uv = snow_uv(f)[k];
+        if (std::find(known.begin(), known.end(), uv) == known.end()) known.push_back(uv);
       }
     }
-    for (size_t v = 0; v < places.size(); ++v) {
+    for (size_t v = 0; v < uvs.size(); ++v) {
       vec4& packed = made_.vertices[v].bark_uv;
       packed.z = std::bit_cast<float>(static_cast<int32_t>(made_.vertex_snow.size()));
-      made_.vertex_snow.insert(made_.vertex_snow.end(), places[v].begin(), places[v].end());
+      made_.vertex_snow.insert(made_.vertex_snow.end(), uvs[v].begin(), uvs[v].end());
       packed.w = std::bit_cast<float>(static_cast<int32_t>(made_.vertex_snow.size()));
     }
   }

@@ -26,10 +26,10 @@ struct TreePatches {
   /// Coordinates on the snow map that meet at the vertices, see TreeVertex.
   std::vector<glm::vec2> vertex_snow;
   /// True if the source has snow map coordinates; otherwise all coordinates are equal.
-  bool has_snow_places = false;
+  bool has_snow_uvs = false;
   int32_t bone_count = 0;
   /// Number of branch levels.
-  int32_t levels = 1;
+  int32_t branch_levels = 1;
   /// Area of the largest patch in m2.
   float largest_area = 0.0f;
   /// Bounding box of the vertices.

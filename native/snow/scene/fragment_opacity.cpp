@@ -14,9 +14,9 @@ namespace {
 constexpr int32_t kPoints = 4;
 
 bool is_there(const AlphaMask& mask, glm::vec2 uv) {
-  const shared::AlphaMaskPlace place{0, static_cast<uint32_t>(mask.width),
-                                     static_cast<uint32_t>(mask.height), mask.extension};
-  const uint32_t bit = shared::mask_bit(uv, place);
+  const shared::AlphaMaskHeader header{0, static_cast<uint32_t>(mask.width),
+                                       static_cast<uint32_t>(mask.height), mask.extension};
+  const uint32_t bit = shared::mask_bit(uv, header);
   return bit != shared::kNowhere && !shared::is_hole(mask.bits[bit >> 5], bit);
 }
 

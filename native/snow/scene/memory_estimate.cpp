@@ -83,7 +83,7 @@ MemoryEstimate estimate_shared_memory(const std::vector<const SceneObject*>& obj
     estimate.geometry += static_cast<int64_t>(alpha.mask.size() * sizeof(shared::AlphaTriangle));
     for (const std::shared_ptr<const AlphaMask>& mask : alpha.masks) {
       if (masks.insert(mask.get()).second) {
-        estimate.geometry += mask->bytes() + static_cast<int64_t>(sizeof(shared::AlphaMaskPlace));
+        estimate.geometry += mask->bytes() + static_cast<int64_t>(sizeof(shared::AlphaMaskHeader));
       }
     }
     if (!object->description.receive) {

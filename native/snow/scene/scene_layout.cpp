@@ -47,12 +47,12 @@ void add_alpha(const std::vector<const SceneObject*>& objects, SceneLayout& layo
         alpha.empty() ? -1 : static_cast<int32_t>(layout.alpha_triangles.size()));
     std::vector<uint32_t> number_of;
     for (const std::shared_ptr<const AlphaMask>& mask : alpha.masks) {
-      const auto number = static_cast<uint32_t>(layout.alpha_places.size() + 1);
+      const auto number = static_cast<uint32_t>(layout.alpha_headers.size() + 1);
       const auto [known, is_new] = numbers.emplace(mask.get(), number);
       if (is_new) {
-        layout.alpha_places.push_back({static_cast<uint32_t>(layout.alpha_bits.size()),
-                                       static_cast<uint32_t>(mask->width),
-                                       static_cast<uint32_t>(mask->height), mask->extension});
+        layout.alpha_headers.push_back({static_cast<uint32_t>(layout.alpha_bits.size()),
+                                        static_cast<uint32_t>(mask->width),
+                                        static_cast<uint32_t>(mask->height), mask->extension});
         layout.alpha_bits.insert(layout.alpha_bits.end(), mask->bits.begin(), mask->bits.end());
       }
       number_of.push_back(known->second);

@@ -29,7 +29,7 @@ struct SceneLayout {
   std::vector<int32_t> map_offsets;
   /// Only of objects with alpha; a mask that several objects share is stored once.
   std::vector<shared::AlphaTriangle> alpha_triangles;
-  std::vector<shared::AlphaMaskPlace> alpha_places;
+  std::vector<shared::AlphaMaskHeader> alpha_headers;
   std::vector<uint32_t> alpha_bits;
   SmoothPoints smooth_points;
 };

@@ -37,7 +37,7 @@ BarkSource red_bark() {
 }
 
 /// Places on a grid behind the origin, turned and of different sizes.
-std::vector<mat4> places(int32_t count) {
+std::vector<mat4> matrices(int32_t count) {
   std::vector<mat4> made;
   for (int32_t i = 0; i < count; ++i) {
     const auto k = static_cast<float>(i);
@@ -65,7 +65,7 @@ constexpr int32_t kTrees = 20;
 
 TEST(SceneForest, instancesLookLikeTreesOfTheirOwn) {
   with_scene([](Scene& scene) {
-    const std::vector<mat4> all = places(kTrees);
+    const std::vector<mat4> all = matrices(kTrees);
     for (int32_t i = 0; i < kTrees; ++i) {
       add_tree(scene, name_of(i));
       scene.objects.set_pose(name_of(i), {all[static_cast<size_t>(i)]});
@@ -74,7 +74,7 @@ TEST(SceneForest, instancesLookLikeTreesOfTheirOwn) {
     const FrameStatistics before = scene.frames.statistics();
     for (int32_t i = 0; i < kTrees; ++i) scene.objects.remove(name_of(i));
     add_tree(scene, "tree");
-    scene.objects.set_places("tree", all);
+    scene.objects.set_instances("tree", all);
     EXPECT_EQ(drawn(scene), apart);
     EXPECT_EQ(scene.frames.statistics().triangles, before.triangles);
     EXPECT_EQ(scene.frames.statistics().dropped, before.dropped);
@@ -93,7 +93,7 @@ TEST(SceneForest, instancesLookLikeTreesOfTheirOwn) {
 
 TEST(SceneForest, eachTreeHasItsOwnPoseAndSnow) {
   with_scene([](Scene& scene) {
-    const std::vector<mat4> all = places(3);
+    const std::vector<mat4> all = matrices(3);
     const std::vector<float> depths{0.0f, 0.05f, 0.2f};
     const auto dress = [&](int32_t i) {
       const auto k = static_cast<size_t>(i);
@@ -139,7 +139,7 @@ TEST(SceneForest, twentyTreesNeedTheDispatchesAndDrawsOfOne) {
     EXPECT_EQ(one.dispatches, 14);  // pose, edges, and 3 each for bark and leaves in both pictures
     EXPECT_EQ(one.draws, 8);        // plain, tessellated and two materials in both pictures
     EXPECT_EQ(one.barriers, 14);
-    scene.objects.set_places("tree", places(kTrees));
+    scene.objects.set_instances("tree", matrices(kTrees));
     EXPECT_EQ(calls_of_frame(scene), one);
     scene.objects.share_tree("other", "tree");
     scene.objects.set_snow("other", blanket(0.1f));
@@ -152,7 +152,7 @@ TEST(SceneForest, differentTreesAreDrawnTogether) {
     const auto add = [&](int32_t i) {
       scene.objects.add_tree(name_of(i),
                              make_tree_patches(tube(true), 0.01f * static_cast<float>(i)), {});
-      scene.objects.set_pose(name_of(i), {places(kTrees)[static_cast<size_t>(i)]});
+      scene.objects.set_pose(name_of(i), {matrices(kTrees)[static_cast<size_t>(i)]});
     };
     add(0);
     const Calls one = calls_of_frame(scene);
@@ -172,7 +172,7 @@ TEST(SceneForest, smallBuffersSplitTheChainAndKeepThePicture) {
   std::vector<uint8_t> whole;
   with_scene([&](Scene& scene) {
     add_tree(scene, "tree");
-    scene.objects.set_places("tree", places(kTrees));
+    scene.objects.set_instances("tree", matrices(kTrees));
     whole = drawn(scene);
   });
   gpu::GpuThread::shared("")->run([&] {
@@ -182,7 +182,7 @@ TEST(SceneForest, smallBuffersSplitTheChainAndKeepThePicture) {
     for (int32_t i = 0; i < kTrees; ++i) {
       objects.add_tree(name_of(i), make_tree_patches(tube(true), 0.1f), {});
       objects.set_leaves(name_of(i), two_leaves());
-      objects.set_places(name_of(i), {places(kTrees)[static_cast<size_t>(i)]});
+      objects.set_instances(name_of(i), {matrices(kTrees)[static_cast<size_t>(i)]});
     }
     EXPECT_EQ(frames.render(square_camera(128), {}).rgba, whole);
     EXPECT_GT(frames.statistics().calls.dispatches, 14);
@@ -194,7 +194,7 @@ TEST(SceneForest, treesOutsideThePictureCostNothing) {
     add_tree(scene, "tree");
     RenderSettings settings;
     settings.shadow_resolution = 0;
-    scene.objects.set_places("tree", {glm::translate(mat4(1.0f), vec3(0, -40, 0))});
+    scene.objects.set_instances("tree", {glm::translate(mat4(1.0f), vec3(0, -40, 0))});
     EXPECT_EQ(covered(scene.frames.render(square_camera(), settings)), 0);
     EXPECT_EQ(scene.frames.statistics().calls.dispatches, 0);
     EXPECT_EQ(scene.frames.statistics().dropped, 4);

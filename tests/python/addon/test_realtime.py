@@ -26,7 +26,7 @@ class Recorder:
         return calls
 
 
-PLACE = np.eye(4, dtype=np.float32)[None]
+MATRIX = np.eye(4, dtype=np.float32)[None]
 
 
 def shape(size=1.0, color=(1, 0, 0)):
@@ -42,14 +42,14 @@ def shape(size=1.0, color=(1, 0, 0)):
     )
 
 
-def mesh(key="a", places=PLACE, snow=None, **of_shape):
+def mesh(key="a", matrices=MATRIX, snow=None, **of_shape):
     made = shape(**of_shape)
-    return records.Mesh(key, made, made.print, places, snow)
+    return records.Mesh(key, made, made.print, matrices, snow)
 
 
-def tree(key="t", pose=0.0, print_="p", leaves=None, leaves_print="", snow=None, places=PLACE):
+def tree(key="t", pose=0.0, print_="p", leaves=None, leaves_print="", snow=None, matrices=MATRIX):
     poses = np.full((2, 4, 4), pose, np.float32)
-    return records.Tree(key, {}, print_, records.Bark(), poses, places, leaves, leaves_print, snow=snow)
+    return records.Tree(key, {}, print_, records.Bark(), poses, matrices, leaves, leaves_print, snow=snow)
 
 
 @pytest.fixture
@@ -69,8 +69,8 @@ def test_what_moves_is_not_uploaded_again(renderer):
     keeper = sync.Sync(renderer)
     keeper.update(records.Scene([mesh()], [tree()]))
     renderer.take()
-    assert keeper.update(records.Scene([mesh(places=2 * PLACE)], [tree(pose=1.0)]))
-    assert renderer.take() == [("set_places", "a"), ("set_pose", "t")]
+    assert keeper.update(records.Scene([mesh(matrices=2 * MATRIX)], [tree(pose=1.0)]))
+    assert renderer.take() == [("set_instances", "a"), ("set_pose", "t")]
 
 
 @pytest.mark.parametrize("other", [{"size": 2.0}, {"color": (0, 1, 0)}])
@@ -84,10 +84,10 @@ def test_what_has_another_shape_or_colour_is_replaced(renderer, other):
 
 def test_what_is_replaced_goes_back_to_its_place(renderer):
     keeper = sync.Sync(renderer)
-    keeper.update(records.Scene([mesh(places=2 * PLACE)]))
+    keeper.update(records.Scene([mesh(matrices=2 * MATRIX)]))
     renderer.take()
-    keeper.update(records.Scene([mesh(places=2 * PLACE, size=3.0)]))
-    assert renderer.take() == [("remove", "a"), ("add_mesh", "a"), ("set_places", "a")]
+    keeper.update(records.Scene([mesh(matrices=2 * MATRIX, size=3.0)]))
+    assert renderer.take() == [("remove", "a"), ("add_mesh", "a"), ("set_instances", "a")]
 
 
 def test_what_is_gone_is_removed(renderer):
@@ -113,9 +113,9 @@ def test_painted_snow_comes_changes_and_goes_without_the_mesh(renderer):
     assert renderer.take() == [("set_mesh_snow", "a")]
     keeper.update(records.Scene([mesh(snow=snow(0.1))]))
     assert renderer.take() == []
-    keeper.update(records.Scene([mesh(snow=snow(0.2), places=2 * PLACE)]))
-    assert renderer.take() == [("set_places", "a"), ("set_mesh_snow", "a")]
-    keeper.update(records.Scene([mesh(places=2 * PLACE)]))
+    keeper.update(records.Scene([mesh(snow=snow(0.2), matrices=2 * MATRIX)]))
+    assert renderer.take() == [("set_instances", "a"), ("set_mesh_snow", "a")]
+    keeper.update(records.Scene([mesh(matrices=2 * MATRIX)]))
     assert renderer.take() == [("set_mesh_snow", "a")]
 
 
@@ -183,13 +183,13 @@ def test_trees_that_look_the_same_share_a_base(renderer):
     assert renderer.take() == [("remove", "d"), ("add_tree", "d"), ("set_leaves", "d"), ("set_pose", "d")]
 
 
-def test_places_of_a_tree_are_passed_on_when_they_change(renderer):
+def test_matrices_of_a_tree_are_passed_on_when_they_change(renderer):
     keeper = sync.Sync(renderer)
     keeper.update(records.Scene([], [tree()]))
     renderer.take()
-    assert keeper.update(records.Scene([], [tree(places=2 * PLACE)]))
-    assert renderer.take() == [("set_places", "t")]
-    assert not keeper.update(records.Scene([], [tree(places=2 * PLACE)]))
+    assert keeper.update(records.Scene([], [tree(matrices=2 * MATRIX)]))
+    assert renderer.take() == [("set_instances", "t")]
+    assert not keeper.update(records.Scene([], [tree(matrices=2 * MATRIX)]))
 
 
 def test_a_tree_of_other_wood_is_replaced_with_its_leaves(renderer):

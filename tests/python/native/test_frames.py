@@ -170,12 +170,12 @@ def test_a_mesh_is_in_all_of_its_places_with_upright_normals(renderer):
     left[:2, 3] = -1
     right = flat.copy()
     right[:2, 3] = 1
-    renderer.set_places("square", [left, right])
+    renderer.set_instances("square", [left, right])
     picture = light(renderer)
     assert np.allclose(picture[10, 10, :3], (0.75, 0.75, 1.125), rtol=2e-3)
     assert np.allclose(picture[10, 10], picture[30, 30])
     assert not picture[20, 20].any() or picture[20, 20, 3] == 0
-    renderer.set_places("square", [turned])  # on edge: nothing to be seen from above
+    renderer.set_instances("square", [turned])  # on edge: nothing to be seen from above
     assert light(renderer)[..., 3].max() == 0
 
 
@@ -192,7 +192,7 @@ def test_what_does_not_fit_together_is_told(renderer):
     with pytest.raises(ValueError, match="material index 2 of a triangle must be at least 0 and below 1"):
         renderer.add_mesh("a", SQUARE, HALVES, materials=[0, 2])
     with pytest.raises(ValueError, match="no mesh 'a'"):
-        renderer.set_places("a", [np.eye(4)])
+        renderer.set_instances("a", [np.eye(4)])
 
 
 def test_snow_whitens_what_it_covers(renderer):
@@ -279,7 +279,7 @@ def test_a_draft_keeps_the_shadows_only_while_nothing_but_the_camera_moves(rende
     first = shaded()
     assert first[11:15].all() and not first[16:29].any()  # a metre beside the roof, away from the sun
     assert np.array_equal(shaded(draft=True), first)
-    renderer.set_places("roof", [np.eye(4) + 0.5 * np.eye(4, k=3)])
+    renderer.set_instances("roof", [np.eye(4) + 0.5 * np.eye(4, k=3)])
     moved = shaded(draft=True)
     assert moved[16:19].all()
     turned = shaded(draft=True, sun_direction=(-1, 0, 1))

@@ -434,14 +434,14 @@ def test_a_tree_in_many_places_takes_the_calls_of_one(mesh):
         one = renderer.statistics()
         places = np.tile(np.eye(4, dtype=np.float32), (5, 1, 1))
         places[:, 0, 3] = np.arange(-8, 12, 4)
-        renderer.set_places("tree", places)
+        renderer.set_instances("tree", places)
         instanced = renderer.render(camera)
         many = renderer.statistics()
         assert [many[key] for key in ("dispatches", "draws")] == [one[key] for key in ("dispatches", "draws")]
-        renderer.set_places("tree", places[:1])
+        renderer.set_instances("tree", places[:1])
         for number in range(1, 5):
             renderer.share_tree(f"tree {number}", "tree")
-            renderer.set_places(f"tree {number}", places[number : number + 1])
+            renderer.set_instances(f"tree {number}", places[number : number + 1])
         assert np.array_equal(renderer.render(camera), instanced)
         assert renderer.statistics()["buffer_bytes"] < 1.5 * many["buffer_bytes"]
         with pytest.raises(ValueError, match="no tree 'other'"):

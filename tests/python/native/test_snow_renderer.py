@@ -85,7 +85,7 @@ def test_a_mirrored_place_is_lit_from_the_same_side(renderer, heap):
     pictures = []
     for mirror in (1, -1):
         renderer.add_snow_mesh("snow", points * np.float32((mirror, 1, 1)), triangles[:, ::mirror].copy())
-        renderer.set_places("snow", np.diag((mirror, 1, 1, 1))[None].astype(np.float32))
+        renderer.set_instances("snow", np.diag((mirror, 1, 1, 1))[None].astype(np.float32))
         pictures.append(renderer.render(camera, native.RenderSettings(**WHOLE, **LIGHT)).astype(int))
         renderer.remove("snow")
     assert (abs(pictures[0] - pictures[1]).max(axis=2) > 16).mean() < 0.01
@@ -98,7 +98,7 @@ def test_the_look_is_fixed_to_the_object(renderer, heap):
     for shift in (0.0, 0.3137):
         place = np.eye(4, dtype=np.float32)
         place[:3, 3] = by = shift * np.array((1, -0.5, 0.25))
-        renderer.set_places("snow", place[None])
+        renderer.set_instances("snow", place[None])
         at = native.Camera(eye=by + (0.1, -0.9, 1.2), target=by + (0, 0, 0.5), **camera)
         settings = native.RenderSettings(**LIGHT, shadow_resolution=0)
         pictures += [renderer.render(at, settings)[..., :3].astype(int) for _ in range(2)]

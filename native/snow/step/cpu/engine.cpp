@@ -65,7 +65,7 @@ void CpuEngine::render_occlusion(const Tile& tile, const std::vector<TriangleRan
   if (scene_.seen.size() < count + kSeenSpare) scene_.seen.resize(count + kSeenSpare);
   const SceneLayout& layout = scene_.layout;
   occlusion_.run(
-      {scene_.corners, ranges, {layout.alpha_triangles, layout.alpha_places, layout.alpha_bits}},
+      {scene_.corners, ranges, {layout.alpha_triangles, layout.alpha_headers, layout.alpha_bits}},
       pixels, std::span(scene_.seen).first(count));
 }
 

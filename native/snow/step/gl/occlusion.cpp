@@ -44,7 +44,7 @@ void OcclusionPass::use(gpu::Program& program, const SceneBuffers& scene,
   program.set("tile_origin", tile.with_margin().low);
   if (&program != &program_) {
     program.bind_texture("alpha_triangles", scene.views.alpha_triangles);
-    program.bind_texture("alpha_places", scene.views.alpha_places);
+    program.bind_texture("alpha_headers", scene.views.alpha_headers);
     program.bind_texture("alpha_bits", scene.views.alpha_bits);
   }
 }

@@ -70,10 +70,10 @@ void add_alpha(const SceneLayout& layout, const gpu::GpuInfo& info, SceneBuffers
                info, "triangles with alpha");
   require_room(static_cast<int64_t>(layout.alpha_bits.size()) * 4, info, "alpha images");
   scene.alpha_triangles = gpu::Buffer(layout.alpha_triangles);
-  scene.alpha_places = gpu::Buffer(layout.alpha_places);
+  scene.alpha_headers = gpu::Buffer(layout.alpha_headers);
   scene.alpha_bits = gpu::Buffer(layout.alpha_bits);
   scene.views.alpha_triangles = gpu::BufferTexture(scene.alpha_triangles, GL_RGBA32UI);
-  scene.views.alpha_places = gpu::BufferTexture(scene.alpha_places, GL_RGBA32UI);
+  scene.views.alpha_headers = gpu::BufferTexture(scene.alpha_headers, GL_RGBA32UI);
   scene.views.alpha_bits = gpu::BufferTexture(scene.alpha_bits, GL_R32UI);
 }
 

@@ -111,9 +111,10 @@ struct SceneBuffers {
   bool normals_are_current = false;
   gpu::Buffer map_triangles;
   gpu::Buffer map_offsets;
-  /// Only of objects with alpha: shared::AlphaTriangle, shared::AlphaMaskPlace and the masks' bits.
+  /// Only of objects with alpha: shared::AlphaTriangle, shared::AlphaMaskHeader and the masks'
+  /// bits.
   gpu::Buffer alpha_triangles;
-  gpu::Buffer alpha_places;
+  gpu::Buffer alpha_headers;
   gpu::Buffer alpha_bits;
   gpu::Buffer back_pixels;
   gpu::Buffer sums;
@@ -136,7 +137,7 @@ struct SceneBuffers {
     gpu::BufferTexture map_triangles;
     gpu::BufferTexture map_offsets;
     gpu::BufferTexture alpha_triangles;
-    gpu::BufferTexture alpha_places;
+    gpu::BufferTexture alpha_headers;
     gpu::BufferTexture alpha_bits;
   } views;
 };

@@ -29,7 +29,7 @@ TEST(MeshPasses, aMeshReachesOverAllOfItsPlaces) {
   on_gpu([] {
     MeshBuffers mesh(triangle());
     EXPECT_EQ(mesh.bounds().high, vec3(1, 2, 0));
-    mesh.set_places({mat4(1.0f), glm::translate(mat4(1.0f), vec3(0, 0, 5))});
+    mesh.set_instances({mat4(1.0f), glm::translate(mat4(1.0f), vec3(0, 0, 5))});
     EXPECT_EQ(mesh.bounds().low, vec3(0, 0, 0));
     EXPECT_EQ(mesh.bounds().high, vec3(1, 2, 5));
   });

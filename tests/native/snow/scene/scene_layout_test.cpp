@@ -83,7 +83,7 @@ TEST(SceneLayout, KeepsAMaskThatTwoObjectsShareOnce) {
   scene.ground.description.alpha = alpha(mask);
   const SceneLayout layout = scene.laid_out();
   EXPECT_THAT(layout.first_alpha, ElementsAre(0, -1, 2));
-  EXPECT_EQ(layout.alpha_places.size(), 1u);
+  EXPECT_EQ(layout.alpha_headers.size(), 1u);
   EXPECT_THAT(layout.alpha_bits, ElementsAre(1u));
   ASSERT_EQ(layout.alpha_triangles.size(), 4u);
   EXPECT_EQ(layout.alpha_triangles[0].mask, 1u);

@@ -148,7 +148,7 @@ TEST(CpuOcclusion, CutsTheHolesThatThePassInOpenGLCuts) {
     const std::vector<TriangleRange> ranges = {{0, 3000, true, 0}, {3000, 2}};
     OcclusionPass().run(bench.scene, bench.projection, bench.tiles.front(), ranges, bench.target);
     const auto triangles = bench.scene.alpha_triangles.read_all<shared::AlphaTriangle>();
-    const auto masks = bench.scene.alpha_places.read_all<shared::AlphaMaskPlace>();
+    const auto masks = bench.scene.alpha_headers.read_all<shared::AlphaMaskHeader>();
     const auto bits = bench.scene.alpha_bits.read_all<uint32_t>();
     const Seen by_cpu = seen_of(set_up_bench(bench).corners, bench.tiles.front().pixels, ranges,
                                 {triangles, masks, bits});

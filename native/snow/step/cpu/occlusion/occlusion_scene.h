@@ -14,7 +14,7 @@ namespace snowbough::snow::cpu {
 /// The alpha masks that cut holes into triangles, as in the scene's buffers.
 struct AlphaImages {
   std::span<const shared::AlphaTriangle> triangles;
-  std::span<const shared::AlphaMaskPlace> masks;
+  std::span<const shared::AlphaMaskHeader> masks;
   std::span<const uint32_t> bits;
 };
 

@@ -266,7 +266,7 @@ inline void draw_large(const GridTriangle& triangle, const PixelRect& covered,
 inline void draw_with_holes(const GridTriangle& triangle, const shared::AlphaTriangle& alpha,
                             const AlphaImages& images, const PixelRect& covered,
                             const PixelRect& rect, BinPixels& bin) {
-  const shared::AlphaMaskPlace mask = images.masks[alpha.mask - 1];
+  const shared::AlphaMaskHeader mask = images.masks[alpha.mask - 1];
   const shared::AlphaPlane image =
       shared::alpha_plane(triangle.a, triangle.b, triangle.c, alpha.uv_a, alpha.uv_b, alpha.uv_c);
   const shared::DepthPlane& plane = triangle.plane;

@@ -137,7 +137,7 @@ TEST(CpuOcclusion, AMaskCutsHoles) {
   // Two texels side by side, the right one a hole; the second triangle is opaque.
   const std::vector<shared::AlphaTriangle> triangles = {{{0, 0}, {1, 0}, {0, 1}, 1, 0},
                                                         {{0, 0}, {1, 0}, {0, 1}, 0, 0}};
-  const std::vector<shared::AlphaMaskPlace> masks = {{1, 2, 1, shared::kAlphaRepeat}};
+  const std::vector<shared::AlphaMaskHeader> masks = {{1, 2, 1, shared::kAlphaRepeat}};
   const std::vector<uint32_t> bits = {0xFFFFFFFFu, 0x1u};
   Corners corners = {at(0, 0, 1), at(6, 0, 1), at(0, 6, 1),   // not drawn
                      at(0, 0, 1), at(6, 0, 1), at(0, 6, 1),   // with holes

@@ -1,4 +1,4 @@
-#include "render/tree/bark_places.h"
+#include "render/tree/bark_uvs.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,19 +21,19 @@ BarkSource two_quads() {
   return source;
 }
 
-TEST(BarkPlaces, aPatchHasTheCornersAndTheLayerOfItsQuad) {
-  const auto places = bark_places(two_quads(), {1, 0});
-  ASSERT_EQ(places.size(), 2u);
-  EXPECT_EQ(places[0].uv_01, vec4(3, 4, 5, 6));
-  EXPECT_EQ(places[0].uv_23, vec4(7, 8, 9, 10));
-  EXPECT_EQ(places[0].layer.x, 0.0f);
-  EXPECT_EQ(places[1].layer.x, 1.0f);
+TEST(BarkUvs, aPatchHasTheCornersAndTheLayerOfItsQuad) {
+  const auto uvs = bark_uvs(two_quads(), {1, 0});
+  ASSERT_EQ(uvs.size(), 2u);
+  EXPECT_EQ(uvs[0].uv_01, vec4(3, 4, 5, 6));
+  EXPECT_EQ(uvs[0].uv_23, vec4(7, 8, 9, 10));
+  EXPECT_EQ(uvs[0].layer.x, 0.0f);
+  EXPECT_EQ(uvs[1].layer.x, 1.0f);
 }
 
-TEST(BarkPlaces, whatDoesNotFitTheTreeIsRefused) {
+TEST(BarkUvs, whatDoesNotFitTheTreeIsRefused) {
   const auto says = [](const BarkSource& source, const std::vector<int32_t>& quads,
                        const char* what) {
-    EXPECT_THAT([&] { bark_places(source, quads); },
+    EXPECT_THAT([&] { bark_uvs(source, quads); },
                 testing::ThrowsMessage<std::invalid_argument>(testing::HasSubstr(what)));
   };
   says(two_quads(), {0, 1, 2}, "the tree's 3 quads");
