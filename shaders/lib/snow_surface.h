@@ -345,7 +345,9 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
                       up * (profile.drop * (1.0f + 0.9f * eaves));
   const float exponent = mix(kLowerExponent, kEaveExponent, eaves);
   const vec3 at = quarter(farthest + foot - lowest, farthest, foot, turn, exponent);
-  return to_rim + at + front.level_out * (rough * (1.0f - turn)) + sunk;
+  // Below the hem, points lie inside the receiver where they are: it may be uneven.
+  const float own = front.has_far * eased(-front.distance, kTucked * front.far_zone, front.far_zone);
+  return mix(to_rim + at + front.level_out * (rough * (1.0f - turn)) + sunk, normal * -sink, own);
 }
 
 #ifndef SNOWBOUGH_GLSL

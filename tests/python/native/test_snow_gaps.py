@@ -362,9 +362,9 @@ def test_snow_on_a_stair_has_no_slit_before_the_risers():
     assert abs(np.diff(drawn, axis=0)).max() < 0.03
 
 
-def uneven_stones(seed):
-    """Five stones in a row with bevels of two segments, whose corners are moved by up to 2.5 mm: the faces of the
-    bevels are twisted."""
+def uneven_stones(seed, most=0.0025):
+    """Five stones in a row with bevels of two segments, whose corners are moved by up to so many metres: their faces
+    are twisted."""
     print(f"seed {seed}")
     moves = np.random.default_rng(seed)
     positions, triangles, _, _ = bevelled_box(0.02, 2, STONE / 2, 0.2)
@@ -373,7 +373,7 @@ def uneven_stones(seed):
         shift = (x * (STONE / 2 + 0.015), 0.0, moves.uniform(-0.01, 0.01))
         faces += [positions[triangle] + shift for triangle in triangles]
     *mesh, resolution = unfolded(faces, 0.005)
-    mesh[0] = mesh[0] + moves.uniform(-0.0025, 0.0025, mesh[0].shape).astype(np.float32)
+    mesh[0] = mesh[0] + moves.uniform(-most, most, mesh[0].shape).astype(np.float32)
     return mesh, resolution
 
 
@@ -385,3 +385,15 @@ def test_snow_over_the_joints_of_uneven_stones_has_no_tufts_and_no_holes(seed):
         top = tops(mesh, resolution, np.stack([along, np.full_like(along, y)], axis=1))
         usual = np.median(np.lib.stride_tricks.sliding_window_view(top, 41), axis=1)
         assert abs(top[20:-20] - usual).max() < 0.06
+
+
+@pytest.mark.parametrize("seed", [8, 9])
+def test_no_snow_shows_on_twisted_faces_below_the_hem(seed):
+    (positions, triangles, uv), resolution = mesh, _ = uneven_stones(seed, most=0.006)
+    snow = map_of(mesh, resolution, lambda places, up: np.where(up > 0.7, DEPTH * up, 0.0))
+    surface = native.SnowSurface(triangles, uv, positions, snow, snow, DEPTH)
+    x, z = np.meshgrid(np.linspace(-0.7, 0.7, 281), np.linspace(0.01, 0.08, 15))
+    behind = np.stack([x.ravel(), np.full(x.size, 9.0), z.ravel()], axis=1)
+    stone = first_hits(behind, positions[triangles], (0.0, 1.0, 0.0))
+    drawn = first_hits(behind, surface.points(snow, DEPTH)[faces_of(surface)], (0.0, 1.0, 0.0))
+    assert (drawn > stone)[stone < -9.0].all()
