@@ -33,10 +33,10 @@ namespace snowbough::tree {
 namespace {
 
 /// Level names are used while no more than this fraction of the branches finds no parent by them.
-constexpr double kMostUnattached = 0.2;
+constexpr double kMaxUnattached = 0.2;
 /// If more of the wood than this is left out, and few limbs remain, it is not a tree. A tree with
 /// ground has a higher fraction.
-constexpr double kMostLeftOut = 0.75;
+constexpr double kMaxLeftOut = 0.75;
 constexpr size_t kFewLimbs = 4;
 /// Parts named in a warning about coverage.
 constexpr size_t kNamedParts = 3;
@@ -88,7 +88,7 @@ void connect(TracedBranches& traced, bool levels_given, std::vector<std::string>
   for (const Branch& branch : traced.branches) {
     unattached += branch.parent < 0 && branch.level > 0 ? 1.0 : 0.0;
   }
-  if (unattached <= kMostUnattached * static_cast<double>(traced.branches.size())) return;
+  if (unattached <= kMaxUnattached * static_cast<double>(traced.branches.size())) return;
   for (Branch& branch : traced.branches) {
     branch.level = -1;
     branch.parent = -1;
@@ -189,7 +189,7 @@ SortedParts sort_parts(const ObjScene& scene, const std::string& foliage_names, 
 /// Whether there are branches, and not hardly any without names that confirm them.
 bool has_limbs(const TracedBranches& traced, const LeftOut& left_out) {
   return !traced.branches.empty() &&
-         (traced.named || left_out.share < kMostLeftOut || traced.branches.size() >= kFewLimbs);
+         (traced.named || left_out.share < kMaxLeftOut || traced.branches.size() >= kFewLimbs);
 }
 
 /// @throws std::invalid_argument if there are none, or hardly any without names that confirm them.

@@ -37,7 +37,7 @@ constexpr int kTriangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
 constexpr float kClearArea = 1e-5f;
 /// Maximum number of faces around a spread vertex. Angles under 180 degrees between successive
 /// edges of a closed fan are a multiple of 360 degrees in all: with four faces or less, one turn.
-constexpr size_t kMostAround = 4;
+constexpr size_t kMaxAround = 4;
 constexpr float kUnbounded = std::numeric_limits<float>::infinity();
 
 using Corners = std::array<glm::dvec3, 4>;
@@ -125,8 +125,8 @@ CornerAreas corner_areas(const CrossingFace& face) {
 /// that are convex, seen along their mean normal: then each is within the angle between its edges
 /// at the vertex, and these angles do not overlap.
 bool is_spread(std::span<const CrossingFace> faces, std::span<const int32_t> corners) {
-  std::array<CornerAreas, kMostAround> areas;
-  std::array<int32_t, kMostAround> next{}, before{};
+  std::array<CornerAreas, kMaxAround> areas;
+  std::array<int32_t, kMaxAround> next{}, before{};
   glm::vec3 normal(0.0f);
   for (size_t i = 0; i < corners.size(); ++i) {
     const CrossingFace& face = faces[corners[i] / 4];
@@ -283,19 +283,19 @@ CrossingFace make_crossing_face(std::span<const glm::dvec3> vertices, std::span<
 void find_spread_corners(size_t vertex_count, std::span<CrossingFace> faces) {
   /// The faces with a corner at a vertex, as 4 face + corner, and their number.
   struct Around {
-    std::array<int32_t, kMostAround> corners;
+    std::array<int32_t, kMaxAround> corners;
     size_t count = 0;
   };
   std::vector<Around> around(vertex_count);
   for (size_t f = 0; f < faces.size(); ++f) {
     for (int k = 0; k < 4; ++k) {
       Around& own = around[faces[f].corners[k]];
-      if (own.count < kMostAround) own.corners[own.count] = static_cast<int32_t>(4 * f) + k;
+      if (own.count < kMaxAround) own.corners[own.count] = static_cast<int32_t>(4 * f) + k;
       ++own.count;
     }
   }
   for (const Around& own : around) {
-    if (own.count < 3 || own.count > kMostAround) continue;
+    if (own.count < 3 || own.count > kMaxAround) continue;
     const std::span<const int32_t> corners(own.corners.data(), own.count);
     if (!is_spread(faces, corners)) continue;
     for (const int32_t corner : corners) faces[corner / 4].spread |= 1u << (corner % 4);

@@ -16,7 +16,7 @@ namespace {
 
 /// Number of faces that are compared pairwise, and maximum number of halvings.
 constexpr size_t kFew = 40;
-constexpr int kMostHalvings = 20;
+constexpr int kMaxHalvings = 20;
 /// A part is not halved if both halves together would have more than this many times its faces.
 constexpr double kWorthwhile = 1.15;
 /// Number of faces whose median is the middle of a part.
@@ -105,7 +105,7 @@ class PairFinder {
     }
     glm::vec3 size = extent(part);
     // Along the longest axis, or along another if faces are too long for it.
-    for (int turn = 0; turn < 3 && part.size() > kFew && depth < kMostHalvings; ++turn) {
+    for (int turn = 0; turn < 3 && part.size() > kFew && depth < kMaxHalvings; ++turn) {
       const int axis = longest_axis(size);
       const float cut = middle(part, axis);
       std::vector<Box> under, over;
@@ -197,7 +197,7 @@ class ChangedCells {
       high = glm::max(high, to);
     }
     // Cells about half as long as there are faces along an axis.
-    cells_a_side_ = std::clamp(static_cast<int>(2.0 * std::cbrt(own.size())), 8, kMostCells);
+    cells_a_side_ = std::clamp(static_cast<int>(2.0 * std::cbrt(own.size())), 8, kMaxCells);
     cells_.assign(static_cast<size_t>(cells_a_side_) * cells_a_side_ * cells_a_side_, 0);
     size_ = glm::max((high - low_) / static_cast<double>(cells_a_side_), glm::dvec3(1e-30));
     const auto mark = [](uint8_t& cell) { return (cell = 1) == 0; };
@@ -209,7 +209,7 @@ class ChangedCells {
   }
 
  private:
-  static constexpr int kMostCells = 64;
+  static constexpr int kMaxCells = 64;
 
   std::pair<glm::dvec3, glm::dvec3> box(int32_t face) const {
     glm::dvec3 low(1e300), high(-1e300);

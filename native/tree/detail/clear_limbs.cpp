@@ -30,7 +30,7 @@ constexpr double kMaxPairsPerFace = 0.01;
 /// round in the same unit; and the minimum length of the bend, as a multiple of the displacement
 /// and in radii.
 constexpr double kSpare = 0.06;
-constexpr double kMostAtATime = 1.0;
+constexpr double kMaxAtATime = 1.0;
 constexpr double kStretchOfMove = 8.0;
 constexpr double kStretchOfRadius = 4.0;
 /// For longer faces: the length as a multiple of the nearest vertex's distance.
@@ -212,7 +212,7 @@ class Clearer {
     const double both = near.first_radius + near.second_radius;
     const double inside =
         reach(limbs.first_faces, direction, 1.0) - reach(limbs.second_faces, direction, -1.0);
-    const double move = std::clamp(inside, 0.0, kMostAtATime * both) + kSpare * both;
+    const double move = std::clamp(inside, 0.0, kMaxAtATime * both) + kSpare * both;
     const bool first_bends = near.first_radius < near.second_radius;
     if (first_bends || both_bend) {
       bend(limbs.first, place_of(limbs.first_faces, near.on_first, both), -direction * move,

@@ -31,7 +31,7 @@ constexpr double kRest = 0.02;
 /// Number of halvings of a step that would turn a face over before it is dropped; a face counts as
 /// turned if less than this fraction of it is visible from outside.
 constexpr int kHalvings = 3;
-constexpr double kLeastArea = 0.1;
+constexpr double kMinArea = 0.1;
 /// Fraction of a fork's reach beyond which vertices do not move along the surface.
 constexpr double kStill = 0.7;
 /// When unfolding: maximum pulling distance in radii of the child, and projection steps.
@@ -44,7 +44,7 @@ constexpr double kBesideHole = 0.03;
 constexpr float kBlended = 0.5f;
 constexpr float kSpreadOut = 0.8f;
 /// Maximum number of forks that affect a vertex: the nearest ones, relative to their reach.
-constexpr size_t kMostForks = 4;
+constexpr size_t kMaxForks = 4;
 /// Vertices per thread at a time.
 constexpr size_t kActiveBlock = 256;
 
@@ -200,7 +200,7 @@ class ForkBlender {
       const int32_t own = chains_[surface_.origins[fine_.vertices[mover.vertex].face].branch];
       bool known = false;
       for (size_t met = 0; i < pairs.size() && std::get<0>(pairs[i]) == mover.vertex; ++i, ++met) {
-        if (met >= kMostForks) continue;
+        if (met >= kMaxForks) continue;
         const auto [vertex, away, number] = pairs[i];
         const Fork& fork = forks_[number];
         at_.push_back(number);
@@ -283,7 +283,7 @@ class ForkBlender {
       const glm::dvec3& before = points_[neighbours_.before[i]];
       const glm::dvec3 then = glm::cross(after - p, before - p);
       const glm::dvec3 now = glm::cross(after - old, before - old);
-      const double least = kLeastArea * std::min(glm::length(now), glm::length(then));
+      const double least = kMinArea * std::min(glm::length(now), glm::length(then));
       if (glm::dot(then, outwards) < least && glm::dot(now, outwards) >= least) return true;
       if (glm::dot(then, now) <= 0.0) return true;
     }

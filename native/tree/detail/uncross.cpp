@@ -8,11 +8,11 @@
 namespace snowbough::tree {
 namespace {
 
-/// Displacements at intersections are multiplied by kBack per round, and undone below kLeastShare
+/// Displacements at intersections are multiplied by kBack per round, and undone below kMinShare
 /// of the first one, in at most kUndoRounds; the remaining shares of neighbours differ by at most
 /// kShareStep.
 constexpr double kBack = 0.6;
-constexpr double kLeastShare = 0.15;
+constexpr double kMinShare = 0.15;
 constexpr int kUndoRounds = 8;
 constexpr double kShareStep = 0.34;
 
@@ -66,7 +66,7 @@ void undo_moves(MovedCrossings& crossings, const std::vector<glm::dvec3>& before
     for (const auto& [f, g] : pairs) {
       for (const int32_t face : {f, g}) {
         for (const int32_t v : moved.quads[face]) {
-          const bool gone = round + 2 >= kUndoRounds || shares[v] < kLeastShare;
+          const bool gone = round + 2 >= kUndoRounds || shares[v] < kMinShare;
           wanted[v] = gone ? 0.0 : kBack * shares[v];
         }
       }

@@ -17,7 +17,7 @@ constexpr double kFacingMean = 0.75;
 /// Farthest polygon of a chart from its first one, as a share of the square root of the whole area.
 constexpr double kReach = 0.3;
 /// Most polygons of a chart: testing its outline for folds takes quadratic time.
-constexpr size_t kMostPolygons = 180;
+constexpr size_t kMaxPolygons = 180;
 
 struct Side {
   int32_t low, high, face;
@@ -110,7 +110,7 @@ std::vector<int32_t> grow_charts(const KeptSurface& kept) {
     // The nearest first, so that the chart is compact.
     std::priority_queue<Next, std::vector<Next>, std::greater<>> open;
     open.emplace(0.0, static_cast<int32_t>(seed));
-    while (!open.empty() && polygons < kMostPolygons) {
+    while (!open.empty() && polygons < kMaxPolygons) {
       const auto [away, f] = open.top();
       open.pop();
       if (chart[f] >= 0 || !faces_alike(facets[f].normal, sum, kFacingMean)) continue;

@@ -17,7 +17,7 @@ namespace {
 /// Wood without a limb moves as one up to this number of polygons.
 constexpr int32_t kSmallPart = 24;
 /// Normals are wrong if more than this fraction of them is on the other side of their polygons.
-constexpr double kMostOpposed = 0.1;
+constexpr double kMaxOpposed = 0.1;
 
 /// The parts of the file that hold branches, ascending: piece p is the p-th.
 std::vector<int32_t> parts_of_pieces(const std::vector<Branch>& branches) {
@@ -87,7 +87,7 @@ bool drop_wrong_normals(KeptSurface& kept) {
     }
   }
   const bool wrong =
-      static_cast<double>(opposed) > kMostOpposed * static_cast<double>(kept.corner_vertex.size());
+      static_cast<double>(opposed) > kMaxOpposed * static_cast<double>(kept.corner_vertex.size());
   if (wrong) kept.corner_normal = {};
   return wrong;
 }

@@ -22,7 +22,7 @@ constexpr double kLever = 2.5;
 /// Steps in which a branch is searched for both.
 constexpr int kSteps = 48;
 /// A share below this passes no further down the tree, and none further than this many branches.
-constexpr double kLeastShare = 1e-3;
+constexpr double kMinShare = 1e-3;
 constexpr int kDeepest = 6;
 
 /// The bones of one branch, in a row.
@@ -71,7 +71,7 @@ class KeptWeights {
   /// Adds the influences at a place of a branch.
   void add(int32_t branch, glm::vec3 place, InfluenceSum& sum) const {
     double share = 1.0;
-    for (int deep = 0; deep <= kDeepest && share > kLeastShare; ++deep) {
+    for (int deep = 0; deep <= kDeepest && share > kMinShare; ++deep) {
       const Chain& chain = chains_[branch];
       if (chain.count == 0) {
         throw std::invalid_argument("the branch '" + skeleton_.branches[branch].name +

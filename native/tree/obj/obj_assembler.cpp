@@ -12,7 +12,7 @@ namespace {
 
 /// Reserved memory relative to the expected need.
 constexpr double kRoom = 1.05;
-constexpr int64_t kMost = std::numeric_limits<int32_t>::max();
+constexpr int64_t kMaxCount = std::numeric_limits<int32_t>::max();
 
 const char* name_of(ObjIndex kind) {
   switch (kind) {
@@ -134,7 +134,7 @@ void ObjAssembler::fail(int64_t line, const std::string& what) const {
 
 void ObjAssembler::check_room(const ObjFragment& fragment) const {
   const auto check = [&](int64_t before, size_t more, const char* what) {
-    if (before + static_cast<int64_t>(more) > kMost) {
+    if (before + static_cast<int64_t>(more) > kMaxCount) {
       fail(line_count_ + fragment.line_count, std::string("more than 2147483647 ") + what);
     }
   };

@@ -18,7 +18,7 @@ constexpr double kOnAxis = 1e-3;
 /// Number of steps after which a walk is checked for cycles; and the maximum number of steps. A
 /// scan has hundreds of triangles along one rebuilt face.
 constexpr int kSureSteps = 64;
-constexpr int kMostSteps = 16384;
+constexpr int kMaxSteps = 16384;
 /// A larger ratio between two nearby distances from the axis means another limb.
 constexpr double kOtherLimb = 2.5;
 /// Extrapolation beyond an open edge, in heights of the triangle there.
@@ -230,7 +230,7 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
       there = next_corners;
       next_flat = beyond;
     }
-    if (out < 0 || circles || step == kMostSteps) {
+    if (out < 0 || circles || step == kMaxSteps) {
       const bool inside = *std::min_element(shares.begin(), shares.end()) >= -1e-9;
       const bool runs_on = open && *std::min_element(shares.begin(), shares.end()) >= -kRunOn;
       if (!inside && !runs_on) shares = nearest_shares(flat);

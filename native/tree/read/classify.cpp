@@ -46,7 +46,7 @@ constexpr float kGround = 0.03f;
 
 /// Minimum number of parts per thread at a time, and maximum number of progress reports.
 constexpr size_t kTraceBlock = 32;
-constexpr size_t kMostBlocks = 1024;
+constexpr size_t kMaxBlocks = 1024;
 
 /// Progress at which every part's shape is known; forking surfaces take the rest.
 constexpr float kShapesFound = 0.5f;
@@ -67,7 +67,7 @@ Shapes find_shapes(const ObjScene& scene, const Parts& parts, const PartLabels& 
   Shapes shapes;
   shapes.shape.assign(count, Shape::kUnknown);
   shapes.why.assign(count, NotATube::kNone);
-  const size_t block = std::max(kTraceBlock, count / kMostBlocks);
+  const size_t block = std::max(kTraceBlock, count / kMaxBlocks);
   // The limbs of each block, by part.
   std::vector<std::vector<std::pair<int32_t, Limb>>> traced(count / block + 1);
   const auto trace = [&](size_t begin, size_t end) {

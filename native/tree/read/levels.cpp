@@ -21,7 +21,7 @@ constexpr std::array<std::string_view, 4> kTrunkWords = {"trunk", "bole", "stamm
 /// Fraction by which more of one cluster's branches must grow on another's than the reverse.
 constexpr double kClearlyGrowing = 0.25;
 /// With more clusters than this, names determine the order.
-constexpr size_t kMostRanked = 12;
+constexpr size_t kMaxRanked = 12;
 
 bool is_digit(char c) {
   return c >= '0' && c <= '9';
@@ -119,7 +119,7 @@ double growing_share(const std::vector<Branch>& branches, const std::vector<Bran
 /// Swaps neighbours in `order` if the first grows on the second.
 void put_parents_first(const std::vector<std::string>& names, const std::vector<Branch>& branches,
                        const std::vector<int32_t>& branch_cluster, std::vector<int32_t>& order) {
-  if (order.size() > kMostRanked) return;
+  if (order.size() > kMaxRanked) return;
   std::vector<std::vector<Branch>> members(names.size());
   for (size_t b = 0; b < branches.size(); ++b) members[branch_cluster[b]].push_back(branches[b]);
   const auto numbered_alike = [&](int32_t a, int32_t b) {

@@ -29,7 +29,7 @@ constexpr double kInsideRadius = 0.4;
 /// Length of both limbs' stretches, in reaches.
 constexpr double kConeReach = 1.25;
 /// Maximum number of limbs blended at one place.
-constexpr size_t kMostLimbs = 16;
+constexpr size_t kMaxLimbs = 16;
 /// Two surfaces whose normals differ by at least 60 degrees have their whole fillet, parallel ones
 /// none: there the smooth minimum of tubes that hardly separate would be thicker than both.
 constexpr double kAngleFillet = 2.0;
@@ -121,7 +121,7 @@ FieldValue blended_distance(const glm::dvec3& p, std::span<const int32_t> at,
     FieldValue value;
     double width;
   };
-  std::array<Limb, kMostLimbs> limbs;
+  std::array<Limb, kMaxLimbs> limbs;
   size_t count = 0;
   const auto add = [&](int32_t chain, const FieldValue& value, double width) {
     for (size_t i = 0; i < count; ++i) {

@@ -11,7 +11,7 @@ namespace {
 constexpr double kFilletHeight = 0.25;
 /// Maximum number of steps towards the line, minimum length of a step, and tolerance; in radii of
 /// the child's base.
-constexpr int kMostRaySteps = 60;
+constexpr int kMaxRaySteps = 60;
 constexpr double kShortestStep = 0.03;
 constexpr double kNear = 2e-3;
 /// Minimum jump between a rim's points, in the same radii.
@@ -56,7 +56,7 @@ class Side {
     double length = -fork_.inside, nearest = length, least = 1e300;
     bool was_below = false;
     double below = length;
-    for (int step = 0; step < kMostRaySteps && length < farthest; ++step) {
+    for (int step = 0; step < kMaxRaySteps && length < farthest; ++step) {
       const double here = above(at(length)) - height;
       if (here < least) {
         least = here;

@@ -32,9 +32,9 @@ constexpr double kResidual = 1e-8;
 /// Number of attempts for rims that are held back, and the least part of the way that the next one
 /// is worth.
 constexpr int kAttempts = 6;
-constexpr double kLeastStep = 0.015;
+constexpr double kMinStep = 0.015;
 /// Minimum area of a face relative to its first.
-constexpr double kLeastArea = 0.04;
+constexpr double kMinArea = 0.04;
 /// Displacements at turned faces are multiplied by kBack per round; in later rounds than
 /// kBackRounds they are undone. The remaining shares of neighbours differ by at most kShareStep.
 constexpr double kBack = 0.7;
@@ -322,7 +322,7 @@ class RimGroup {
       after[k] = moved(quad[k]);
     }
     const double area = least_area(before);
-    return least_area(after) < std::min(area, kLeastArea * area);
+    return least_area(after) < std::min(area, kMinArea * area);
   }
 
   /// Limits the lead of every rim's points over its slowest one.
@@ -387,7 +387,7 @@ void move_rims(const std::vector<Rim>& rims, const std::vector<Fork>& forks, con
             sum += unrolled.shares[point.vertex] / static_cast<double>(rims[reach.junction].size());
           }
           const double step = sum - std::exchange(reach.gone, sum);
-          return least >= 1.0 || step < kLeastStep;
+          return least >= 1.0 || step < kMinStep;
         });
       }
     }

@@ -21,7 +21,7 @@ constexpr float kFlatCap = 0.02f;
 /// most by the ratio of both.
 constexpr double kSmallestRing = 0.5;
 constexpr double kLargestRing = 2.0;
-constexpr size_t kMostUneven = 4;
+constexpr size_t kMaxUneven = 4;
 /// A limb shorter than this fraction of its radius is a disc, not a tube.
 constexpr float kShortestLimb = 0.25f;
 
@@ -201,16 +201,16 @@ std::vector<glm::vec3> ordered_ring(const LocalMesh& mesh, const std::vector<int
 std::optional<Limb> trace_layers(const LocalMesh& mesh, NotATube& why) {
   const Topology topology = build_topology(mesh);
   const bool closed = topology.boundary_loops.empty();
-  constexpr size_t kMostStarts = 64;
-  Layers starts = closed ? closed_ends(mesh, topology, kMostStarts) : topology.boundary_loops;
-  if (starts.size() > kMostStarts) starts.resize(kMostStarts);
+  constexpr size_t kMaxStarts = 64;
+  Layers starts = closed ? closed_ends(mesh, topology, kMaxStarts) : topology.boundary_loops;
+  if (starts.size() > kMaxStarts) starts.resize(kMaxStarts);
 
   Layers best;
   double best_irregularity = -1.0;
   for (const std::vector<int32_t>& start : starts) {
     // Only the first failing start finds the reason, which takes the whole walk.
     const bool has_reason = why != NotATube::kNone && topology.boundary_loops.size() != 2;
-    Layers layers = walk_layers(mesh, topology, start, has_reason ? kMostUneven : 0);
+    Layers layers = walk_layers(mesh, topology, start, has_reason ? kMaxUneven : 0);
     if (layers.empty()) continue;
     gather_far_end(topology, layers);
     NotATube reason = NotATube::kNone;

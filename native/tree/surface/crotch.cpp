@@ -11,11 +11,11 @@ namespace snowbough::tree {
 namespace {
 
 /// Least radius of a second stem, as a fraction of its parent's, and cosine of its largest angle.
-constexpr double kLeastRadius = 0.5;
-const double kLeastCosine = std::sqrt(0.5);
+constexpr double kMinRadius = 0.5;
+const double kMinCosine = std::sqrt(0.5);
 /// The same as a fraction of the tree's height: where the tree fills a picture of a thousand
 /// pixels, the crotch of a thinner limb is two pixels wide.
-constexpr double kLeastStem = 1e-3;
+constexpr double kMinStem = 1e-3;
 /// Greatest length of a crotch along the parent, and distance between samples, in the child's
 /// radii.
 constexpr double kLongest = 8.0;
@@ -166,7 +166,7 @@ std::optional<Crotch> find_crotch(const PathSearch& search, double attach, const
   const LimbPath& parent = search.path();
   const double thick = radius_at(parent, attach);
   const double farthest = std::min(child.length(), kFarthest * thick);
-  const double least = std::max(kLeastRadius * thick, kLeastStem * scale.height);
+  const double least = std::max(kMinRadius * thick, kMinStem * scale.height);
   const double widest = *std::max_element(child.corners.begin(), child.corners.end());
   if (widest * std::sqrt(2.0 / M_PI) < least) return std::nullopt;
   std::vector<Sample> samples{sample_at(search, child, 0.0)};
@@ -220,7 +220,7 @@ std::optional<Crotch> find_crotch(const PathSearch& search, double attach, const
       position_at(parent, crotch.parent_end) - position_at(parent, crotch.parent_heel);
   const glm::dvec3 course =
       position_at(child, crotch.child_end) - position_at(child, crotch.child_heel);
-  if (glm::dot(along, course) <= kLeastCosine * glm::length(along) * glm::length(course)) {
+  if (glm::dot(along, course) <= kMinCosine * glm::length(along) * glm::length(course)) {
     return std::nullopt;
   }
   return crotch;

@@ -37,7 +37,7 @@ constexpr double kWidest = 1.5;
 constexpr double kWidening = 1.2;
 /// The points of a child's first ring rise from its hole at least at this fraction of its centre's
 /// slope, otherwise it would hang over the parent's side with a gap under it.
-constexpr double kLeastRise = 0.5;
+constexpr double kMinRise = 0.5;
 /// To rise enough, a child skips its own joints as long as it deviates from them by less than this
 /// fraction of their corner radius.
 constexpr double kLargestShortcut = 1.0;
@@ -139,7 +139,7 @@ bool ring_rises(const Hole& hole, const glm::dvec3& centre, const glm::dvec3& no
       const glm::dvec3 outward = glm::cross(hole.corners[(k + 1) % 4] - from, hole.normal);
       beyond = std::max(beyond, glm::dot(p - from, outward) / glm::length(outward));
     }
-    return glm::dot(p - hole.centre, hole.normal) * aside >= kLeastRise * height * beyond;
+    return glm::dot(p - hole.centre, hole.normal) * aside >= kMinRise * height * beyond;
   });
 }
 

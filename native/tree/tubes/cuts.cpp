@@ -14,7 +14,7 @@ using Part = FacePart;
 constexpr double kSpareSide = 0.25;
 /// Factor by which the side error grows until the budget is met, and maximum number of times.
 constexpr double kCoarser = 1.12;
-constexpr int kMostSteps = 90;
+constexpr int kMaxSteps = 90;
 
 /// Reverses the positions.
 void turn_round(std::vector<double>& at) {
@@ -217,11 +217,11 @@ SurfaceCuts cut_surface(const Surface& surface, const Edges& edges,
   SurfaceCuts cuts = coarser(0);
   // The first step within the budget, by doubling steps, then bisection.
   int above = 0, step = 1;
-  while (cuts.quads > budget && above < kMostSteps) {
+  while (cuts.quads > budget && above < kMaxSteps) {
     cuts = coarser(step);
-    if (cuts.quads <= budget || step == kMostSteps) break;
+    if (cuts.quads <= budget || step == kMaxSteps) break;
     above = step;
-    step = std::min(2 * step, kMostSteps);
+    step = std::min(2 * step, kMaxSteps);
   }
   for (int below = step; below - above > 1;) {
     const int middle = (above + below) / 2;

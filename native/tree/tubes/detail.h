@@ -41,6 +41,6 @@ DetailSettings detail_settings(Detail detail);
 /// A limb with a radius above this fraction of the tree's height begins with eight sides where it
 /// leaves a limb with more than four, since four leave no room for a fillet. Forks of thinner limbs
 /// are not visible.
-inline constexpr double kLeastFork = 4e-4;
+inline constexpr double kMinFork = 4e-4;
 
 }  // namespace snowbough::tree

@@ -8,7 +8,7 @@ namespace snowbough::tree {
 namespace {
 
 /// Minimum distance of a hole's corners from the edges of their side.
-constexpr double kLeastMargin = 0.02;
+constexpr double kMinMargin = 0.02;
 /// A joint closer to a ring than this fraction of the row coincides with it.
 constexpr double kAtRing = 1e-3;
 /// Minimum radius between two rings, relative to the thinner one's.
@@ -142,8 +142,8 @@ HolePlace hole_place(const Surface& surface, const Junction& junction) {
   const Ring& hole = surface.limbs[junction.child].rings.front();
   for (int k = 0; k < 4; ++k) {
     const glm::dvec3 p = point(hole.vertices[k]) - middle;
-    const double x = 2.0 * share(p, across, kLeastMargin) - 1.0;
-    place.corners[k] = {0.5 + 2.0 / M_PI * std::atan(x), share(p, along, kLeastMargin)};
+    const double x = 2.0 * share(p, across, kMinMargin) - 1.0;
+    place.corners[k] = {0.5 + 2.0 / M_PI * std::atan(x), share(p, along, kMinMargin)};
   }
   return place;
 }

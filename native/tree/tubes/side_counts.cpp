@@ -79,7 +79,7 @@ SideCounts count_sides(const Surface& surface, const LimbHoles& holes, double he
       // Parents come first. With four sides a fork has no room for a fillet.
       const Junction& junction = surface.junctions[holes.of[b]];
       const int parent = across[junction.parent][junction.row];
-      if (parent > 1 && radius_of(limb.rings[0]) > kLeastFork * height) {
+      if (parent > 1 && radius_of(limb.rings[0]) > kMinFork * height) {
         across[b][1] = std::max(across[b][1], 2);
       }
       across[b][0] = across[b][1];

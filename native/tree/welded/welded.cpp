@@ -20,7 +20,7 @@ namespace {
 constexpr double kRingSpacing = 1.5;
 constexpr double kEdgeSpacing = 0.75;
 /// Maximum number of rings between two forks.
-constexpr double kMostRings = 1000.0;
+constexpr double kMaxRings = 1000.0;
 /// Progress at which equal positions are welded, the edges are known, an end, and the root; and,
 /// from there on, the triangles, the distances, the graph and the contours.
 constexpr float kWelded = 0.1f;
@@ -61,7 +61,7 @@ std::vector<std::vector<double>> ring_levels(const std::vector<LocalTriangle>& t
     if (length <= 0.0) continue;
     const double spacing = std::max(kRingSpacing * arc.mean_radius(), kEdgeSpacing * rises[a]);
     const double count =
-        std::clamp(std::round(length / spacing), arc.above.empty() ? 2.0 : 1.0, kMostRings);
+        std::clamp(std::round(length / spacing), arc.above.empty() ? 2.0 : 1.0, kMaxRings);
     for (double i = 0.0; i < count; ++i) {
       levels[a].push_back(arc.begin + length * (i + kEndShare) / count);
     }
