@@ -1,5 +1,6 @@
 #include <pybind11/stl.h>
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -13,6 +14,7 @@
 #include "tree/build_tree_mesh.h"
 #include "tree/mesh/bones.h"
 #include "tree/mesh/bones_reduce.h"
+#include "tree/mesh/edges.h"
 #include "tree/mesh/mesh_check.h"
 #include "tree/original/base_uvs.h"
 #include "tree/original/original_uvs.h"
@@ -241,6 +243,36 @@ skeleton.wood_materials, -1 = none.)");
       py::arg("mesh"), py::arg("uv"), py::arg("material"),
       R"(The same (uv, material) for the quads of the four-sided base from which `mesh` was refined.
 uv, material: those of `mesh`, from original_uvs.)");
+
+  module.def(
+      "quad_edges",
+      [](const InputArray<int32_t>& quads, size_t vertices) {
+        const auto faces = rows_from_numpy<Quad, int32_t, 4>(quads, "quads");
+        for (const Quad& quad : faces) {
+          for (const int32_t v : quad) {
+            if (v < 0 || static_cast<size_t>(v) >= vertices) {
+              throw std::invalid_argument("quads refer to vertex " + std::to_string(v) +
+                                          ", but there are " + std::to_string(vertices));
+            }
+          }
+        }
+        std::vector<std::array<int32_t, 2>> ends;
+        std::vector<std::array<int32_t, 4>> of_face;
+        {
+          ReleasedGil release;
+          Edges edges(faces, vertices);
+          ends.reserve(edges.all.size());
+          for (const Edges::Edge& edge : edges.all) ends.push_back({edge.a, edge.b});
+          of_face = std::move(edges.of_face);
+        }
+        const auto count = static_cast<py::ssize_t>(ends.size());
+        const auto quad_count = static_cast<py::ssize_t>(of_face.size());
+        return py::make_tuple(to_numpy<int32_t>(std::move(ends), {count, 2}),
+                              to_numpy<int32_t>(std::move(of_face), {quad_count, 4}));
+      },
+      py::arg("quads"), py::arg("vertices"),
+      R"(The edges of a quad mesh with so many vertices: (ends, of_quad). ends (E, 2) int32: their vertices,
+the lower one first; of_quad (F, 4) int32: the edge from each corner to the next.)");
 
   module.def(
       "check_mesh",

@@ -108,6 +108,13 @@ def test_bark_is_what_the_native_module_built(addon):
     corners = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corners)
     assert np.array_equal(corners.reshape(-1, 4), tree.quads)
+    # Two faces share an edge, and each corner's edge runs to the next.
+    assert len(mesh.edges) == 2 * len(mesh.polygons) and not any(edge.is_loose for edge in mesh.edges)
+    assert all(
+        set(mesh.edges[mesh.loops[a].edge_index].vertices) == {corners[a], corners[b]}
+        for face in mesh.polygons
+        for a, b in zip(face.loop_indices, [*face.loop_indices[1:], face.loop_indices[0]])
+    )
     for name in ("bark", "snow"):
         uv = addon("base.compat").read_uv(mesh.uv_layers[name], len(corners)).reshape(-1, 4, 2)
         assert np.array_equal(uv, getattr(tree, f"uv_{name}"))

@@ -7,7 +7,7 @@ A :class:`Ledger` records the data-blocks that are made, so that an error leaves
 import bpy
 import numpy as np
 
-from ..base import compat
+from ..base import compat, native
 from ..base.names import BARK_UV, LEAF_BONE_ATTRIBUTE, LEAF_UV, ORIGINAL_UV, POINT_LEVEL_ATTRIBUTE, SNOW_UV
 from . import armature
 from .bone_names import NAME_BYTES, clip_utf8
@@ -47,12 +47,13 @@ def _checked(corner_vertex, vertex_count):
     return corner_vertex
 
 
-def create_mesh(name, vertices, corner_vertex, face_begin, uvs, smooth, bones, weights):
+def create_mesh(name, vertices, corner_vertex, face_begin, uvs, smooth, bones, weights, edges=None):
     """A mesh from flat arrays.
 
     vertices float32 (V, 3); corner_vertex int32 (L,); face_begin int32 (F + 1,): polygon f has the corners from
     face_begin[f] to face_begin[f + 1]; uvs: list of (name, float32 (L, 2)), in the order of the layers; bones int32,
-    weights float32 (V, K): see armature.write_weights. Raises ValueError for an index out of range.
+    weights float32 (V, K): see armature.write_weights. edges: the native quad_edges of the polygons; otherwise Blender
+    finds them, which takes longer. Raises ValueError for an index out of range.
     """
     corner_vertex = _checked(np.ascontiguousarray(corner_vertex, dtype=np.int32).reshape(-1), len(vertices))
     face_begin = np.ascontiguousarray(face_begin, dtype=np.int32)
@@ -70,7 +71,12 @@ def create_mesh(name, vertices, corner_vertex, face_begin, uvs, smooth, bones, w
         mesh.uv_layers.new(name=layer_name, do_init=False)
     for layer_name, uv in uvs:
         compat.set_uv(mesh.uv_layers[layer_name], uv)
-    mesh.update(calc_edges=True)
+    if edges is not None:
+        ends, of_corner = edges
+        mesh.edges.add(len(ends))
+        mesh.edges.foreach_set("vertices", ends.reshape(-1))
+        mesh.loops.foreach_set("edge_index", of_corner.reshape(-1))
+    mesh.update(calc_edges=edges is None)
     return mesh
 
 
@@ -132,6 +138,7 @@ def create_bark(name, tree, bone_names, materials, face_material=None, original_
         smooth=True,
         bones=tree.bone_indices,
         weights=tree.bone_weights,
+        edges=native.load().quad_edges(quads, len(vertices)),
     )
     levels = np.ascontiguousarray(tree.branch_level, dtype=np.int32)
     mesh.attributes.new(LEVEL_ATTRIBUTE, "INT", "FACE").data.foreach_set("value", levels)

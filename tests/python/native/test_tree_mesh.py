@@ -180,6 +180,16 @@ def test_check_mesh_says_what_is_wrong():
         native.check_mesh(mesh.vertices, mesh.quads[:, :3])
 
 
+def test_quad_edges_are_each_edge_once_and_the_quads_own():
+    mesh = native.build_tree_mesh(small_tree())
+    ends, of_quad = native.quad_edges(mesh.quads, len(mesh.vertices))
+    sides = np.stack([mesh.quads, np.roll(mesh.quads, -1, axis=1)], axis=-1)
+    assert np.array_equal(ends[of_quad], np.sort(sides, axis=-1))
+    assert len(np.unique(ends, axis=0)) == len(ends) == 2 * len(mesh.quads)
+    with pytest.raises(ValueError, match="refer to vertex 7, but there are 4"):
+        native.quad_edges([[0, 1, 2, 7]], 4)
+
+
 def descendants(parents, bone):
     found = np.zeros(len(parents), bool)
     found[bone] = True
