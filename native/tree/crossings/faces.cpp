@@ -124,8 +124,8 @@ CornerAreas corner_areas(const CrossingFace& face) {
 /// Whether the faces with these corners (4 face + corner) at one vertex form a closed fan of quads
 /// that are convex, seen along their mean normal: then each is within the angle between its edges
 /// at the vertex, and these angles do not overlap.
-bool is_spread(std::span<const CrossingFace> faces, std::span<const int32_t> corners) {
-  std::array<CornerAreas, kMaxAround> areas;
+bool is_spread(std::span<const CrossingFace> faces, std::span<const CornerAreas> areas,
+               std::span<const int32_t> corners) {
   std::array<int32_t, kMaxAround> next{}, before{};
   glm::vec3 normal(0.0f);
   for (size_t i = 0; i < corners.size(); ++i) {
@@ -133,13 +133,14 @@ bool is_spread(std::span<const CrossingFace> faces, std::span<const int32_t> cor
     const int k = corners[i] % 4;
     next[i] = face.corners[(k + 1) & 3];
     before[i] = face.corners[(k + 3) & 3];
-    areas[i] = corner_areas(face);
-    normal += glm::vec3(areas[i].x[k], areas[i].y[k], areas[i].z[k]);
+    const CornerAreas& own = areas[corners[i] / 4];
+    normal += glm::vec3(own.x[k], own.y[k], own.z[k]);
   }
   const float components = std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
   for (size_t i = 0; i < corners.size(); ++i) {
     const float size = faces[corners[i] / 4].size;
-    const Float4 seen = normal.x * areas[i].x + normal.y * areas[i].y + normal.z * areas[i].z;
+    const CornerAreas& own = areas[corners[i] / 4];
+    const Float4 seen = normal.x * own.x + normal.y * own.y + normal.z * own.z;
     // Not for NaN either.
     if (!(smallest(seen) > kClearArea * size * size * components)) return false;
   }
@@ -287,7 +288,9 @@ void find_spread_corners(size_t vertex_count, std::span<CrossingFace> faces) {
     size_t count = 0;
   };
   std::vector<Around> around(vertex_count);
+  std::vector<CornerAreas> areas(faces.size());
   for (size_t f = 0; f < faces.size(); ++f) {
+    areas[f] = corner_areas(faces[f]);
     for (int k = 0; k < 4; ++k) {
       Around& own = around[faces[f].corners[k]];
       if (own.count < kMaxAround) own.corners[own.count] = static_cast<int32_t>(4 * f) + k;
@@ -297,7 +300,7 @@ void find_spread_corners(size_t vertex_count, std::span<CrossingFace> faces) {
   for (const Around& own : around) {
     if (own.count < 3 || own.count > kMaxAround) continue;
     const std::span<const int32_t> corners(own.corners.data(), own.count);
-    if (!is_spread(faces, corners)) continue;
+    if (!is_spread(faces, areas, corners)) continue;
     for (const int32_t corner : corners) faces[corner / 4].spread |= 1u << (corner % 4);
   }
 }

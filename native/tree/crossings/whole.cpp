@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vector_relational.hpp>
 #include <iterator>
+#include <limits>
 
 #include "base/parallel_for.h"
 #include "tree/crossings/faces.h"
@@ -52,16 +55,56 @@ struct Box {
   int32_t is_changed;
 };
 
-/// The same in registers; the last lane is the same in all boxes.
-struct WideBox {
-  Float4 low, high;
+/// Four successive numbers, at any address.
+Float4 load(const float* from) {
+  Float4 four;
+  std::memcpy(&four, from, sizeof(four));
+  return four;
+}
 
-  explicit WideBox(const Box& box)
-      : low{box.low.x, box.low.y, box.low.z, 0.0f},
-        high{box.high.x, box.high.y, box.high.z, 0.0f} {}
-  bool overlaps(const WideBox& other) const {
-    return base::bits((low <= other.high) & (other.low <= high)) == 15;
+/// Boxes in the order of their beginnings along an axis, four to a register.
+class Sweep {
+ public:
+  Sweep(const std::vector<Box>& boxes, int axis) : count_(boxes.size()) {
+    order_.resize(count_);
+    for (size_t i = 0; i < count_; ++i) order_[i] = {boxes[i].low[axis], static_cast<int32_t>(i)};
+    std::sort(order_.begin(), order_.end());
+    // Behind the last box there are three that overlap none.
+    for (std::vector<float>& side : sides_) side.assign(count_ + 3, kNowhere);
+    for (size_t i = 0; i < count_; ++i) {
+      const Box& box = boxes[order_[i].second];
+      for (int k = 0; k < 3; ++k) {
+        sides_[2 * k][i] = box.low[(axis + k) % 3];
+        sides_[2 * k + 1][i] = box.high[(axis + k) % 3];
+      }
+    }
   }
+
+  /// Calls visit(i, j), indices into the boxes, for all pairs that overlap.
+  template <typename Visit>
+  void overlaps(const Visit& visit) const {
+    const auto at = [this](int side, size_t i) { return load(&sides_[side][i]); };
+    for (size_t i = 0; i < count_; ++i) {
+      const Float4 end = base::four(sides_[1][i]);
+      const Float4 low_1 = base::four(sides_[2][i]), high_1 = base::four(sides_[3][i]);
+      const Float4 low_2 = base::four(sides_[4][i]), high_2 = base::four(sides_[5][i]);
+      for (size_t j = i + 1; j < count_ && sides_[0][j] <= end[0]; j += 4) {
+        uint32_t set = base::bits((at(0, j) <= end) & (at(2, j) <= high_1) & (low_1 <= at(3, j)) &
+                                  (at(4, j) <= high_2) & (low_2 <= at(5, j)));
+        for (; set != 0; set &= set - 1) {
+          visit(order_[i].second, order_[j + std::countr_zero(set)].second);
+        }
+      }
+    }
+  }
+
+ private:
+  static constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
+
+  size_t count_;
+  std::vector<std::pair<float, int32_t>> order_;
+  /// Begin and end along the axis, then along the other two.
+  std::array<std::vector<float>, 6> sides_;
 };
 
 /// Finds pairs by halving space: a pair belongs to the part that contains the lowest corner of its
@@ -152,27 +195,18 @@ class PairFinder {
   }
 
   /// Sweeps along the axis with the largest extent.
-  void compare(Part& part, Pairs& found) const {
-    const int axis = longest_axis(extent(part.boxes));
-    std::sort(part.boxes.begin(), part.boxes.end(), [axis](const Box& a, const Box& b) {
-      return a.low[axis] != b.low[axis] ? a.low[axis] < b.low[axis] : a.face < b.face;
-    });
-    const size_t count = part.boxes.size();
-    for (size_t i = 0; i < count; ++i) {
-      const Box& one = part.boxes[i];
-      const WideBox wide(one);
-      for (size_t j = i + 1; j < count && part.boxes[j].low[axis] <= one.high[axis]; ++j) {
-        const Box& other = part.boxes[j];
-        if ((one.is_changed | other.is_changed) == 0 || !wide.overlaps(WideBox(other))) continue;
-        const glm::vec3 lowest = glm::max(one.low, other.low);
-        if (!glm::all(glm::greaterThan(lowest, part.above)) ||
-            !glm::all(glm::lessThanEqual(lowest, part.up_to))) {
-          continue;
-        }
-        const CrossingFace &f = faces_[one.face], &g = faces_[other.face];
-        if (faces_cross(f, g)) found.emplace_back(std::minmax(f.number, g.number));
+  void compare(const Part& part, Pairs& found) const {
+    Sweep(part.boxes, longest_axis(extent(part.boxes))).overlaps([&](int32_t i, int32_t j) {
+      const Box &one = part.boxes[i], &other = part.boxes[j];
+      if ((one.is_changed | other.is_changed) == 0) return;
+      const glm::vec3 lowest = glm::max(one.low, other.low);
+      if (!glm::all(glm::greaterThan(lowest, part.above)) ||
+          !glm::all(glm::lessThanEqual(lowest, part.up_to))) {
+        return;
       }
-    }
+      const CrossingFace &f = faces_[one.face], &g = faces_[other.face];
+      if (faces_cross(f, g)) found.emplace_back(std::minmax(f.number, g.number));
+    });
   }
 
   std::vector<CrossingFace> faces_;

@@ -6,6 +6,8 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
+#include "base/group_by_key.h"
+
 namespace snowbough::tree {
 namespace {
 
@@ -22,6 +24,7 @@ struct CrossEdge {
   std::array<int32_t, 2> ends{};
   std::array<int32_t, 2> before{}, after{};
   int32_t face_before = -1, face_after = -1;
+  bool is_creased = true;
 };
 
 /// One of a face's two edges across the limb.
@@ -29,10 +32,6 @@ struct HalfEdge {
   std::array<int32_t, 2> ends{}, beside{};
   int32_t face = -1;
   int32_t chain = -1;
-
-  bool operator<(const HalfEdge& other) const {
-    return ends != other.ends ? ends < other.ends : face < other.face;
-  }
 };
 
 /// The edges across limbs with a movable end.
@@ -60,12 +59,22 @@ std::vector<CrossEdge> cross_edges(const FineMesh& fine, std::span<const FaceOri
       halves.push_back(half);
     }
   }
-  std::sort(halves.begin(), halves.end());
+  // By their ends, then in the order of the faces.
+  std::vector<size_t> first;
+  std::vector<HalfEdge> sorted;
+  const auto for_halves = [&](const auto& visit) {
+    for (const HalfEdge& half : halves) visit(half.ends[0], half);
+  };
+  base::group_by_key(farthest.size(), for_halves, first, sorted);
   std::vector<CrossEdge> edges;
-  for (size_t i = 0; i + 1 < halves.size(); ++i) {
-    const HalfEdge &a = halves[i], &b = halves[i + 1];
-    if (a.ends != b.ends || a.chain != b.chain) continue;
-    edges.push_back({a.ends, a.beside, b.beside, a.face, b.face});
+  for (size_t v = 0; v < farthest.size(); ++v) {
+    std::stable_sort(sorted.begin() + first[v], sorted.begin() + first[v + 1],
+                     [](const HalfEdge& a, const HalfEdge& b) { return a.ends[1] < b.ends[1]; });
+    for (size_t i = first[v]; i + 1 < first[v + 1]; ++i) {
+      const HalfEdge &a = sorted[i], &b = sorted[i + 1];
+      if (a.ends != b.ends || a.chain != b.chain) continue;
+      edges.push_back({a.ends, a.beside, b.beside, a.face, b.face});
+    }
   }
   return edges;
 }
@@ -93,14 +102,23 @@ glm::dvec3 between(const glm::dvec3& before, const glm::dvec3& p, const glm::dve
 void soften_creases(const FineMesh& fine, std::span<const FaceOrigin> origins,
                     const std::vector<int32_t>& chains, std::span<const double> farthest,
                     std::vector<glm::dvec3>& points) {
-  const std::vector<CrossEdge> edges = cross_edges(fine, origins, chains, farthest);
+  std::vector<CrossEdge> edges = cross_edges(fine, origins, chains, farthest);
   const std::vector<glm::dvec3> first(points);
+  // Per vertex: the last round in which it moved. Edges whose faces stayed need no second look.
+  std::vector<int8_t> moved(points.size(), -1);
+  const auto has_moved = [&](const CrossEdge& edge, int round) {
+    const auto any = [&](const std::array<int32_t, 2>& two) {
+      return moved[two[0]] == round || moved[two[1]] == round;
+    };
+    return any(edge.ends) || any(edge.before) || any(edge.after);
+  };
   // Targets of an end of several creases, and their number.
   std::vector<std::pair<int32_t, glm::dvec3>> wanted;
   for (int round = 0; round < kCreaseRounds; ++round) {
     wanted.clear();
-    for (const CrossEdge& edge : edges) {
-      if (!creased(edge, fine, points)) continue;
+    for (CrossEdge& edge : edges) {
+      if (has_moved(edge, round - 1)) edge.is_creased = creased(edge, fine, points);
+      if (!edge.is_creased) continue;
       for (int k = 0; k < 2; ++k) {
         const int32_t v = edge.ends[k];
         if (farthest[v] <= 0.0) continue;
@@ -119,6 +137,7 @@ void soften_creases(const FineMesh& fine, std::span<const FaceOrigin> origins,
       const glm::dvec3 offset = points[v] + sum * (kStep / count) - first[v];
       const double length = glm::length(offset);
       points[v] = first[v] + (length > farthest[v] ? offset * (farthest[v] / length) : offset);
+      moved[v] = static_cast<int8_t>(round);
     }
   }
 }

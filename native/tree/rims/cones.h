@@ -30,7 +30,8 @@ struct Cone {
   void take_nearer(const glm::dvec3& p, FieldValue& nearest) const;
 };
 
-/// All cones of a chain of limbs, in order.
+/// All cones of a chain of limbs, in order. Queries skip blocks of cones whose bounding sphere is
+/// farther than the nearest cone so far.
 class ConeChain {
  public:
   /// The index of the next cone to be added.
@@ -50,7 +51,17 @@ class ConeChain {
   size_t begin_within(size_t from, double length) const;
 
  private:
+  /// A sphere around kBlock successive cones.
+  struct Block {
+    glm::dvec3 centre{0.0};
+    double radius = 0.0;
+  };
+  static constexpr size_t kBlock = 4;
+
+  Block bound(size_t block) const;
+
   std::vector<Cone> cones_;
+  std::vector<Block> blocks_;
   /// Arc length at each cone and, last, at the end.
   std::vector<double> lengths_{0.0};
 };

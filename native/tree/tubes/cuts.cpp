@@ -38,12 +38,22 @@ class Cutter {
         turns_[b].push_back(row_turns(shapes[b], row));
       }
     }
+    for (const Junction& junction : surface.junctions) {
+      double left = 1.0, right = 1.0;
+      for (const glm::dvec2& corner : hole_place(surface, junction).corners) {
+        left = std::min(left, corner.x);
+        right = std::min(right, 1.0 - corner.x);
+      }
+      beside_hole_.push_back(std::max(left, right));
+    }
   }
 
-  SurfaceCuts cut(double error) {
+  /// The numbers of pieces for a side error, without their bounds.
+  SurfaceCuts count(double error) {
     cuts_ = {};
     cuts_.across = count_sides(surface_, holes_, height_, settings_.most_sides, error);
     cuts_.along = cut_rows(surface_, holes_, shapes_, turns_, cuts_.across, settings_);
+    cuts_.pieces.assign(edges_.all.size(), 0);
     cut_edges();
     for (size_t f = 0; f < surface_.quads.size(); ++f) {
       cuts_.quads += count_quads(patch_cuts(cuts_, edges_, f));
@@ -51,32 +61,42 @@ class Cutter {
     return std::move(cuts_);
   }
 
+  /// The same cuts with the bounds of their pieces.
+  SurfaceCuts cut(SurfaceCuts counted) {
+    cuts_ = std::move(counted);
+    cuts_.edges.resize(edges_.all.size());
+    cut_edges();
+    return std::move(cuts_);
+  }
+
  private:
-  /// Cuts the edge of a face from corner k to k + 1 into pieces at `at`. Most edges are visited
-  /// twice.
+  /// Cuts the edge of a face from corner k to k + 1 into pieces, at `at` if bounds are wanted. Most
+  /// edges are visited twice.
   template <typename At>
-  void set_edge(size_t face, int k, size_t pieces, const At& at) {
+  void set_edge(size_t face, int k, int pieces, const At& at) {
     const int32_t e = edges_.of_face[face][k];
-    std::vector<double>& edge = cuts_.edges[e];
-    if (edge.empty()) {
-      edge = at();
-      if (surface_.quads[face][k] != edges_.all[e].a) turn_round(edge);
-    } else if (edge.size() != pieces + 1) {
+    if (cuts_.pieces[e] == 0) cuts_.pieces[e] = pieces;
+    if (cuts_.pieces[e] != pieces) {
       throw std::logic_error("two faces cut the edge between them differently");
     }
+    if (cuts_.edges.empty() || !cuts_.edges[e].empty()) return;
+    cuts_.edges[e] = at();
+    if (surface_.quads[face][k] != edges_.all[e].a) turn_round(cuts_.edges[e]);
   }
 
   void set_evenly(size_t face, int k, int pieces) {
-    set_edge(face, k, static_cast<size_t>(pieces), [&] { return even_pieces(pieces); });
+    set_edge(face, k, pieces, [&] { return even_pieces(pieces); });
   }
 
   /// The side of a row, or of an inset, between two patches.
+  /// @param levels  of a row; null for an inset, whose strips are even.
   /// @param extra  whether it has one more level: with_extra.
   /// @param down  whether the edge runs against the levels.
-  void set_side(size_t face, int k, const std::vector<double>& levels, bool extra, bool thinner,
-                int plain, bool down) {
-    set_edge(face, k, levels.size() - 1 + (extra ? 1 : 0), [&] {
-      std::vector<double> at = extra ? with_extra(levels, thinner, plain) : levels;
+  void set_side(size_t face, int k, const std::vector<double>* levels, int strips, bool extra,
+                bool thinner, int plain, bool down) {
+    set_edge(face, k, strips + (extra ? 1 : 0), [&] {
+      std::vector<double> at = levels != nullptr ? *levels : even_pieces(strips);
+      if (extra) at = with_extra(at, thinner, plain);
       if (down) turn_round(at);
       return at;
     });
@@ -102,7 +122,6 @@ class Cutter {
   }
 
   void cut_edges() {
-    cuts_.edges.resize(edges_.all.size());
     cuts_.face_plain.assign(surface_.quads.size(), 0);
     for (size_t f = 0; f < surface_.quads.size(); ++f) {
       const FaceOrigin& origin = surface_.origins[f];
@@ -113,6 +132,7 @@ class Cutter {
       }
     }
     // Edges that only caps have: the tips of limbs cut open.
+    for (int32_t& pieces : cuts_.pieces) pieces = std::max(pieces, 1);
     for (std::vector<double>& edge : cuts_.edges) {
       if (edge.empty()) edge = {0.0, 1.0};
     }
@@ -130,58 +150,55 @@ class Cutter {
       }
     }
     const std::array<int, 4> odd = odd_corners(low, {high, high, high, high});
-    const std::vector<double>& levels = cuts_.along.rows[limb][row];
+    const std::vector<double>* levels = &cuts_.along.rows[limb][row];
+    const int strips = cuts_.along.strips(limb, row);
     const int plain = cuts_.along.plain[limb][row];
     cuts_.face_plain[face] = low[origin.side] == high ? 0 : plain;
     const int side = origin.side, next = (side + 1) % 4;
     set_evenly(face, 0, low[side]);
-    set_side(face, 1, levels, odd[next] != 0, high == 1, plain, false);
+    set_side(face, 1, levels, strips, odd[next] != 0, high == 1, plain, false);
     set_evenly(face, 2, high);
-    set_side(face, 3, levels, odd[side] != 0, high == 1, plain, true);
+    set_side(face, 3, levels, strips, odd[side] != 0, high == 1, plain, true);
   }
 
   void cut_inset(size_t face, const FaceOrigin& origin) {
-    const Junction& junction = junction_at(origin);
+    const int32_t j = junction_at(origin);
+    const Junction& junction = surface_.junctions[j];
     const int across = cuts_.across[origin.branch][origin.row];
     const int along = cuts_.along.strips(origin.branch, origin.row);
     const int inner = cuts_.across[junction.child].front();
     const std::array<int, 4> outer = {across, along, across, along};
-    int strips = wanted_around(junction);
+    int strips = wanted_around(j);
     for (const int pieces : outer) {
       strips = std::max(strips, halvings(pieces, inner));
     }
     const std::array<int, 4> odd = odd_corners(outer, {inner, inner, inner, inner});
-    const std::vector<double> levels = even_pieces(strips);
     const int side = origin.inset, next = (side + 1) % 4;
     set_evenly(face, 0, outer[side]);
-    set_side(face, 1, levels, odd[next] != 0, inner == 1, 0, false);
+    set_side(face, 1, nullptr, strips, odd[next] != 0, inner == 1, 0, false);
     set_evenly(face, 2, inner);
-    set_side(face, 3, levels, odd[side] != 0, inner == 1, 0, true);
+    set_side(face, 3, nullptr, strips, odd[side] != 0, inner == 1, 0, true);
   }
 
   /// Number of strips around a hole in its inset: enough for the fillet, and so that none is wider
   /// than the parent's own sides at its widest. Otherwise it would lie inside the round limb, and
   /// the row beside it would face along the limb.
-  int wanted_around(const Junction& junction) const {
+  int wanted_around(int32_t j) const {
+    const Junction& junction = surface_.junctions[j];
     const int across = cuts_.across[junction.child].front();
-    double left = 1.0, right = 1.0;
-    for (const glm::dvec2& corner : hole_place(surface_, junction).corners) {
-      left = std::min(left, corner.x);
-      right = std::min(right, 1.0 - corner.x);
-    }
-    const double sides = std::max(left, right) * cuts_.across[junction.parent][junction.row];
+    const double sides = beside_hole_[j] * cuts_.across[junction.parent][junction.row];
     return std::max(across <= 1   ? 1
                     : across <= 2 ? 2
                                   : 3,
                     static_cast<int>(std::ceil(sides - kSpareSide)));
   }
 
-  const Junction& junction_at(const FaceOrigin& origin) const {
+  int32_t junction_at(const FaceOrigin& origin) const {
     const auto j = holes_.first_leaving(origin.branch, origin.row, origin.side);
     if (j == holes_.leaving[origin.branch].end()) {
       throw std::logic_error("an inset has no junction");
     }
-    return surface_.junctions[*j];
+    return *j;
   }
 
   const Surface& surface_;
@@ -192,15 +209,15 @@ class Cutter {
   LimbHoles holes_;
   /// Per branch and row.
   std::vector<std::vector<RowSamples>> turns_;
+  /// Per junction: the wider part of its side beside the hole, as a fraction.
+  std::vector<double> beside_hole_;
   SurfaceCuts cuts_;
 };
 
 }  // namespace
 
 PatchCuts patch_cuts(const SurfaceCuts& cuts, const Edges& edges, size_t face) {
-  const auto pieces = [&](int k) {
-    return static_cast<int>(cuts.edges[edges.of_face[face][k]].size()) - 1;
-  };
+  const auto pieces = [&](int k) { return static_cast<int>(cuts.pieces[edges.of_face[face][k]]); };
   return {pieces(0), pieces(1), pieces(2), pieces(3), cuts.face_plain[face]};
 }
 
@@ -212,7 +229,7 @@ SurfaceCuts cut_surface(const Surface& surface, const Edges& edges,
       static_cast<int64_t>(settings.per_base * static_cast<double>(surface.quads.size())));
   Cutter cutter(surface, edges, shapes, height, settings);
   const auto coarser = [&](int step) {
-    return cutter.cut(settings.side_error * height * std::pow(kCoarser, step));
+    return cutter.count(settings.side_error * height * std::pow(kCoarser, step));
   };
   SurfaceCuts cuts = coarser(0);
   // The first step within the budget, by doubling steps, then bisection.
@@ -233,7 +250,7 @@ SurfaceCuts cut_surface(const Surface& surface, const Edges& edges,
       cuts = std::move(between);
     }
   }
-  return cuts;
+  return cutter.cut(std::move(cuts));
 }
 
 }  // namespace snowbough::tree

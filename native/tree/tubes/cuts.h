@@ -17,8 +17,9 @@ namespace snowbough::tree {
 struct SurfaceCuts {
   RowCuts along;
   SideCounts across;
-  /// Per base edge: bounds of its pieces as fractions from its vertex a (the lower one), from 0 to
-  /// 1.
+  /// Per base edge: the number of its pieces, and their bounds as fractions from its vertex a (the
+  /// lower one), from 0 to 1.
+  std::vector<int32_t> pieces;
   std::vector<std::vector<double>> edges;
   /// Per base quad: PatchCuts::plain.
   std::vector<int> face_plain;

@@ -58,7 +58,8 @@ class RowCutter {
     for (size_t b = 0; b < surface_.limbs.size(); ++b) {
       const size_t rows = shapes_[b].row_count();
       std::vector<uint8_t> knuckle(rows, 0);
-      std::vector<RowSamples> wanted(turns_[b]);
+      std::vector<RowSamples>& wanted = wanted_;
+      wanted = turns_[b];
       for (size_t row = 0; row < rows; ++row) {
         const int sides = std::max(across_[b][row], across_[b][row + 1]);
         const double turn = sides > 1 ? settings_.turn : settings_.thin_turn;
@@ -286,6 +287,8 @@ class RowCutter {
   const std::vector<std::vector<RowSamples>>& turns_;
   const SideCounts& across_;
   const DetailSettings& settings_;
+  /// Of the limb that is being cut; its memory serves the next.
+  std::vector<RowSamples> wanted_;
   RowCuts cuts_;
 };
 
