@@ -7,7 +7,6 @@
 #include <glm/geometric.hpp>
 #include <iterator>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -23,12 +22,14 @@ namespace {
 /// grains: across more texels their heaps come to rest less round.
 constexpr double kFinest = 2e-3;
 constexpr double kTexelsADepth = 24.0;
-constexpr double kTexelsAHeap = 12.0;
+constexpr double kTexelsAHeap = 17.0;
 /// Squares of more texels a side hold too little of the surface's shape.
-constexpr int32_t kMostSide = 16;
+constexpr int32_t kMaxSide = 16;
 /// Squares whose upward parts of the normals differ by more are on two sides of an edge.
 constexpr float kEdge = 0.2f;
 constexpr size_t kRun = 4096;
+/// Of so many rows of a map one shows how thick its snow is.
+constexpr size_t kRowsApart = 4;
 
 /// Sums of the squares and of the cubes of thicknesses.
 struct PowerSums {
@@ -63,9 +64,10 @@ SNOWBOUGH_WIDE PowerSums add_powers(const float* height, size_t count) {
 /// The depth of a map's thickest snow, in metres: the mean weighted by its square, which a single
 /// high texel does not change.
 double thickest(const std::vector<float>& height, int32_t side) {
-  std::vector<PowerSums> rows(static_cast<size_t>(side));
-  base::for_each_item(rows.size(), 128, [&](size_t row) {
-    rows[row] = add_powers(&height[row * rows.size()], rows.size());
+  const auto columns = static_cast<size_t>(side);
+  std::vector<PowerSums> rows((columns + kRowsApart - 1) / kRowsApart);
+  base::for_each_item(rows.size(), 128, [&](size_t i) {
+    rows[i] = add_powers(&height[kRowsApart * i * columns], columns);
   });
   PowerSums all;
   for (const PowerSums& row : rows) {
@@ -214,6 +216,19 @@ std::vector<int32_t> CoarseMap::blocks_of_own() const {
   return blocks;
 }
 
+std::vector<int32_t> CoarseMap::blocks_with_released(const MovingMap& map) {
+  const ReposeLinks& links = *repose_.ground().links;
+  std::vector<int32_t> blocks;
+  for (const auto* released : {&map.slid_from, &map.shed_from}) {
+    for (const auto& [place, volume] : *released) {
+      const auto texel = static_cast<size_t>(texel_at(*object_->table, place));
+      const auto square = static_cast<size_t>(texels_.parent[texel]);
+      blocks.push_back(links.block_of(repose_.table().texel[square]));
+    }
+  }
+  return near_blocks(links, blocks);
+}
+
 /// Calls visit(first, last) for the squares where snow may move, in runs, on all cores.
 template <typename Visit>
 void CoarseMap::for_squares(const Visit& visit) const {
@@ -248,32 +263,15 @@ void CoarseMap::join_square(size_t square, const std::vector<float>& height) {
   before_[at] = height_[at] = on_front < 0.0 ? -mean : mean;
 }
 
-MovingMap CoarseMap::begin(const MovingMap& map, const std::vector<int32_t>& changed,
-                           const std::vector<int32_t>* blocks) {
+MovingMap CoarseMap::begin(const MovingMap& map, const std::vector<int32_t>* blocks) {
   update_areas();
   const std::vector<int32_t>& squares = repose_.table().texel;
   before_.resize(height_.size());
   blocks_.reset();
-  if (has_heights_) {
-    is_found_.resize(squares.size(), 0);
-    std::vector<int32_t> found;
-    for (const int32_t texel : changed) {
-      const int32_t square = texels_.parent[static_cast<size_t>(texel)];
-      if (std::exchange(is_found_[static_cast<size_t>(square)], uint8_t{1}) == 0) {
-        found.push_back(square);
-      }
-    }
-    for (const int32_t square : found) {
-      is_found_[static_cast<size_t>(square)] = 0;
-      join_square(static_cast<size_t>(square), *map.height);
-    }
-  } else {
-    for_squares([&](size_t first, size_t last) {
-      for (size_t i = first; i < last; ++i) join_square(i, *map.height);
-    });
-    has_heights_ = true;
-  }
   if (blocks != nullptr) blocks_ = *blocks;
+  for_squares([&](size_t first, size_t last) {
+    for (size_t i = first; i < last; ++i) join_square(i, *map.height);
+  });
   MovingMap moved;
   moved.object = map.object;
   moved.height = &height_;
@@ -454,7 +452,6 @@ CoarseMap* CoarseMaps::choose(const MovingMap& map, bool of_grains, ReposeLinkTa
   const SceneObject& object = *objects_[map.object];
   Level& level = levels_[map.object];
   if (std::exchange(is_chosen_[map.object], uint8_t{1}) != 0) return level.map.get();
-  if (level.map != nullptr) level.map->forget_heights();
   const double depth =
       object.mask != nullptr ? 0.0 : thickest(*map.height, object.table->resolution);
   if (level.texel_size.x == 0.0 && depth > 0.0) level.texel_size = texel_size_of(object);
@@ -463,8 +460,7 @@ CoarseMap* CoarseMaps::choose(const MovingMap& map, bool of_grains, ReposeLinkTa
   const double size = of_grains ? std::max(shorter, 0.5 * longer) : longer;
   const double wanted = std::max(kFinest, depth / (of_grains ? kTexelsAHeap : kTexelsADepth));
   int32_t side = 1;
-  while (size > 0.0 && depth > 0.0 && side < kMostSide &&
-         std::numbers::sqrt2 * side * size < wanted) {
+  while (size > 0.0 && depth > 0.0 && side < kMaxSide && side * size < wanted) {
     side *= 2;
   }
   if (side == level.wanted) return level.map.get();

@@ -156,7 +156,7 @@ void Movement::rest(const MovementSettings& settings, double dt, bool of_blades,
     const bool moves = dt > 0.0 || (of_blades && pressing_.is_pressed(*map));
     if (!moves && map->slid_from.empty() && map->shed_from.empty()) continue;
     maps.push_back(map);
-    choose_maps(settings, *map, of_blades, first, then);
+    choose_maps(settings, dt, *map, of_blades, first, then);
   }
   rest_on(settings, dt, of_blades, maps, first);
   if (!then.empty()) rest_on(settings, dt, of_blades, maps, then);
@@ -164,8 +164,9 @@ void Movement::rest(const MovementSettings& settings, double dt, bool of_blades,
 
 /// Chooses the map on which a receiver's snow comes to rest. Near packed snow, whose walls stand,
 /// it is the receiver's own, `then`, after the rest of a coarser one.
-void Movement::choose_maps(const MovementSettings& settings, MovingMap& map, bool of_blades,
-                           std::vector<Resting>& first, std::vector<Resting>& then) {
+void Movement::choose_maps(const MovementSettings& settings, double dt, MovingMap& map,
+                           bool of_blades, std::vector<Resting>& first,
+                           std::vector<Resting>& then) {
   Repose& own = *receivers_[map.object];
   CoarseMap* const coarse = coarse_.choose(map, settings.repose.is_granular, *link_tables_, own);
   const std::vector<int32_t> blades = pressing_.ploughed_blocks(map);
@@ -213,13 +214,11 @@ void Movement::choose_maps(const MovementSettings& settings, MovingMap& map, boo
   coarse->block(pressing_.under(map));
   std::vector<int32_t> needed;
   if (of_blades) {
-    const ReposeLinks& links = *coarse->repose().ground().links;
-    needed = near_blocks(links, on_squares.blades);
+    needed = near_blocks(*coarse->repose().ground().links, on_squares.blades);
+  } else if (dt == 0.0) {
+    needed = coarse->blocks_with_released(map);
   }
-  on_squares.coarser =
-      coarse->begin(map, pressing_.take_changed(map), of_blades ? &needed : nullptr);
-  // Afterwards the receiver's own map moves.
-  if (rests_near_packed) coarse->forget_heights();
+  on_squares.coarser = coarse->begin(map, of_blades || dt == 0.0 ? &needed : nullptr);
   first.push_back(std::move(on_squares));
 }
 

@@ -101,7 +101,7 @@ class Movement {
   };
   void rest(const MovementSettings& settings, double dt, bool of_blades,
             const std::vector<MovingMap*>& maps);
-  void choose_maps(const MovementSettings& settings, MovingMap& map, bool of_blades,
+  void choose_maps(const MovementSettings& settings, double dt, MovingMap& map, bool of_blades,
                    std::vector<Resting>& first, std::vector<Resting>& then);
   void rest_on(const MovementSettings& settings, double dt, bool of_blades,
                const std::vector<MovingMap*>& all, std::vector<Resting>& maps);

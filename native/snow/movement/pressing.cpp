@@ -35,7 +35,7 @@ constexpr double kSteepest = 6.0;
 /// Room above the thickest snow, in metres, for what is pushed.
 constexpr double kRoom = 0.1;
 /// Packed snow of less than this, in metres, does not stand.
-constexpr float kLeastPacked = 0.005f;
+constexpr float kMinPacked = 0.005f;
 /// By how much less walls stand per metre of loose snow on packed snow.
 constexpr float kRefill = 4.0f;
 /// Parts of a step: way of an object per part, the larger of these: in texels; and as a fraction of
@@ -45,8 +45,8 @@ constexpr double kTexelsAPart = 2.0;
 constexpr double kSizeAPart = 0.0625;
 constexpr double kThicknessAPart = 0.9;
 constexpr double kTexelsOfOverlap = 1.5;
-constexpr double kLeastPart = 0.01;
-constexpr int kMostParts = 64;
+constexpr double kMinPart = 0.01;
+constexpr int kMaxParts = 64;
 /// Of PressedMap::numbers: a free texel that has received snow.
 constexpr int32_t kGained = -2;
 
@@ -105,7 +105,6 @@ int Pressing::begin(const std::vector<MovingMap*>& maps) {
   for (Pressed& own : pressed_) {
     own.under.clear();
     own.columns.clear();
-    own.changed.clear();
     own.deepest = own.reach = 0.0;
   }
   if (!is_on()) return 1;
@@ -142,11 +141,11 @@ int Pressing::begin(const std::vector<MovingMap*>& maps) {
         const double thinnest = presser.thinnest(snow);
         most = std::clamp(
             std::min(kThicknessAPart * thinnest, thinnest - kTexelsOfOverlap * own.texel_size),
-            kLeastPart, std::max(most, kLeastPart));
+            kMinPart, std::max(most, kMinPart));
       }
       const double part = std::max(kTexelsAPart * own.texel_size, most);
       const double parts = std::ceil(presser.travel(snow) / part);
-      parts_ = std::max(parts_, static_cast<int>(std::min(parts, double{kMostParts})));
+      parts_ = std::max(parts_, static_cast<int>(std::min(parts, double{kMaxParts})));
     }
   }
   return parts_;
@@ -339,16 +338,17 @@ void Pressing::press_with(size_t presser, MovingMap& map, PressedMap& pressed, d
     own.numbers[static_cast<size_t>(covered[k])] = static_cast<int32_t>(k);
   }
   int64_t kept = 0;
+  std::vector<int32_t> gained;
   for (const int32_t texel : spread_pushed(pressed, covered, pushed, settings.rim_width,
                                            ploughs ? std::min(slope, kSteepest) : 0.0, kept)) {
     // Strips overlap.
     if (std::exchange(own.numbers[static_cast<size_t>(texel)], kGained) == kGained) continue;
     const auto thickness = static_cast<double>(std::abs(pressed.height_at(texel)));
     own.deepest = std::max(own.deepest, thickness);
-    own.changed.push_back(texel);
+    gained.push_back(texel);
     note(texel);
   }
-  for (const std::vector<int32_t>* done : {&covered, &own.changed}) {
+  for (const std::vector<int32_t>* done : {&covered, &gained}) {
     for (const int32_t texel : *done) own.numbers[static_cast<size_t>(texel)] = -1;
   }
   // Snow with nowhere to go is pressed.
@@ -408,7 +408,6 @@ void Pressing::sink(const PressSettings& settings, const std::vector<Touched>& t
     const double lost = (thickness - static_cast<double>(now)) * pressed.area(one.texel);
     height = side < 0.0 && now > 0.0f ? -now : now;
     map.has_changed = true;
-    own.changed.push_back(one.texel);
     if (settings.kind == PressSettings::Kind::kClear) {
       map.cleared += lost;
     } else {
@@ -444,7 +443,7 @@ std::vector<int32_t> Pressing::ploughed_blocks(const MovingMap& map) const {
 /// The height to which packed snow stands under a thickness.
 float Pressing::Pressed::stand_at(int32_t texel, float height) const {
   const auto i = static_cast<size_t>(texel);
-  if (packed.empty() || packed[i] < kLeastPacked) return 0.0f;
+  if (packed.empty() || packed[i] < kMinPacked) return 0.0f;
   const float loose = std::max(std::abs(height) - pressed_to[i], 0.0f);
   return std::max(stands[i] - kRefill * loose, 0.0f);
 }

@@ -31,8 +31,8 @@ class Pressing {
 
   /// Begins a step; returns into how many parts of equal time its motion is divided, at least 1.
   int begin(const std::vector<MovingMap*>& maps);
-  /// Whether snow should come to rest after this part: after the last one, and ahead of blades after
-  /// every second one before it.
+  /// Whether snow should come to rest after this part: after the last one, and ahead of blades
+  /// after every second one before it.
   bool rests() const;
   /// Moves the objects to the end of a part, from 1.
   void move_to(int part);
@@ -48,10 +48,6 @@ class Pressing {
   /// By texel: thickness in metres of a map's packed snow; empty: none is.
   const std::vector<float>& packed(const MovingMap& map) const {
     return pressed_[map.object].pressed_to;
-  }
-  /// The texels of a map whose snow has changed in this step since the last call; some twice.
-  std::vector<int32_t> take_changed(const MovingMap& map) {
-    return std::exchange(pressed_[map.object].changed, {});
   }
   /// The texels of a map under an object, ascending.
   const std::vector<int32_t>& under(const MovingMap& map) const {
@@ -104,8 +100,6 @@ class Pressing {
     std::vector<int32_t> under;
     /// See PressedMap::numbers.
     std::vector<int32_t> numbers;
-    /// See take_changed.
-    std::vector<int32_t> changed;
     std::vector<uint8_t> has_packed, is_ploughed;
     /// By place: what set_stand has set, and whether it is under an object; and the blocks where it
     /// is not 0. Empty before its first call.

@@ -12,8 +12,8 @@ namespace snowbough::snow {
 namespace {
 
 /// Largest radius of a disc, in texels.
-constexpr int32_t kMostTexels = 24;
-constexpr size_t kMostInRow = 2 * kMostTexels + 1;
+constexpr int32_t kMaxTexels = 24;
+constexpr size_t kMaxInRow = 2 * kMaxTexels + 1;
 
 /// The weights of a row of texels around a point: 0 beyond `range` metres, and on walls. `side`: of
 /// the surface on which the snow lies.
@@ -64,7 +64,7 @@ int32_t Splat::reach_at(int32_t place) const {
   const int32_t own = texel(place);
   if (own < 0) return 1;
   const float size = std::sqrt(std::max(bare_.area[static_cast<size_t>(own)], 1e-12f));
-  return std::min(kMostTexels, static_cast<int32_t>(std::ceil(radius_ / size)));
+  return std::min(kMaxTexels, static_cast<int32_t>(std::ceil(radius_ / size)));
 }
 
 /// A place beside one whose texel is a wall, or only a sliver of surface on which snow would tower;
@@ -118,7 +118,7 @@ int64_t Splat::add(int32_t place, int64_t units, MovingMap& map) {
   const int32_t row = place / side_;
   const int32_t left = std::max(column - reach, 0);
   const int32_t right = std::min(column + reach, side_ - 1);
-  std::array<float, kMostInRow> weights;
+  std::array<float, kMaxInRow> weights;
   double whole = 0.0;
   parts_.clear();
   for (int32_t y = std::max(row - reach, 0); y <= std::min(row + reach, side_ - 1); ++y) {

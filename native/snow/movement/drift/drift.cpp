@@ -18,14 +18,14 @@ namespace {
 /// than this many cells.
 constexpr double kSmallestCell = 0.1;
 constexpr double kTexelsInCell = 1.5;
-constexpr int32_t kMostCells = 512;
+constexpr int32_t kMaxCells = 512;
 /// The wind reaches texels that lie at most this part of a cell below the highest surface, and as
 /// much more on a slope.
 constexpr float kLower = 0.2f;
 constexpr float kLowerOnSlope = 1.5f;
 /// Cells with less ground than this part of them take no snow. The ground on both sides of a fence
 /// covers a quarter of its cells.
-constexpr double kLeastGround = 0.4;
+constexpr double kMinGround = 0.4;
 /// Thinner snow is blown away, in metres.
 constexpr float kBlownAway = 1e-6f;
 /// The most texels side by side that move at once.
@@ -125,7 +125,7 @@ std::vector<float> Drift::tops_of_objects(glm::ivec2 low) const {
       const double longest = std::max(
           {glm::length(glm::dvec2(b)), glm::length(glm::dvec2(c)), glm::length(glm::dvec2(c - b))});
       // Points half a cell apart.
-      const double count = std::ceil(std::min(2.0 * longest, 4.0 * kMostCells)) + 1.0;
+      const double count = std::ceil(std::min(2.0 * longest, 4.0 * kMaxCells)) + 1.0;
       for (double i = 0.0; i <= count; i += 1.0) {
         for (double j = 0.0; i + j <= count; j += 1.0) {
           const glm::dvec3 at = corner[0] + (i / count) * b + (j / count) * c;
@@ -229,7 +229,7 @@ void Drift::find_ground(const DriftSettings& settings, const std::vector<Receive
   if (!(low.x < high.x) || !(low.y < high.y)) return;
   grid_.cell = kSmallestCell;
   const double largest = std::max(high.x - low.x, high.y - low.y);
-  while (largest > kMostCells * grid_.cell || kTexelsInCell * texel > grid_.cell) grid_.cell *= 2.0;
+  while (largest > kMaxCells * grid_.cell || kTexelsInCell * texel > grid_.cell) grid_.cell *= 2.0;
   // Cells lie fixed in the world, with one more around all.
   const glm::ivec2 first = glm::ivec2(glm::floor(low / grid_.cell)) - 1;
   const glm::ivec2 size = glm::ivec2(glm::floor(high / grid_.cell)) + 2 - first;
@@ -238,7 +238,7 @@ void Drift::find_ground(const DriftSettings& settings, const std::vector<Receive
   grid_.cells.resize(static_cast<size_t>(size.x) * static_cast<size_t>(size.y));
   const std::vector<float> tops = tops_of_objects(first);
   for (const Receiver& receiver : receivers) reach(receiver, first, tops);
-  const double least = kLeastGround * grid_.cell * grid_.cell;
+  const double least = kMinGround * grid_.cell * grid_.cell;
   for (size_t i = 0; i < grid_.cells.size(); ++i) {
     DriftCell& cell = grid_.cells[i];
     if (cell.ground >= least) {

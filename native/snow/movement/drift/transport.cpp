@@ -29,7 +29,7 @@ constexpr double kLowObstacle = 0.2;
 constexpr double kSideways = 0.02;
 /// The most flux in m2 of a part of a step, and the most parts.
 constexpr double kPassFlux = 0.02;
-constexpr double kMostPasses = 32.0;
+constexpr double kMaxPasses = 32.0;
 /// The slope of the ground where it begins is taken over this distance in metres.
 constexpr double kBeginReach = 1.0;
 
@@ -165,7 +165,7 @@ double move_part(DriftGrid& grid, double flux) {
 
 double transport(DriftGrid& grid, double flux) {
   for (DriftCell& cell : grid.cells) cell.change = 0.0;
-  const double parts = std::clamp(std::ceil(flux / kPassFlux), 1.0, kMostPasses);
+  const double parts = std::clamp(std::ceil(flux / kPassFlux), 1.0, kMaxPasses);
   double balance = 0.0;
   for (double part = 0.0; part < parts; part += 1.0) balance += move_part(grid, flux / parts);
   return balance;

@@ -24,10 +24,10 @@ constexpr float kWaves[][2] = {{0.45f, 0.88f}, {0.17f, 0.60f}, {0.07f, 0.32f}};
 constexpr double kNearBare = 0.10;
 constexpr double kBareMelts = 6.0;
 constexpr float kBareDepth = 0.002f;
-constexpr int32_t kMostRadius = 32;
+constexpr int32_t kMaxRadius = 32;
 /// Bounds of the factors.
-constexpr float kLeastFactor = 0.05f;
-constexpr float kMostLight = 4.0f;
+constexpr float kMinFactor = 0.05f;
+constexpr float kMaxLight = 4.0f;
 /// Thinner snow vanishes, in metres.
 constexpr float kVanishes = 1e-5f;
 
@@ -132,11 +132,11 @@ inline void melt_texels(const MeltRun& run, size_t count, float* __restrict heig
   const float* __restrict const noise = run.noise;
   const float* __restrict const bareness = run.bareness;
   for (size_t i = 0; i < count; ++i) {
-    const float shines = kSun ? std::min(light[i], kMostLight) : 0.0f;
+    const float shines = kSun ? std::min(light[i], kMaxLight) : 0.0f;
     double loss = run.depth * (1.0 - run.sun + run.sun * static_cast<double>(shines));
     if (kUneven) {
       loss *= std::max(1.0 + run.unevenness * static_cast<double>(noise[i]),
-                       static_cast<double>(kLeastFactor));
+                       static_cast<double>(kMinFactor));
       if (kBare) loss *= 1.0 + kBareMelts * run.unevenness * static_cast<double>(bareness[i]);
     }
     const float before = std::abs(height[i]);
@@ -231,7 +231,7 @@ const std::vector<float>& Thaw::melt(const MeltSettings& settings, const std::ve
   if (is_near_bare) {
     const double texel = std::sqrt(bare.whole_area / static_cast<double>(count));
     const auto radius = static_cast<int32_t>(
-        std::clamp(std::round(kNearBare / texel), 1.0, static_cast<double>(kMostRadius)));
+        std::clamp(std::round(kNearBare / texel), 1.0, static_cast<double>(kMaxRadius)));
     bareness_.resize(count);
     for_texel_runs(places, [&](size_t texel_begin, size_t place, size_t texels) {
       mark_bare(&heights[place], texels, &bareness_[texel_begin]);

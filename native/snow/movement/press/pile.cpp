@@ -21,7 +21,7 @@ constexpr int32_t kWidest = 8;
 constexpr int32_t kSquare = 4;
 /// A strip is this much longer than its heap, and longer again if it proves too short.
 constexpr double kLonger = 1.25;
-constexpr int kMostTries = 6;
+constexpr int kMaxTries = 6;
 
 /// Columns on either side for maps that are not even.
 constexpr double kUneven = 2.0;
@@ -224,7 +224,7 @@ void add_pile(const PressedMap& map, const Pile& pile, double width, double slop
   length = std::max(length, 2.0 * width);
   std::vector<PileCell> cells;
   double level = 0.0;
-  for (int i = 0; i < kMostTries; ++i, length *= kLonger) {
+  for (int i = 0; i < kMaxTries; ++i, length *= kLonger) {
     cells = find_strip(map, pile.texel, front, width, length, slope, square);
     if (cells.empty()) break;
     level = filled_level(cells, volume);

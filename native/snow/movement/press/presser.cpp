@@ -15,7 +15,7 @@ constexpr double kBelow = 1e-4;
 
 /// Of `thinnest`: the most faces, and the least cosine between their normals and their motion; and
 /// between the normals of opposite faces, against each other.
-constexpr size_t kMostFaces = 1024;
+constexpr size_t kMaxFaces = 1024;
 constexpr double kAheadLeast = 0.5;
 constexpr double kOppositeLeast = 0.5;
 
@@ -75,7 +75,7 @@ double Presser::thinnest(const Bounds& box) {
     const auto [a, b, c] = triangles_[static_cast<size_t>(triangle)];
     return glm::cross(last(b) - last(a), last(c) - last(a));
   };
-  const size_t step = triangles_.size() / kMostFaces + 1;
+  const size_t step = triangles_.size() / kMaxFaces + 1;
   double thinnest = std::numeric_limits<double>::infinity();
   for (size_t t = 0; t < triangles_.size(); t += step) {
     const auto [a, b, c] = triangles_[t];

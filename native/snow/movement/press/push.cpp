@@ -24,7 +24,7 @@ constexpr double kBlade = 0.7;
 /// Heaps within squares of this part of the radius spread as one.
 constexpr double kSquareOfHeaps = 0.125;
 /// Largest radius of the spread, in texels.
-constexpr int32_t kMostSpread = 24;
+constexpr int32_t kMaxSpread = 24;
 
 /// Calls visit(neighbour) for the texels linked with one.
 template <typename Visit>
@@ -185,7 +185,7 @@ class Window {
     glm::ivec2 low(side_);
     glm::ivec2 high(-1);
     for (const PushedSnow& heap : heaps) {
-      const int32_t margin = std::min(texels(heap.texel, reach), 2 * kMostSpread);
+      const int32_t margin = std::min(texels(heap.texel, reach), 2 * kMaxSpread);
       const glm::ivec2 at(map.place(heap.texel) % side_, map.place(heap.texel) / side_);
       low = glm::min(low, at - margin);
       high = glm::max(high, at + margin);
@@ -203,7 +203,7 @@ class Window {
   /// Spreads a heap over the free texels within a radius on the map and on the surface, in whole
   /// units; the remainder stays in the middle. `units`: by cell of the window.
   void spread(const PushedSnow& heap, double radius, bool ahead_only, std::vector<int64_t>& units) {
-    const int32_t reach = std::min(texels(heap.texel, radius), kMostSpread);
+    const int32_t reach = std::min(texels(heap.texel, radius), kMaxSpread);
     const double range = std::min(radius, reach * size_of_texel(heap.texel));
     const glm::ivec2 centre(map_.place(heap.texel) % side_, map_.place(heap.texel) / side_);
     const glm::dvec3 middle = map_.point(heap.texel);

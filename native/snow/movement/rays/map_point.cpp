@@ -77,9 +77,9 @@ bool holds_snow(const SurfaceHit& hit) {
 SurfaceHit first_ground(const SceneRays& rays, const glm::dvec3& from, const glm::dvec3& direction,
                         double length) {
   // A ray that meets this many walls runs along one.
-  constexpr int kMostWalls = 16;
+  constexpr int kMaxWalls = 16;
   double least = 0.0;
-  for (int passed = 0; passed < kMostWalls; ++passed) {
+  for (int passed = 0; passed < kMaxWalls; ++passed) {
     const SurfaceHit hit = rays.first_along(from, direction, least, length);
     if (hit.object < 0 || holds_snow(hit)) return hit;
     least = hit.distance;

@@ -14,7 +14,7 @@ namespace {
 /// Rounds of a block at a time: with more, a heap over many blocks takes longer to rest.
 constexpr int kRounds = 8;
 /// Work limits of a step, in rounds of one block: per block of the map, and per map.
-constexpr int kMostRounds = 800;
+constexpr int kMaxRounds = 800;
 /// Rounds of a part of a step ahead of a blade, and at a time.
 constexpr int kBladeRounds = 8;
 constexpr int kBladeRoundsAtOnce = 4;
@@ -22,7 +22,7 @@ constexpr double kRoundsABlock = 40.0;
 constexpr double kRoundsAMap = 24000.0;
 /// Duration in seconds of a step with these limits, and the factor for the longest steps.
 constexpr float kUsualStep = 0.25f;
-constexpr float kMostWorkFactor = 8.0f;
+constexpr float kMaxWorkFactor = 8.0f;
 
 /// Rows of a tile in which snow has moved or sticks to walls, one bit each.
 SNOWBOUGH_WIDE uint32_t rows_to_write(const ReposeTile& tile) {
@@ -43,7 +43,7 @@ SNOWBOUGH_WIDE uint32_t rows_to_write(const ReposeTile& tile) {
 double Repose::run(std::vector<float>& height, float dt, bool lists_releases) {
   if (choice_.chosen.empty()) return 0.0;
   if (!choice_.is_partial) empty_over_outlets();
-  run_rounds(std::clamp(dt / kUsualStep, 1.0f, kMostWorkFactor));
+  run_rounds(std::clamp(dt / kUsualStep, 1.0f, kMaxWorkFactor));
   const float walls_keep = std::exp2(-dt / shared::kWallHalfLife);
   std::vector<Written> written(choice_.chosen.size());
   for_each(choice_.chosen.size(),
@@ -179,7 +179,7 @@ void Repose::run_rounds(float work_factor) {
                 (kRoundsAMap + kRoundsABlock * static_cast<double>(ground_.links->block_count()));
   const int most = choice_.is_partial
                        ? kBladeRounds
-                       : static_cast<int>(static_cast<float>(kMostRounds) * work_factor);
+                       : static_cast<int>(static_cast<float>(kMaxRounds) * work_factor);
   int round = 0;
   int round_across = 0;
   int at_once = kRounds;

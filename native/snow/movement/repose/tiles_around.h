@@ -40,8 +40,8 @@ struct TilesAround {
     visit(at(1, dy), static_cast<size_t>(first), kReposeBlock, size_t{1});
   }
   /// Copies a row from a plane of a part of the tiles; `absent` for missing tiles.
-  template <typename Part>
-  void copy_row(int32_t row, Part ReposeTile::*part, TilePlane Part::*plane, TileWindow::Plane& to,
+  template <typename Part, typename Plane>
+  void copy_row(int32_t row, Part ReposeTile::*part, TilePlane Part::*plane, Plane& to,
                 float absent) const {
     for_row(row, [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
       float* const place = to.data() + TileWindow::at(column, row);

@@ -146,7 +146,7 @@ TEST(CoarseMap, SpreadsColumnsOverBevels) {
   std::vector<float> height(size_t{kSide} * kSide, 0.0f);
   MovingMap map;
   map.height = &height;
-  MovingMap moved = coarse->begin(map, {});
+  MovingMap moved = coarse->begin(map);
   for (size_t i = 0; i < moved.height->size(); ++i) {
     const size_t column = i % (kSide / 2);
     (*moved.height)[i] = column < 241 ? kColumn : column == 241 ? 0.5f * kColumn : 0.0f;
