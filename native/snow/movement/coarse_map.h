@@ -78,8 +78,8 @@ class CoarseMap {
 /// The coarser maps of a scene's receivers. The surface of snow has no detail that is much smaller
 /// than its depth: where texels are smaller than max(2 mm, depth / 24), snow comes to rest on
 /// squares of 2 x 2, 4 x 4, ... texels that are at least as large as that. Gain: a step of a
-/// monkey's map of 2048 under 8 cm in which snow comes to rest takes 88 ms of the processor beside
-/// the deposit instead of 262 ms; the snow differs by 0.16 mm on average, and by up to 2.1 mm on
+/// monkey's map of 2048 under 8 cm in which snow comes to rest takes 105 ms of the processor beside
+/// the deposit instead of 266 ms; the snow differs by 0.16 mm on average, and by up to 2.1 mm on
 /// 99 % of it.
 ///
 /// The choice depends on the pose at rest and on the heights alone, so that a resumed bake makes it
