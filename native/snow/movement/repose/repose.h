@@ -27,6 +27,14 @@ struct ReposeSettings {
   bool is_on() const { return angle < kOff; }
 };
 
+/// Calls work(i) for i from 0 to count - 1.
+template <typename Work>
+void for_each_block(size_t count, bool on_all_cores, const Work& work) {
+  // Waking another thread takes about as long as a few rounds of a block.
+  constexpr size_t kFew = 3;
+  base::for_each_item(count, 1, work, on_all_cores && count > kFew ? base::default_threads() : 1);
+}
+
 /// Repose on one receiver's map: snow whose surface is steeper than the angle of repose moves to
 /// lower neighbours (shaders/lib/texel_repose.h has the method), over seams and over rims into the
 /// air, until it rests or the step's work limit is reached; the rest moves in the next step. The
@@ -104,47 +112,14 @@ class Repose {
   double rounds() const { return rounds_; }
 
  private:
-  /// Result of writing a block: units that left the surface (fell over rims, onto walls or off
-  /// them), and whether heights changed.
-  struct Written {
-    double lost = 0.0;
-    bool has_changed = false;
-    /// From walls.
-    std::vector<Release> releases;
-  };
   using Blocks = std::vector<int32_t>;
   /// One flag per block of the map.
   using Marks = std::vector<uint8_t>;
 
-  /// Calls work(i) for i from 0 to count - 1.
-  template <typename Work>
-  void for_each(size_t count, const Work& work) const {
-    // Waking another thread takes about as long as a few rounds of a block.
-    constexpr size_t kFew = 3;
-    base::for_each_item(count, 1, work,
-                        on_all_cores_ && count > kFew ? base::default_threads() : 1);
-  }
-  template <typename Work>
-  void for_blocks(const Blocks& blocks, const Work& work) const {
-    for_each(blocks.size(), [&](size_t i) { work(blocks[i]); });
-  }
-
-  // setup.cpp
   void update_pose();
   bool begin_choice(const std::vector<float>& height, const ReposeLimits& limits);
   void reuse_tiles(Marks& changes);
   bool cover_tile(int32_t block, const std::vector<float>& height);
-
-  // repose.cpp
-  template <typename Chosen>
-  Blocks blocks_of_colour(int32_t colour, const Chosen& chosen) const;
-  bool runs(int32_t block, int round) const;
-  void link_tile(int32_t block);
-  void raise_limits(int32_t block);
-  void empty_over_outlets();
-  void run_rounds(float work_factor);
-  double run_colour(const Blocks& blocks, int first_round, int rounds_at_once);
-  Written write_block(int32_t block, float walls_keep, std::vector<float>& height) const;
 
   ReposeGround ground_;
   const SceneRays* rays_;
@@ -157,8 +132,6 @@ class Repose {
   /// By block: whether `stand_` has changed; empty: nowhere.
   Marks restands_;
   bool on_all_cores_ = false;
-  /// Whether snow may flow across seams.
-  bool seams_are_pending_ = false;
   bool has_changed_ = false;
   double rounds_ = 0.0;
   std::vector<Release> releases_;

@@ -140,6 +140,9 @@ bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
 void Repose::set_up(const std::vector<float>& height, bool on_all_cores) {
   if (choice_.chosen.empty()) return;
   on_all_cores_ = on_all_cores;
+  const auto for_blocks = [&](const Blocks& blocks, const auto& work) {
+    for_each_block(blocks.size(), on_all_cores, [&](size_t i) { work(blocks[i]); });
+  };
   Marks changes(ground_.links->block_count(), 0);
   reuse_tiles(changes);
   for (size_t b = 0; b < restands_.size(); ++b) changes[b] |= restands_[b];
@@ -147,7 +150,7 @@ void Repose::set_up(const std::vector<float>& height, bool on_all_cores) {
     if (cover_tile(b, height)) changes[static_cast<size_t>(b)] = 1;
   });
   std::vector<ChangedCells> rooms(choice_.chosen.size());
-  for_each(choice_.chosen.size(), [&](size_t i) {
+  for_each_block(choice_.chosen.size(), on_all_cores, [&](size_t i) {
     const int32_t b = choice_.chosen[i];
     if (choice_.is_partial) {
       rooms[i] = clear_rooms(*blocks_.tiles[static_cast<size_t>(b)]);
