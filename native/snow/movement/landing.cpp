@@ -102,7 +102,8 @@ void Landing::arrive(double dt, const LandingSettings& settings,
   for (const int64_t units : left) left_ += units;
 }
 
-void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& repose) {
+void Landing::release(const LandingSettings& settings, const std::vector<Release>& released,
+                      MovingMap& map, Repose& repose) {
   const SceneObject& object = *rays_->objects()[map.object];
   const auto number = static_cast<int32_t>(map.object);
   int64_t listed = 0;
@@ -151,7 +152,7 @@ void Landing::release(const LandingSettings& settings, MovingMap& map, Repose& r
     cell.point += weight * exit.point;
     cell.outwards += weight * exit.outwards;
   };
-  for (const Release& release : repose.take_releases()) add(release);
+  for (const Release& release : released) add(release);
   const bool any_slid = !map.slid_from.empty() || !map.shed_from.empty();
   std::vector<double> over(any_slid ? repose.ground().outlet_count() : 0, 0.0);
   std::vector<int32_t> texel_over(over.size(), -1);

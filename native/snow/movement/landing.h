@@ -52,9 +52,10 @@ class Landing {
   bool has_arrivals(double dt) const {
     return !air_.empty() && std::get<0>(air_.begin()->first) <= clock_ + microseconds(dt);
   }
-  /// Collects what left a map in this step: what repose lists as released, and what stability let
+  /// Collects what left a map in this step: what repose has `released`, and what stability let
   /// slide.
-  void release(const LandingSettings& settings, MovingMap& map, Repose& repose);
+  void release(const LandingSettings& settings, const std::vector<Release>& released,
+               MovingMap& map, Repose& repose);
   /// Ends the step: throws down what was collected. `dt`: of the step, in seconds. `flying`: takes
   /// what is on its way; may be null.
   void fall(uint32_t step_number, double dt, const LandingSettings& settings,

@@ -230,7 +230,8 @@ void Movement::rest_on(const MovementSettings& settings, double dt, bool of_blad
   if (dt > 0.0 || of_blades) run_repose(settings, static_cast<float>(dt), of_blades, all, maps);
   for (size_t i = 0; i < maps.size(); ++i) {
     Resting& one = maps[i];
-    if (settings.landing.is_on) landing_.release(settings.landing, one.map(), *one.repose);
+    if (settings.landing.is_on)
+      landing_.release(settings.landing, one.moved.releases, one.map(), *one.repose);
     if (one.coarse != nullptr) one.coarse->end(one.coarser, *one.own);
     one.own->slid += slid[i];
     one.own->slid_from.clear();
@@ -308,12 +309,13 @@ void Movement::run_repose(const MovementSettings& settings, float dt, bool of_bl
     targets_.raise(object, *one.repose, heights);
     heights[object] = others;
   }
-  for_maps([&](Resting& one, bool) {
+  for_maps([&](Resting& one, bool on_all_cores) {
     MovingMap& map = one.map();
-    map.slid = one.repose->run(*map.height, dt, settings.landing.is_on);
-    map.has_changed = map.has_changed || one.repose->has_changed();
+    one.moved = one.repose->run(*map.height, dt, on_all_cores, settings.landing.is_on);
+    map.slid = one.moved.fallen;
+    map.has_changed = map.has_changed || one.moved.has_changed;
   });
-  for (const Resting& one : maps) rounds_ += one.repose->rounds();
+  for (const Resting& one : maps) rounds_ += one.moved.rounds;
 }
 
 }  // namespace snowbough::snow

@@ -96,6 +96,7 @@ class Movement {
     std::vector<uint8_t> within = {};
     /// What CoarseMap::begin has made.
     MovingMap coarser = {};
+    ReposeResult moved = {};
 
     MovingMap& map() { return coarse == nullptr ? *own : coarser; }
   };

@@ -14,6 +14,9 @@ namespace snowbough::snow {
 struct ReposeBlocks {
   /// Tiles of the chosen blocks during a run (all existing ones during a partial run), by block.
   ReposeTiles tiles;
+  /// Tiles that the next step reuses; and by block, whether it was chosen in the run before.
+  ReposeTiles stored;
+  std::vector<uint8_t> was_chosen;
   /// Outlets by block, ascending by cell.
   std::vector<std::vector<RimLink>> rims;
   SeamFlows flows;

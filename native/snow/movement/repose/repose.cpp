@@ -252,9 +252,11 @@ Written write_block(const ReposeRun& run, int32_t block, float walls_keep,
 
 }  // namespace
 
-double Repose::run(std::vector<float>& height, float dt, bool lists_releases) {
-  if (choice_.chosen.empty()) return 0.0;
-  ReposeRun run{ground_, choice_, blocks_, stand_, on_all_cores_};
+ReposeResult Repose::run(std::vector<float>& height, float dt, bool on_all_cores,
+                         bool lists_releases) {
+  ReposeResult result;
+  if (choice_.chosen.empty()) return result;
+  ReposeRun run{ground_, choice_, blocks_, stand_.height, on_all_cores};
   if (!choice_.is_partial) empty_over_outlets(run);
   run_rounds(run, std::clamp(dt / kUsualStep, 1.0f, kMaxWorkFactor));
   const float walls_keep = std::exp2(-dt / shared::kWallHalfLife);
@@ -262,21 +264,22 @@ double Repose::run(std::vector<float>& height, float dt, bool lists_releases) {
   run.for_each(choice_.chosen.size(), [&](size_t i) {
     written[i] = write_block(run, choice_.chosen[i], walls_keep, height);
   });
-  rounds_ = run.rounds;
-  has_changed_ = run.has_changed;
+  result.rounds = run.rounds;
+  result.has_changed = run.has_changed;
   double fallen = 0.0;
   for (const Written& own : written) {
     fallen += own.lost;
-    has_changed_ = has_changed_ || own.has_changed;
+    result.has_changed = result.has_changed || own.has_changed;
   }
+  result.fallen = fallen * static_cast<double>(ground_.surface.unit());
   if (lists_releases) {
-    releases_ = collect_releases(ground_, blocks_, choice_.chosen, ways_);
+    result.releases = collect_releases(ground_, blocks_, choice_.chosen, ways_);
     for (const Written& own : written) {
-      releases_.insert(releases_.end(), own.releases.begin(), own.releases.end());
+      result.releases.insert(result.releases.end(), own.releases.begin(), own.releases.end());
     }
   }
-  blocks_.tiles.swap(stored_tiles_);
-  return fallen * static_cast<double>(ground_.surface.unit());
+  blocks_.tiles.swap(blocks_.stored);
+  return result;
 }
 
 }  // namespace snowbough::snow

@@ -35,6 +35,25 @@ void for_each_block(size_t count, bool on_all_cores, const Work& work) {
   base::for_each_item(count, 1, work, on_all_cores && count > kFew ? base::default_threads() : 1);
 }
 
+/// Where snow stands whatever its slope.
+struct ReposeStand {
+  /// By place, to which height in metres; null: nowhere.
+  const std::vector<float>* height = nullptr;
+  /// By block: whether that has changed; empty: nowhere.
+  std::vector<uint8_t> changed;
+};
+
+/// What a run of repose has moved.
+struct ReposeResult {
+  /// Volume that fell over rims and off walls, in m3; and where, if it is to be listed.
+  double fallen = 0.0;
+  std::vector<Release> releases;
+  /// Whether heights changed.
+  bool has_changed = false;
+  /// Number of rounds that the blocks took together.
+  double rounds = 0.0;
+};
+
 /// Repose on one receiver's map: snow whose surface is steeper than the angle of repose moves to
 /// lower neighbours (shaders/lib/texel_repose.h has the method), over seams and over rims into the
 /// air, until it rests or the step's work limit is reached; the rest moves in the next step. The
@@ -87,11 +106,10 @@ class Repose {
   /// next call; null: nowhere. `changed`: by block, whether any place has another height than in
   /// the last call; empty: none has.
   void set_stand(const std::vector<float>* stand, const std::vector<uint8_t>& changed) {
-    stand_ = stand;
-    restands_ = changed;
+    stand_ = {stand, changed};
   }
 
-  /// Prepares those blocks. `on_all_cores`: share the work of this call and of `run` among threads.
+  /// Prepares those blocks. `on_all_cores`: share the work among threads.
   void set_up(const std::vector<float>& height, bool on_all_cores);
 
   /// Between set_up and run: the choice, and the blocks, whose outlets' `top` may be raised.
@@ -99,17 +117,8 @@ class Repose {
   ReposeBlocks& blocks() { return blocks_; }
 
   /// Moves snow on `height` in those blocks. `dt`: seconds; a long step may run more rounds.
-  /// `lists_releases`: for take_releases. Returns the volume that fell over rims and off walls, in
-  /// m3.
-  double run(std::vector<float>& height, float dt, bool lists_releases);
-
-  /// What was released since the last call.
-  std::vector<Release> take_releases() { return std::exchange(releases_, {}); }
-
-  /// Whether the last run changed heights.
-  bool has_changed() const { return has_changed_; }
-  /// Number of rounds that its blocks took together.
-  double rounds() const { return rounds_; }
+  /// `on_all_cores`: as for set_up.
+  ReposeResult run(std::vector<float>& height, float dt, bool on_all_cores, bool lists_releases);
 
  private:
   using Blocks = std::vector<int32_t>;
@@ -125,16 +134,7 @@ class Repose {
   const SceneRays* rays_;
   ReposeChoice choice_;
   ReposeBlocks blocks_;
-  /// Tiles that the next step reuses; and by block, whether it was chosen in the run before.
-  ReposeTiles stored_tiles_;
-  Marks was_chosen_;
-  const std::vector<float>* stand_ = nullptr;
-  /// By block: whether `stand_` has changed; empty: nowhere.
-  Marks restands_;
-  bool on_all_cores_ = false;
-  bool has_changed_ = false;
-  double rounds_ = 0.0;
-  std::vector<Release> releases_;
+  ReposeStand stand_;
   CellWays ways_;
 };
 

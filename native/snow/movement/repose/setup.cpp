@@ -18,31 +18,29 @@ void Repose::update_pose() {
   choice_.slack.assign(blocks, std::nullopt);
   if (blocks_.tiles.size() != blocks) {
     blocks_.tiles.resize(blocks);
-    stored_tiles_.resize(blocks);
+    blocks_.stored.resize(blocks);
     blocks_.rims.resize(blocks);
     blocks_.flows.links.resize(ground_.links->across.size());
     blocks_.flows.is_noted.assign(blocks, 0);
-    was_chosen_.assign(blocks, 0);
+    blocks_.was_chosen.assign(blocks, 0);
   }
-  for (const std::unique_ptr<ReposeTile>& tile : stored_tiles_) {
+  for (const std::unique_ptr<ReposeTile>& tile : blocks_.stored) {
     if (tile != nullptr) tile->ground.has_pose = false;
   }
 }
 
 /// Releases the tiles, and treats all blocks as new in the next step.
 void Repose::forget_tiles() {
-  for (std::unique_ptr<ReposeTile>& tile : stored_tiles_) tile.reset();
-  was_chosen_.assign(was_chosen_.size(), 0);
+  for (std::unique_ptr<ReposeTile>& tile : blocks_.stored) tile.reset();
+  blocks_.was_chosen.assign(blocks_.was_chosen.size(), 0);
   ways_.blocks.clear();
 }
 
 /// Returns false if no snow lies on the map.
 bool Repose::begin_choice(const std::vector<float>& height, const ReposeLimits& limits) {
-  has_changed_ = choice_.is_partial = false;
-  rounds_ = 0.0;
+  choice_.is_partial = false;
   choice_.chosen.clear();
   choice_.blades.clear();
-  releases_.clear();
   if (limits != choice_.limits) {
     // Curvatures are only needed with cohesion.
     if ((limits.cohesion > 0.0f) != (choice_.limits.cohesion > 0.0f)) {
@@ -52,7 +50,7 @@ bool Repose::begin_choice(const std::vector<float>& height, const ReposeLimits& 
     choice_.limits = limits;
     choice_.slack.assign(choice_.slack.size(), std::nullopt);
     // Treat all blocks as new.
-    was_chosen_.assign(was_chosen_.size(), 0);
+    blocks_.was_chosen.assign(blocks_.was_chosen.size(), 0);
   }
   if (!ground_.has_pose) {
     const bool is_bare = std::all_of(height.begin(), height.end(), [](float h) { return h == 0; });
@@ -78,24 +76,24 @@ size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimit
 /// were added or removed.
 void Repose::reuse_tiles(Marks& changes) {
   if (choice_.is_partial) {
-    blocks_.tiles.swap(stored_tiles_);
+    blocks_.tiles.swap(blocks_.stored);
     for (const int32_t block : choice_.chosen) {
       std::unique_ptr<ReposeTile>& tile = blocks_.tiles[static_cast<size_t>(block)];
       if (tile != nullptr) continue;
       tile = std::make_unique_for_overwrite<ReposeTile>();
-      was_chosen_[static_cast<size_t>(block)] = changes[static_cast<size_t>(block)] = 1;
+      blocks_.was_chosen[static_cast<size_t>(block)] = changes[static_cast<size_t>(block)] = 1;
     }
     return;
   }
   Marks is_chosen(ground_.links->block_count(), 0);
   for (const int32_t block : choice_.chosen) is_chosen[static_cast<size_t>(block)] = 1;
-  for (size_t b = 0; b < is_chosen.size(); ++b) changes[b] = is_chosen[b] ^ was_chosen_[b];
+  for (size_t b = 0; b < is_chosen.size(); ++b) changes[b] = is_chosen[b] ^ blocks_.was_chosen[b];
   for (size_t b = 0; b < is_chosen.size(); ++b) {
-    if (is_chosen[b] == 0) stored_tiles_[b].reset();
+    if (is_chosen[b] == 0) blocks_.stored[b].reset();
   }
-  was_chosen_ = std::move(is_chosen);
+  blocks_.was_chosen = std::move(is_chosen);
   for (const int32_t block : choice_.chosen) {
-    std::unique_ptr<ReposeTile>& kept = stored_tiles_[static_cast<size_t>(block)];
+    std::unique_ptr<ReposeTile>& kept = blocks_.stored[static_cast<size_t>(block)];
     // cover_tile initialises it.
     if (kept == nullptr) kept = std::make_unique_for_overwrite<ReposeTile>();
     blocks_.tiles[static_cast<size_t>(block)] = std::move(kept);
@@ -104,7 +102,7 @@ void Repose::reuse_tiles(Marks& changes) {
 
 /// Call it when other objects near this one have moved.
 void Repose::forget_rooms() {
-  for (const std::unique_ptr<ReposeTile>& tile : stored_tiles_) {
+  for (const std::unique_ptr<ReposeTile>& tile : blocks_.stored) {
     if (tile != nullptr) tile->ground.forget_rooms();
   }
 }
@@ -139,13 +137,12 @@ bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
 
 void Repose::set_up(const std::vector<float>& height, bool on_all_cores) {
   if (choice_.chosen.empty()) return;
-  on_all_cores_ = on_all_cores;
   const auto for_blocks = [&](const Blocks& blocks, const auto& work) {
     for_each_block(blocks.size(), on_all_cores, [&](size_t i) { work(blocks[i]); });
   };
   Marks changes(ground_.links->block_count(), 0);
   reuse_tiles(changes);
-  for (size_t b = 0; b < restands_.size(); ++b) changes[b] |= restands_[b];
+  for (size_t b = 0; b < stand_.changed.size(); ++b) changes[b] |= stand_.changed[b];
   for_blocks(choice_.chosen, [&](int32_t b) {
     if (cover_tile(b, height)) changes[static_cast<size_t>(b)] = 1;
   });
@@ -182,7 +179,7 @@ void Repose::set_up(const std::vector<float>& height, bool on_all_cores) {
     ReposeTile& tile = *blocks_.tiles[static_cast<size_t>(b)];
     tile.links.has_limits = false;
     tile.outlets.forget_ways_up();
-    set_up_outlets(ground_, choice_.limits, stand_, b, blocks_);
+    set_up_outlets(ground_, choice_.limits, stand_.height, b, blocks_);
   });
 }
 

@@ -22,7 +22,7 @@ TEST(SeamFlows, CarryAHeapAcross) {
   const double before = std::accumulate(height.begin(), height.end(), 0.0);
   ASSERT_GT(repose.choose_blocks(height, {.slope = 1.0f}), 0u);
   repose.set_up(height, false);
-  const double fallen = repose.run(height, 0.25f, false);
+  const double fallen = repose.run(height, 0.25f, false, false).fallen;
   EXPECT_EQ(fallen, 0.0);
   double across = 0.0;
   for (int32_t row = 32; row < 64; ++row) {
