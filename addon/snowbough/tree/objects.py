@@ -63,7 +63,7 @@ def create_mesh(name, vertices, corner_vertex, face_begin, uvs, smooth, bones, w
     armature.write_weights(mesh, bones, weights)
     mesh.vertices.foreach_set("co", np.ascontiguousarray(vertices, dtype=np.float32).reshape(-1))
     mesh.loops.add(len(corner_vertex))
-    mesh.loops.foreach_set("vertex_index", corner_vertex)
+    compat.set_indices(mesh.loops, "vertex_index", corner_vertex)
     mesh.polygons.add(faces)
     compat.set_polygons(mesh, face_begin[:-1], np.diff(face_begin))
     mesh.polygons.foreach_set("use_smooth", np.full(faces, smooth, dtype=bool))
@@ -74,8 +74,8 @@ def create_mesh(name, vertices, corner_vertex, face_begin, uvs, smooth, bones, w
     if edges is not None:
         ends, of_corner = edges
         mesh.edges.add(len(ends))
-        mesh.edges.foreach_set("vertices", ends.reshape(-1))
-        mesh.loops.foreach_set("edge_index", of_corner.reshape(-1))
+        compat.set_indices(mesh.edges, "vertices", ends)
+        compat.set_indices(mesh.loops, "edge_index", of_corner)
     mesh.update(calc_edges=edges is None)
     return mesh
 
@@ -113,7 +113,7 @@ def _fill_slots(mesh, materials, chosen):
     for index in used.tolist():
         mesh.materials.append(materials[index])
     if len(used) > 1:
-        mesh.polygons.foreach_set("material_index", slots[chosen])
+        compat.set_indices(mesh.polygons, "material_index", slots[chosen])
 
 
 def create_bark(name, tree, bone_names, materials, face_material=None, original_uv=None):
