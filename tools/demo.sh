@@ -15,7 +15,7 @@ if [ -n "$tree" ] && [ ! -f "$tree" ]; then
   exit 1
 fi
 started=$SECONDS
-echo "demo: the first run installs packages and compiles the native core, which takes most of its time; then come snow and renders"
+echo "demo: the first run also installs packages and compiles the native core; then come snow and renders, which take minutes"
 tools/setup.sh module
 unset PYTHONPATH PYTHONHOME
 rm -rf build/demo
