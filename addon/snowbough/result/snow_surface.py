@@ -72,11 +72,10 @@ def _fill_mesh(mesh, file, bare):
     mesh.vertices.add(len(bare))
     mesh.vertices.foreach_set("co", np.ascontiguousarray(bare, np.float32).ravel())
     mesh.loops.add(len(corners))
-    mesh.loops.foreach_set("vertex_index", np.ascontiguousarray(corners, np.int32))
+    compat.set_indices(mesh.loops, "vertex_index", corners)
     mesh.polygons.add(len(sides))
     starts = np.concatenate([[0], np.cumsum(sides)[:-1]]) if len(sides) else sides
-    mesh.polygons.foreach_set("loop_start", starts.astype(np.int32))
-    mesh.polygons.foreach_set("loop_total", sides)
+    compat.set_polygons(mesh, starts, sides)
     mesh.polygons.foreach_set("use_smooth", np.ones(len(sides), bool))
     mesh.update(calc_edges=True)
     layer = mesh.uv_layers.new(name=SNOW_UV, do_init=False)

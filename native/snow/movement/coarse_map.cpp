@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <iterator>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -22,7 +23,7 @@ namespace {
 /// grains: across more texels their heaps come to rest less round.
 constexpr double kFinest = 2e-3;
 constexpr double kTexelsADepth = 24.0;
-constexpr double kTexelsAHeap = 17.0;
+constexpr double kTexelsAHeap = 12.0;
 /// Squares of more texels a side hold too little of the surface's shape.
 constexpr int32_t kMaxSide = 16;
 /// Squares whose upward parts of the normals differ by more are on two sides of an edge.
@@ -460,7 +461,8 @@ CoarseMap* CoarseMaps::choose(const MovingMap& map, bool of_grains, ReposeLinkTa
   const double size = of_grains ? std::max(shorter, 0.5 * longer) : longer;
   const double wanted = std::max(kFinest, depth / (of_grains ? kTexelsAHeap : kTexelsADepth));
   int32_t side = 1;
-  while (size > 0.0 && depth > 0.0 && side < kMaxSide && side * size < wanted) {
+  while (size > 0.0 && depth > 0.0 && side < kMaxSide &&
+         std::numbers::sqrt2 * side * size < wanted) {
     side *= 2;
   }
   if (side == level.wanted) return level.map.get();
