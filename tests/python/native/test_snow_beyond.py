@@ -71,7 +71,9 @@ def test_an_urn_full_of_snow_has_a_level_top(shading):
     faces = [face[::-1] for face in lathe(profile, 32)]
     bottom = np.array([face[3] for face in faces[:32]])
     *mesh, resolution = unfolded([*faces, bottom], 0.01)
-    snow = map_of(mesh, resolution, lambda points, up: np.maximum(0.5 - points[:, 2], 0.0) * np.maximum(up, 0.0))
+    snow = map_of(
+        mesh, resolution, lambda points, up: np.maximum(0.5 - points[:, 2], 0.0) * np.maximum(up, 0.0)
+    )
     around, out = np.meshgrid(np.linspace(0.1, 6.3, 24), np.linspace(0.04, 0.2, 9))
     places = np.stack([out * np.cos(around), out * np.sin(around)], axis=2).reshape(-1, 2)
     given = {"shading": shading(*mesh[:2])} if shading else {}

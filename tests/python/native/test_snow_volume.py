@@ -92,6 +92,10 @@ def test_the_middle_of_a_narrow_top_does_not_stand_out(size):
     snow = map_of(mesh, resolution, lambda places, up: np.where(up > 0.3, DEPTH, 0.0))
     along = np.arange(0.0, 0.09, 0.01)
     top, _ = shown_over(
-        mesh, snow, DEPTH, np.stack([along, np.full(9, 0.001)], axis=1), style={"relief": 0.0, "hem_variation": 0.0}
+        mesh,
+        snow,
+        DEPTH,
+        np.stack([along, np.full(9, 0.001)], axis=1),
+        style={"relief": 0.0, "hem_variation": 0.0},
     )
     assert np.abs(np.diff(top)).max() < 0.004

@@ -20,8 +20,8 @@ class ReposeSurface {
     float area = 0.0f;
     /// Sum of the principal curvatures in 1/m.
     float curvature = 0.0f;
-    /// Upward part of the faces on which snow can lie; if they are too small a part of the texel, it
-    /// is a wall.
+    /// Upward part of the faces on which snow can lie; if they are too small a part of the texel,
+    /// it is a wall.
     float up = 0.0f;
     bool two_sided = false;
   };
