@@ -30,7 +30,7 @@ constexpr float kNearReach = 0.5f;
 constexpr float kOneGround = 0.5f;
 constexpr float kOtherGround = 0.8f;
 /// Least upward component of the normals of points that snow can lie on.
-constexpr float kLeastUp = 0.3f;
+constexpr float kMinUp = 0.3f;
 /// Cosines of the angle to the blanket at which a face bears it not at all and fully.
 constexpr float kLeans = 0.6f;
 constexpr float kBears = 0.85f;
@@ -105,7 +105,7 @@ void Blanket::find_nodes(const SurfacePoints& points, const std::vector<int32_t>
       const float covers = area[p] * points.normal[p].z + 1e-9f * depth * depth;
       node.centre += position[p] * covers;
       node.area += covers;
-      shares_.push_back({p, covers / std::max(points.normal[p].z, kLeastUp)});
+      shares_.push_back({p, covers / std::max(points.normal[p].z, kMinUp)});
     }
     node.centre /= node.area;
     for (size_t s = first; s < i; ++s) shares_[s].weight /= node.area;

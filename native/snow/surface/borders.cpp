@@ -28,7 +28,7 @@ constexpr float kSpread = 0.3f;
 constexpr float kOwn = 0.8f;
 constexpr float kOnLevelUp = 0.9f;
 /// Snow thicker than this fraction of that height shows: noise bends the border and bites no holes.
-constexpr float kMostOfCrest = 0.6f;
+constexpr float kMaxOfCrest = 0.6f;
 /// Snow on steep places that is thinner than this fraction of the depth is left to the dusting of
 /// the material.
 constexpr float kVeil = 0.08f;
@@ -48,11 +48,11 @@ constexpr float kInFront = 0.9f;
 constexpr float kNothing = 1e-5f;
 /// Distance from the border over which snow gets its height: in heights, and at most in depths.
 constexpr float kRoundOff = 1.2f;
-constexpr float kMostRoundOff = 0.4f;
+constexpr float kMaxRoundOff = 0.4f;
 /// Greatest distance by which noise moves the border, in depths.
 constexpr float kLobes = 0.15f;
 /// Least change of the ratio per edge that says where the border lies.
-constexpr float kLeastChange = 0.02f;
+constexpr float kMinChange = 0.02f;
 
 /// 1 in snow much thicker than the threshold, 0 at the threshold, -1 on bare places.
 float ratio_of(float thickness, float threshold) {
@@ -193,7 +193,7 @@ Borders find_borders(const SurfacePoints& points, const HeightSamples& samples,
         1.0f - shared::eased(sampled[p], kSpread * thickness[p], kOwn * thickness[p]) *
                    shared::eased(up[p], kOnSlopeUp, kOnLevelUp);
     const float noisy =
-        std::clamp(threshold[p], kOfCrest * spread * crest[p], kMostOfCrest * crest[p]);
+        std::clamp(threshold[p], kOfCrest * spread * crest[p], kMaxOfCrest * crest[p]);
     const float veil = kVeil * depth * shared::steepness(up[p]);
     ratio[p] = ratio_of(thickness[p], std::max({noisy, veil, kNothing}));
   }
@@ -231,7 +231,7 @@ Borders find_borders(const SurfacePoints& points, const HeightSamples& samples,
         both > 1e-4f ? std::hypot(yy * xr - xy * yr, xx * yr - xy * xr) / both : 0.0f;
     borders.edge[b] = edge;
     borders.crest[b] = crest[p];
-    borders.distance[b] = slope * edge > kLeastChange
+    borders.distance[b] = slope * edge > kMinChange
                               ? ratio[p] / slope
                               : std::copysign(std::numeric_limits<float>::infinity(), ratio[p]);
   });
@@ -244,7 +244,7 @@ float height_at_border(const Borders& borders, size_t number, float height, floa
   const float shown = borders.part[number];
   const float crest = borders.crest[number] * shown;
   const float way =
-      std::max(std::min(kRoundOff * crest, kMostRoundOff * depth), borders.edge[number]);
+      std::max(std::min(kRoundOff * crest, kMaxRoundOff * depth), borders.edge[number]);
   const float part = std::min(std::abs(distance) / way, 1.0f);
   const float rise = part * (2.0f - part);
   if (distance > 0.0f) return glm::mix(-sink, rise * glm::mix(crest, height, part), shown);

@@ -15,8 +15,8 @@ namespace {
 
 /// Radius of the dilation as a fraction of the snow depth, and its bounds in metres.
 constexpr float kRadius = 0.35f;
-constexpr float kLeastRadius = 0.001f;
-constexpr float kMostRadius = 0.02f;
+constexpr float kMinRadius = 0.001f;
+constexpr float kMaxRadius = 0.02f;
 /// As fractions of the radius: least half-thickness of a body; depth of the final surface below
 /// that of the dilated snow; height of a second layer above the snow, which makes a flat spray as
 /// thick as a body.
@@ -29,11 +29,11 @@ constexpr float kCoarsest = 0.7f;
 /// Snow thinner than this fraction of the depth does not bridge gaps.
 constexpr float kThinnest = 0.02f;
 /// Limit on the number of cells; a larger grid gets larger cells.
-constexpr double kMostCells = 6e7;
+constexpr double kMaxCells = 6e7;
 
 /// Criteria for needles: the least number of pieces, and the fraction of pieces that exceed this
 /// ratio of length to width and are narrower than this fraction of the depth.
-constexpr size_t kLeastPieces = 50;
+constexpr size_t kMinPieces = 50;
 constexpr double kMostly = 0.6;
 constexpr float kLengthToWidth = 4.0f;
 constexpr float kWidthOfDepth = 0.5f;
@@ -331,7 +331,7 @@ Net cushion_net(std::vector<glm::vec3> places, float radius, float& cell) {
   low -= 1.5f * radius;
   high += 2.5f * radius;
   const glm::dvec3 extent(high - low);
-  cell = std::max(cell, static_cast<float>(std::cbrt(extent.x * extent.y * extent.z / kMostCells)));
+  cell = std::max(cell, static_cast<float>(std::cbrt(extent.x * extent.y * extent.z / kMaxCells)));
   if (cell > kCoarsest * radius) return {};
   const Grid grid(low, high, cell);
   const float cells = radius / cell;
@@ -370,13 +370,13 @@ bool are_needles(const SurfaceMesh& mesh, float depth) {
     const float width = piece.area / (3.14159f * length);
     if (length > kLengthToWidth * width && width < kWidthOfDepth * depth) ++thin;
   }
-  return count >= kLeastPieces && static_cast<double>(thin) > kMostly * static_cast<double>(count);
+  return count >= kMinPieces && static_cast<double>(thin) > kMostly * static_cast<double>(count);
 }
 
 Cushions find_cushions(const SurfaceMesh& mesh, const std::vector<glm::vec3>& shown,
                        const std::vector<float>& height, float depth, int32_t most_points) {
   Cushions cushions;
-  float radius = std::clamp(kRadius * depth, kLeastRadius, kMostRadius);
+  float radius = std::clamp(kRadius * depth, kMinRadius, kMaxRadius);
   const float least = kThinnest * depth;
   float cell = radius / kCellsPerRadius;
   Net net;

@@ -13,7 +13,7 @@ constexpr int kRounds = 4;
 /// An edge is flipped only if the new diagonal is shorter than this fraction of the old one.
 constexpr float kShorter = 0.93f;
 /// Least doubled area of a flipped triangle, as a fraction of the doubled area of both triangles.
-constexpr float kLeastArea = 0.05f;
+constexpr float kMinArea = 0.05f;
 /// Cosine of the greatest angle between receiver faces that count as coplanar: 5 degrees.
 constexpr float kFlat = 0.996f;
 /// A quad is a sliver if its short sides are at most the first fraction of its diagonal and its
@@ -44,7 +44,7 @@ class Flipper {
           glm::cross(mesh_.position[q] - mesh_.position[p], mesh_.position[r] - mesh_.position[p]);
       return glm::dot(cross, normal);
     };
-    if (part(from, right, left) < kLeastArea * area || part(to, left, right) < kLeastArea * area) {
+    if (part(from, right, left) < kMinArea * area || part(to, left, right) < kMinArea * area) {
       return false;
     }
     const glm::vec2 uv_left = mesh_.uv[s][a2], uv_right = mesh_.uv[t][b2];

@@ -43,7 +43,7 @@ constexpr float kHighest = 0.5f;
 constexpr float kBeside = 0.06f;
 /// Greatest slope of what lies below, and least part of a rim in a place that counts.
 constexpr float kSlopeBelow = 1.2f;
-constexpr float kLeastPart = 0.05f;
+constexpr float kMinPart = 0.05f;
 /// Presence below which a front hardly shows, whatever it joins.
 constexpr float kHardly = 0.1f;
 /// Rays for shelter start this far above a face, and this far inwards from a rim, as fractions of
@@ -79,7 +79,7 @@ constexpr float kHighStep = 0.5f;
 /// Points whose feet are within this many depths of each other belong to one stretch of a rim.
 constexpr float kFullnessReach = 0.4f;
 /// Least mean thickness in a zone, as a fraction of that behind the rim.
-constexpr float kLeastFull = 0.4f;
+constexpr float kMinFull = 0.4f;
 /// Fraction of the map's volume by which fronts may exceed it: on narrow tops, and on wide tops,
 /// where the difference is less visible. The last two constants are the room of narrow and wide
 /// tops, in depths.
@@ -157,7 +157,7 @@ Fronts::Fall fall_beyond(const RimPlace& place, const Rims& rims, const SurfaceM
   Fronts::Fall found;
   float most = 0.0f;
   for (const RimPlace::Part& part : place.parts) {
-    if (part.weight < kLeastPart) continue;
+    if (part.weight < kMinPart) continue;
     const Rim& rim = rims.all()[part.rim];
     const glm::vec3 level_out = unit(glm::vec3(rim.out.x, rim.out.y, 0.0f));
     const glm::vec3 along = kBeside * depth * unit(rim.to - rim.from);
@@ -509,7 +509,7 @@ void find_presence(Fronts& fronts, const SurfacePoints& points, const HeightSamp
     });
     if (most <= 0.0) return;
     const float fullness = std::clamp(static_cast<float>(holds / most), 0.0f, 0.999f);
-    front.full = std::max(fullness, kLeastFull);
+    front.full = std::max(fullness, kMinFull);
     const float wide = eased(fronts.room[f], kNarrowFront * depth, kWideFront * depth);
     const float more = glm::mix(kMoreSnow, kMoreOnWide, wide);
     front.presence *= std::min(more * fullness / (1.0f - fullness), 1.0f);

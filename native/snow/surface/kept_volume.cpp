@@ -10,8 +10,8 @@ namespace snowbough::snow {
 namespace {
 
 /// Bounds of a factor.
-constexpr float kLeastFactor = 0.75f;
-constexpr float kMostFactor = 1.25f;
+constexpr float kMinFactor = 0.75f;
+constexpr float kMaxFactor = 1.25f;
 
 }  // namespace
 
@@ -57,7 +57,7 @@ std::vector<float> KeptVolume::factors(const std::vector<glm::vec2>& volumes) co
   std::vector<float> of_corner(corners_, 1.0f);
   for (size_t c = 0; c < corners_; ++c) {
     if (sum[c].y <= 0.0) continue;
-    of_corner[c] = std::clamp(static_cast<float>(sum[c].x / sum[c].y), kLeastFactor, kMostFactor);
+    of_corner[c] = std::clamp(static_cast<float>(sum[c].x / sum[c].y), kMinFactor, kMaxFactor);
   }
   std::vector<float> factors(near_.size(), 0.0f);
   base::for_each_item(factors.size(), 2048, [&](size_t p) {

@@ -10,7 +10,7 @@ namespace {
 constexpr float kFirstReach = 0.15f;
 constexpr float kNextReach = 1.7f;
 /// Distance added to that of each point, so that no point counts alone.
-constexpr float kLeastDistance = 0.025f;
+constexpr float kMinDistance = 0.025f;
 
 std::vector<glm::vec3> places_of(const std::vector<glm::vec3>& position,
                                  const std::vector<int32_t>& chosen) {
@@ -44,7 +44,7 @@ PointMean NearestPoints::at(const glm::vec3& place, int32_t own, float farthest,
   PointMean mean{glm::ivec4(own), glm::vec4(0.0f)};
   for (int k = 0; k < 4 && found[k].point >= 0; ++k) {
     mean.point[k] = points[found[k].point];
-    mean.weight[k] = 1.0f / (found[k].distance + kLeastDistance * depth_);
+    mean.weight[k] = 1.0f / (found[k].distance + kMinDistance * depth_);
   }
   if (found[0].point < 0) mean.weight[0] = 1.0f;
   mean.weight /= mean.weight.x + mean.weight.y + mean.weight.z + mean.weight.w;

@@ -18,10 +18,10 @@ namespace {
 /// Target edge lengths of level snow, of smooth deep snow on curved places, of bare faces, and of
 /// snow that ends on steep or curved places.
 constexpr float kLevelEdge = 0.45f;
-constexpr float kMostLevelEdge = 2.0f;
+constexpr float kMaxLevelEdge = 2.0f;
 /// Level snow never gets edges shorter than this, in metres: under a thin layer a large ground
 /// would take the points of all hems.
-constexpr float kLeastLevelEdge = 0.03f;
+constexpr float kMinLevelEdge = 0.03f;
 constexpr float kCurvedEdge = 0.17f;
 constexpr float kBareEdge = 4.0f;
 constexpr float kEndingEdge = 0.1f;
@@ -30,7 +30,7 @@ constexpr float kEnding = 0.45f;
 /// On level places, snow thinner than this is near its border.
 constexpr float kBorder = 0.15f;
 /// Least target edge length.
-constexpr float kLeastEdge = 0.085f;
+constexpr float kMinEdge = 0.085f;
 /// Target edge lengths near rims: before the cuts along the rims, and along the rims afterwards, at
 /// the hem and at the inner border of the zone.
 constexpr float kRimEdge = 1.1f;
@@ -41,7 +41,7 @@ constexpr float kHemEnds = 0.1f;
 constexpr float kInlandBegins = 0.6f;
 /// Edges along the rims of narrow tops shrink in proportion to the width of the zone, down to this
 /// factor.
-constexpr float kLeastAlong = 0.6f;
+constexpr float kMinAlong = 0.6f;
 /// Target edge length at the feet of steps that snow may hide.
 constexpr float kFootEdge = 0.25f;
 /// Growth of the target edge length per metre of distance from a rim's zone, in metres.
@@ -109,8 +109,8 @@ struct Coarseness {
 
 /// The target edge length of level snow, in metres.
 float level_edge(const SurfaceDensity& density, const Coarseness& coarseness) {
-  const float depths = std::min(kLevelEdge * density.scale * coarseness.level, kMostLevelEdge);
-  return std::max(depths * density.depth * coarseness.hems, kLeastLevelEdge);
+  const float depths = std::min(kLevelEdge * density.scale * coarseness.level, kMaxLevelEdge);
+  return std::max(depths * density.depth * coarseness.hems, kMinLevelEdge);
 }
 
 /// Refines one receiver at one density.
@@ -124,7 +124,7 @@ class Refiner {
         unit_(density.depth * density.scale * coarseness.hems),
         level_edge_(level_edge(density, coarseness)),
         depth_(density.depth),
-        least_edge_((heights.dented != nullptr ? kDentEdge : kLeastEdge) * unit_),
+        least_edge_((heights.dented != nullptr ? kDentEdge : kMinEdge) * unit_),
         is_coarse_(coarseness.hems > kCoarse),
         shown_(std::min(kShown, kShownShare * density.depth)),
         most_(static_cast<size_t>(density.most_points) * 2),
@@ -201,7 +201,7 @@ class Refiner {
     if (thins_out) wanted = std::min(wanted, kEndingEdge * unit_);
     const float off = std::abs(height - mean);
     if (off > kOffDeep * depth_ || (off > kOffThin * depth_ && height < kThin * depth_)) {
-      wanted = std::min(wanted, std::max(0.6f * length, kLeastEdge * unit_));
+      wanted = std::min(wanted, std::max(0.6f * length, kMinEdge * unit_));
     }
     // Otherwise a heap on a small top would be flat.
     if (is_coarse_ && off > kOffAnyway * depth_ && length > kAnywayEdge * depth_) return 0.0f;
@@ -379,7 +379,7 @@ class Refiner {
       if (on_strip && std::abs(a.place.distance - b.place.distance) > row) return 0.0f;
       const glm::vec3 axis = glm::cross(a.place.out, a.place.support);
       const float along = std::abs(glm::dot(mesh_.position[q] - mesh_.position[p], axis));
-      const float narrow = std::clamp(a.support / rim_zone(depth_), kLeastAlong, 1.0f);
+      const float narrow = std::clamp(a.support / rim_zone(depth_), kMinAlong, 1.0f);
       const float inland =
           std::clamp((a.share - kHemEnds) / (kInlandBegins - kHemEnds), 0.0f, 1.0f);
       const float parts =
@@ -463,7 +463,7 @@ constexpr double kPower = 1.5;
 constexpr float kProbe = 4.0f;
 
 float most_level(const SurfaceDensity& density) {
-  return std::max(kMostLevelEdge / (kLevelEdge * density.scale), 1.0f);
+  return std::max(kMaxLevelEdge / (kLevelEdge * density.scale), 1.0f);
 }
 
 /// The number of points at hems with the default edge lengths, from that of a coarser mesh.
@@ -494,7 +494,7 @@ RefinedSurface refined_surface(const SurfaceMesh& receiver, const Rims& rims, co
   // that it leaves unused are handed out by halving.
   constexpr int kTries = 10, kHalvings = 3;
   constexpr double kUsed = 0.75;
-  constexpr double kLeastGrowth = 1.15, kMostGrowth = 2.5;
+  constexpr double kMinGrowth = 1.15, kMaxGrowth = 2.5;
   RefinedSurface best;
   bool is_found = false;
   int halvings = 0;
@@ -518,14 +518,13 @@ RefinedSurface refined_surface(const SurfaceMesh& receiver, const Rims& rims, co
       ++halvings;
     } else if (coarseness.level < most_level(density)) {
       const double left = most - hems;
-      const double factor = left > 0.0 ? std::sqrt((points - hems) / left) : kMostGrowth;
-      coarseness.level =
-          std::min(coarseness.level * static_cast<float>(std::max(factor, kLeastGrowth)),
-                   most_level(density));
+      const double factor = left > 0.0 ? std::sqrt((points - hems) / left) : kMaxGrowth;
+      coarseness.level = std::min(
+          coarseness.level * static_cast<float>(std::max(factor, kMinGrowth)), most_level(density));
     } else {
       too_fine = coarseness.hems;
       coarseness.hems *= static_cast<float>(
-          std::clamp(std::pow(points / most, 1.0 / kPower), kLeastGrowth, kMostGrowth));
+          std::clamp(std::pow(points / most, 1.0 / kPower), kMinGrowth, kMaxGrowth));
     }
   }
 }

@@ -40,10 +40,10 @@ constexpr float kFlatWidths = 1.1f;
 constexpr float kFlatSlope = 0.15f;
 /// Least length of adjacent rims, in widths of their strips, and as a fraction of the greatest
 /// width of a strip. A top with shorter rims is too small for a front.
-constexpr float kLeastWidths = 2.5f;
-constexpr float kLeastOfStrip = 0.75f;
+constexpr float kMinWidths = 2.5f;
+constexpr float kMinOfStrip = 0.75f;
 /// The same for open edges that are shaded smooth.
-constexpr float kLeastEdges = 24.0f;
+constexpr float kMinEdges = 24.0f;
 /// Distance off a rim at which it may lie within another piece, in greatest widths of a strip.
 constexpr float kOnRim = 0.05f;
 /// Metres within which the other side of a body is looked for.
@@ -51,7 +51,7 @@ constexpr double kOtherSide = 1e3;
 /// Cosine of the least angle at which the surface behind a rim turns down from the supporting face.
 constexpr float kSameSide = 0.5f;
 /// Greatest number of triangles across a strip.
-constexpr int kMostSteps = 64;
+constexpr int kMaxSteps = 64;
 /// Position on an edge at which a strip is measured. The middle would hit the vertices of regular
 /// meshes.
 constexpr float kMeasured = 0.47f;
@@ -157,7 +157,7 @@ class RimFinder {
     float width = 0.0f;
     int32_t edges_across = 0;
     std::vector<int32_t> strip;
-    for (int k = 0; k < kMostSteps; ++k) {
+    for (int k = 0; k < kMaxSteps; ++k) {
       const glm::vec3& b = normals_[step.face];
       const Step next = crossed(step, along, start);
       const float across = glm::distance(next.at, step.at);
@@ -214,7 +214,7 @@ class RimFinder {
     const glm::vec3 start = glm::mix(from, to, kMeasured);
     const glm::vec3 along = unit(to - from);
     Step step{carrier, static_cast<int32_t>(edge), start};
-    for (int k = 0; k < kMostSteps; ++k) {
+    for (int k = 0; k < kMaxSteps; ++k) {
       step = crossed(step, along, start);
       const float back = glm::dot(start - step.at, out);
       if (back >= reach_.support) break;
@@ -231,7 +231,7 @@ class RimFinder {
   bool is_flat(Step step, const glm::vec3& along, const glm::vec3& out, float width) const {
     const glm::vec3 start = step.at;
     const glm::vec3& normal = normals_[step.face];
-    for (int k = 0; k < kMostSteps; ++k) {
+    for (int k = 0; k < kMaxSteps; ++k) {
       step = crossed(step, along, start);
       const float back = -glm::dot(step.at - start, out);
       const bool level = std::abs(glm::dot(step.at - start, normal)) <= kFlatSlope * back + 1e-6f;
@@ -317,7 +317,7 @@ void drop_short_rims(std::vector<Rim>& rims, size_t points, float least) {
   for (const Rim& rim : rims) length[chain[rim.corner[0]]] += glm::distance(rim.from, rim.to);
   std::erase_if(rims, [&](const Rim& rim) {
     return length[chain[rim.corner[0]]] <
-           std::max(kLeastWidths * (rim.strip_out + rim.strip_down), least);
+           std::max(kMinWidths * (rim.strip_out + rim.strip_down), least);
   });
 }
 
@@ -390,9 +390,9 @@ std::vector<Rim> find_rims(const SurfaceMesh& mesh, const base::TriangleTree& tr
     list.push_back(one.rim);
     list.back().part = parts[one.support];
   }
-  drop_short_rims(rims, mesh.position.size(), kLeastOfStrip * reach.strip);
+  drop_short_rims(rims, mesh.position.size(), kMinOfStrip * reach.strip);
   // Leaves end as the map says.
-  drop_short_rims(edges, mesh.position.size(), kLeastEdges * reach.strip);
+  drop_short_rims(edges, mesh.position.size(), kMinEdges * reach.strip);
   rims.insert(rims.end(), edges.begin(), edges.end());
   drop_hidden_rims(rims, mesh, tree, kOnRim * reach.strip);
   move_out(rims, mesh.position.size());

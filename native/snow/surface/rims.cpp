@@ -251,17 +251,17 @@ float Rims::room(const RimPlace& place, int32_t part, float most, bool narrow) c
 }
 
 Rims::Opposite Rims::opposite(const RimPlace& place, float most) const {
-  constexpr float kLeastPart = 0.05f;
-  constexpr float kLeastAlong = 0.6f;
+  constexpr float kMinPart = 0.05f;
+  constexpr float kMinAlong = 0.6f;
   Opposite mean;
   float near = 0.0f;
   for (const RimPlace::Part& part : place.parts) {
-    if (part.weight < kLeastPart) continue;
+    if (part.weight < kMinPart) continue;
     const Rim& rim = rims_[part.rim];
     const Opposite one = opposite_of(rim, part.foot, most);
     if (one.nearness <= 0.0f) continue;
     const float weight = part.weight * one.nearness;
-    const float along = std::max(glm::dot(place.level_out, level(rim.out)), kLeastAlong);
+    const float along = std::max(glm::dot(place.level_out, level(rim.out)), kMinAlong);
     mean.nearness += weight;
     mean.gap += weight * one.gap / along;
     mean.step += weight * one.step;
@@ -276,7 +276,7 @@ Rims::Opposite Rims::opposite(const RimPlace& place, float most) const {
 
 Rims::Step Rims::step_above(const glm::vec3& point, const glm::vec3& normal, float reach,
                             float most) const {
-  constexpr float kLeastStep = 0.01f;
+  constexpr float kMinStep = 0.01f;
   Step found;
   float nearest = reach;
   const glm::vec3 around(reach, reach, 0.0f);
@@ -286,7 +286,7 @@ Rims::Step Rims::step_above(const glm::vec3& point, const glm::vec3& normal, flo
     const glm::vec3 from = point - foot;
     const float height = -glm::dot(from, normal);
     // A rim lies above its own strip.
-    const float least = std::max(kLeastStep * most, rim.strip_out + rim.strip_down);
+    const float least = std::max(kMinStep * most, rim.strip_out + rim.strip_down);
     if (height <= least || height > most) return;
     const glm::vec3 level_out = level(rim.out);
     const float out = glm::dot(from, level_out);

@@ -23,7 +23,7 @@ constexpr float kUpright = 0.95f;
 /// Height of a front at the rim, as a fraction of the height behind it.
 constexpr float kDrawn = 0.94f;
 /// Greatest offset due to a curved receiver, as a fraction of the height.
-constexpr float kMostCurvature = 0.5f;
+constexpr float kMaxCurvature = 0.5f;
 
 std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& style,
                                const SurfaceFrame& frame, const std::vector<float>& up,
@@ -50,7 +50,7 @@ std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& styl
       if (shown > 0.0f) {
         const float bent = glm::length(points.curvature[p]);
         if (bent > 0.0f) {
-          offset += points.curvature[p] * std::min(1.0f, kMostCurvature * shown / bent);
+          offset += points.curvature[p] * std::min(1.0f, kMaxCurvature * shown / bent);
         }
       }
       offsets[p] = offset;

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "base/group_by_key.h"
-#include "snow/texels/welded.h"
 #include "snow/texels/charts.h"
+#include "snow/texels/welded.h"
 
 namespace snowbough::snow {
 namespace {
