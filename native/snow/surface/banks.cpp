@@ -38,7 +38,7 @@ constexpr float kOnSlope = 0.15f;
 constexpr float kSteeper = 1.5f;
 constexpr float kUneven = 0.03f;
 /// Depth and greatest width of a hollow.
-constexpr float kHollow = 0.2f;
+constexpr float kHollow = 0.5f;
 constexpr float kAcross = 2.0f;
 /// Halvings of the distance between a slope and a level place.
 constexpr int kHalvings = 4;
@@ -64,10 +64,10 @@ std::vector<Bank> find_banks(const SurfacePoints& points, const SurfaceMesh& rec
       return hit.triangle < 0 ? 0.0f
                               : unit(triangle_cross(receiver, static_cast<size_t>(hit.triangle))).z;
     };
-    // Gentle slopes count in hollows: where another slope stands opposite.
+    // In a hollow, another slope stands opposite, higher than half of the snow.
     const glm::dvec3 over = at + glm::vec3(0.0f, 0.0f, kHollow * depth);
-    if (normal.z > kSteep && tree.first_along(0, over, away, 0.0, kAcross * depth).triangle < 0)
-      return;
+    const bool in_hollow = tree.first_along(0, over, away, 0.0, kAcross * depth).triangle >= 0;
+    if (normal.z > kSteep && !in_hollow) return;
     const float wanted = std::max(kIsLevel, normal.z + kMoreLevel);
     const float steepest = kSteeper * std::sqrt(1.0f - normal.z * normal.z) / normal.z;
     float slope = 0.0f, level = 0.0f;
@@ -96,7 +96,8 @@ std::vector<Bank> find_banks(const SurfacePoints& points, const SurfaceMesh& rec
     const float steep = eased(normal.z, kFlattest, kSteep);
     bank.share = glm::mix(eased(level, kAway.back(), 0.5f * kAway.back()), 1.0f, steep);
     bank.steep = steep;
-    bank.column = glm::mix(1.0f, kColumnAtFoot, eased(above, kOnSlope * depth, kAtFoot * depth));
+    const float at_foot = in_hollow ? eased(above, kOnSlope * depth, kAtFoot * depth) : 0.0f;
+    bank.column = glm::mix(1.0f, kColumnAtFoot, at_foot);
   });
   std::erase_if(found, [](const Bank& bank) { return bank.above <= 0.0f || bank.point < 0; });
   return found;
