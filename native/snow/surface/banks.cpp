@@ -22,10 +22,11 @@ constexpr float kFlattest = 0.98f;
 constexpr float kIsLevel = 0.85f;
 /// By this much a level place is more level than a slope that is not steep.
 constexpr float kMoreLevel = 0.02f;
-/// Distances down the slope's direction at which a level place is looked for, as fractions of the
-/// depth; half of them is too far for a slope that is not steep. The distance beyond it that gives
-/// its thickness.
+// Lengths are fractions of the depth.
+/// Distances down the slope's direction at which a level place is looked for. Slopes that are not
+/// steep count fully up to half of the last one, and not at all from the last one on.
 constexpr std::array<float, 5> kAway{0.05f, 0.15f, 0.3f, 0.5f, 0.75f};
+/// Distance beyond the foot of a slope at which the level place gives the thickness of its snow.
 constexpr float kOffBank = 0.2f;
 /// Thickness along the normals is smoothed, which takes from the snow at the foot of a slope: the
 /// column over a point there may be higher by this factor, up to the first height above the level
@@ -33,8 +34,7 @@ constexpr float kOffBank = 0.2f;
 constexpr float kColumnAtFoot = 3.0f;
 constexpr float kAtFoot = 0.03f;
 constexpr float kOnSlope = 0.15f;
-/// Ground that falls more steeply than a slope, by this factor, and by this part of the depth, is
-/// no foot of it.
+/// Ground that falls more steeply than a slope, by this factor and this length, is no foot of it.
 constexpr float kSteeper = 1.5f;
 constexpr float kUneven = 0.03f;
 /// Depth and greatest width of a hollow.
@@ -42,7 +42,7 @@ constexpr float kHollow = 0.5f;
 constexpr float kAcross = 2.0f;
 /// Halvings of the distance between a slope and a level place.
 constexpr int kHalvings = 4;
-/// Height of the snow over a point at which the point counts as buried, as a fraction of the depth.
+/// Height of the snow over a point at which the point counts as buried.
 constexpr float kIsBuried = 0.12f;
 
 }  // namespace

@@ -17,9 +17,10 @@ struct Bank {
   PointMean level;
   /// Height of the point above the level place, in metres.
   float above = 0.0f;
-  /// Share of the vertical in its offset where it is buried; 1 on steep slopes, whose snow ends at
-  /// the top of that of the level place: `steep` is 1 there.
+  /// How far its offset turns to the vertical where it is buried, 0 to 1.
   float share = 1.0f;
+  /// 1 on steep slopes, whose snow ends at the top of that of the level place; 0 on gentle ones,
+  /// which have at least their own snow.
   float steep = 1.0f;
   /// Greatest height of its snow, as a factor on that of the column over it.
   float column = 1.0f;
