@@ -1,17 +1,18 @@
 #include "snow/movement/repose/releases.h"
 
 #include <algorithm>
-#include <limits>
+#include <map>
 #include <utility>
 
 #include "base/simd.h"
 #include "snow/movement/rays/map_point.h"
+#include "snow/movement/repose/repose.h"
 #include "snow/movement/repose/tiles_around.h"
 
 namespace snowbough::snow {
 namespace {
 
-constexpr int32_t kNoWay = std::numeric_limits<int32_t>::min();
+constexpr int32_t kNoCell = -1;
 
 /// A row of cells and a margin of one on either side.
 using MarginRow = std::array<float, kReposeBlock + 2>;
@@ -111,8 +112,9 @@ CellWays::Block& CellWays::block_of(int32_t cell) {
   if (block == nullptr) block = std::make_unique_for_overwrite<Block>();
   if (std::exchange(block->run, run) != run) {
     block->rows = 0;
-    block->end.fill(kNoWay);
+    block->last.fill(kNoCell);
     block->units.fill(0.0);
+    block->reached.clear();
   }
   return *block;
 }
@@ -171,64 +173,82 @@ int32_t CellWays::next_cell(const ReposeLinks& links, const ReposeBlocks& map, i
 void CellWays::begin(size_t count) {
   ++run;
   blocks.resize(count);
-  ends.clear();
 }
 
-/// -1 - outlet, or the last cell. Surfaces only fall along a way, so that it ends.
-int32_t CellWays::find(const ReposeLinks& links, const ReposeBlocks& map, int32_t cell) {
-  const auto end_of = [&](int32_t own) -> int32_t& {
-    return block_of(own).end[static_cast<size_t>(own % kTileCells)];
+int32_t CellWays::last_in_block(const ReposeLinks& links, const ReposeBlocks& map, int32_t cell) {
+  Block& block = block_of(cell);
+  const int32_t first = cell / kTileCells * kTileCells;
+  const auto last_of = [&](int32_t own) -> int32_t& {
+    return block.last[static_cast<size_t>(own - first)];
   };
-  passed.clear();
-  while (end_of(cell) == kNoWay) {
-    passed.push_back(cell);
+  block.passed.clear();
+  while (last_of(cell) == kNoCell) {
+    block.passed.push_back(cell);
     const int32_t next = next_cell(links, map, cell);
-    if (next < 0 || next == cell) {
-      end_of(cell) = next;
+    if (next == cell || next < first || next >= first + kTileCells) {
+      last_of(cell) = cell;
       break;
     }
     cell = next;
   }
-  const int32_t found = end_of(cell);
-  for (const int32_t own : passed) end_of(own) = found;
+  const int32_t found = last_of(cell);
+  for (const int32_t own : block.passed) last_of(own) = found;
   return found;
 }
 
-void CellWays::add(int32_t end, double units) {
-  double& sum = block_of(end).units[static_cast<size_t>(end % kTileCells)];
-  if (sum == 0.0) ends.push_back(end);
-  sum += units;
+/// -1 - outlet, or the last cell. Surfaces only fall along a way, so that it ends.
+int32_t CellWays::end_of(const ReposeLinks& links, const ReposeBlocks& map, int32_t cell) {
+  for (;;) {
+    cell = last_in_block(links, map, cell);
+    const int32_t next = next_cell(links, map, cell);
+    if (next < 0 || next == cell) return next;
+    cell = next;
+  }
+}
+
+/// Adds up what was cut from a block's cells, by the last cells of their ways in it. Blocks do not
+/// share anything that this changes.
+void CellWays::collect_cuts(const ReposeLinks& links, const ReposeBlocks& map, int32_t block) {
+  const int32_t first = block * kTileCells;
+  Block& own = block_of(first);
+  for (const auto& [cell, units] : map.tiles[static_cast<size_t>(block)]->outlets.cuts) {
+    const int32_t last = last_in_block(links, map, first + cell);
+    double& sum = own.units[static_cast<size_t>(last - first)];
+    if (sum == 0.0) own.reached.push_back(last);
+    sum += static_cast<double>(units);
+  }
 }
 
 std::vector<Release> collect_releases(const ReposeGround& ground, const ReposeBlocks& blocks,
-                                      const std::vector<int32_t>& chosen, CellWays& ways) {
+                                      const std::vector<int32_t>& chosen, CellWays& ways,
+                                      bool on_all_cores) {
   std::vector<Release> releases;
   const auto unit = static_cast<double>(ground.surface.unit());
   const size_t outlet_count = ground.outlet_count();
   std::vector<double> fallen(outlet_count, 0.0);
   std::vector<int32_t> texel(outlet_count, -1);
   ways.begin(blocks.tiles.size());
+  for_each_block(chosen.size(), on_all_cores,
+                 [&](size_t i) { ways.collect_cuts(*ground.links, blocks, chosen[i]); });
+  // By cell, the units that end there.
+  std::map<int32_t, double> ends;
   for (const int32_t block : chosen) {
     for (const RimLink& rim : blocks.rims[static_cast<size_t>(block)]) {
       if (rim.number < 0) {
-        if (rim.fallen > 0.0) ways.add(ground.links->cell_of(-1 - rim.number), rim.fallen);
+        if (rim.fallen > 0.0) ends[ground.links->cell_of(-1 - rim.number)] += rim.fallen;
         continue;
       }
       texel[static_cast<size_t>(rim.number)] = rim.texel;
       fallen[static_cast<size_t>(rim.number)] += rim.fallen;
     }
-  }
-  for (const int32_t block : chosen) {
-    for (const auto& [cell, units] : blocks.tiles[static_cast<size_t>(block)]->outlets.cuts) {
-      const int32_t end = ways.find(*ground.links, blocks, block * kTileCells + cell);
-      if (end < 0) {
-        fallen[static_cast<size_t>(-1 - end)] += static_cast<double>(units);
-      } else {
-        ways.add(end, static_cast<double>(units));
-      }
+    const CellWays::Block& own = ways.block_of(block * kTileCells);
+    for (const int32_t cell : own.reached) {
+      const double units = own.units[static_cast<size_t>(cell % kTileCells)];
+      const int32_t end = ways.end_of(*ground.links, blocks, cell);
+      (end < 0 ? fallen[static_cast<size_t>(-1 - end)] : ends[end]) += units;
     }
   }
-  for (const int32_t end : ways.ends) {
+  for (const auto& [end, units] : ends) {
     const int32_t side = ground.links->blocks_a_side;
     const int32_t last = end % kTileCells;
     const int32_t column = end / kTileCells % side * kReposeBlock + last % kReposeBlock;
@@ -237,7 +257,7 @@ std::vector<Release> collect_releases(const ReposeGround& ground, const ReposeBl
         static_cast<size_t>(last));
     releases.push_back({is_wall ? Release::kOffWall : Release::kInHollow,
                         texel_at(ground.table(), row * ground.links->resolution + column),
-                        ways.block_of(end).units[static_cast<size_t>(last)] * unit});
+                        units * unit});
   }
   for (size_t i = 0; i < fallen.size(); ++i) {
     if (fallen[i] > 0.0) {

@@ -14,8 +14,7 @@ namespace snowbough::snow {
 /// in turn.
 inline constexpr int32_t kWaysOnMap = 2 * kForwardLinks;
 
-/// Where ways over cells end, each cell looked at once in a run, and the units that have gone each
-/// way. Cells are numbered as by ReposeLinks::cell_of.
+/// Ways over cells, each cell looked at once in a run. Cells are numbered as by ReposeLinks::cell_of.
 struct CellWays {
   struct Block {
     /// The run for which it was filled.
@@ -25,24 +24,27 @@ struct CellWays {
     uint32_t rows = 0;
     std::array<uint8_t, kTileCells> way;
     TilePlane steepest;
-    std::array<int32_t, kTileCells> end;
+    /// The last cell of a cell's way that lies in the block; the units that go there; and those to
+    /// which any go.
+    std::array<int32_t, kTileCells> last;
     std::array<double, kTileCells> units;
+    std::vector<int32_t> reached;
+    std::vector<int32_t> passed;
   };
   uint64_t run = 0;
   std::vector<std::unique_ptr<Block>> blocks;
-  std::vector<int32_t> passed;
-  /// Cells to which units have gone.
-  std::vector<int32_t> ends;
 
   void begin(size_t count);
   Block& block_of(int32_t cell);
-  int32_t find(const ReposeLinks& links, const ReposeBlocks& map, int32_t cell);
+  int32_t last_in_block(const ReposeLinks& links, const ReposeBlocks& map, int32_t cell);
+  int32_t end_of(const ReposeLinks& links, const ReposeBlocks& map, int32_t cell);
   int32_t next_cell(const ReposeLinks& links, const ReposeBlocks& map, int32_t cell);
-  void add(int32_t end, double units);
+  void collect_cuts(const ReposeLinks& links, const ReposeBlocks& map, int32_t block);
 };
 
 /// Lists what has fallen over outlets, and what was cut above them, in the chosen blocks.
 std::vector<Release> collect_releases(const ReposeGround& ground, const ReposeBlocks& blocks,
-                                      const std::vector<int32_t>& chosen, CellWays& ways);
+                                      const std::vector<int32_t>& chosen, CellWays& ways,
+                                      bool on_all_cores);
 
 }  // namespace snowbough::snow
