@@ -60,31 +60,32 @@ std::vector<Bank> find_banks(const SurfacePoints& points, const SurfaceMesh& rec
       const glm::vec3 place = at + away * (distance * depth);
       return tree.first_along(0, glm::dvec3(place), {0.0, 0.0, -1.0}, 1e-5, depth);
     };
-    const auto up_of = [&](const base::TriangleTree::Hit& hit) {
-      return hit.triangle < 0 ? 0.0f
-                              : unit(triangle_cross(receiver, static_cast<size_t>(hit.triangle))).z;
+    const auto up_of = [&](int32_t triangle) {
+      return triangle < 0 ? 0.0f : unit(triangle_cross(receiver, static_cast<size_t>(triangle))).z;
     };
+    // Smoothed normals at the brink of a slope are less steep than it.
+    const float up = std::clamp(up_of(points.triangle[p]), kSteepest, normal.z);
     // In a hollow, another slope stands opposite, higher than half of the snow.
     const glm::dvec3 over = at + glm::vec3(0.0f, 0.0f, kHollow * depth);
     const bool in_hollow = tree.first_along(0, over, away, 0.0, kAcross * depth).triangle >= 0;
-    if (normal.z > kSteep && !in_hollow) return;
-    const float wanted = std::max(kIsLevel, normal.z + kMoreLevel);
-    const float steepest = kSteeper * std::sqrt(1.0f - normal.z * normal.z) / normal.z;
+    if (up > kSteep && !in_hollow) return;
+    const float wanted = std::max(kIsLevel, up + kMoreLevel);
+    const float steepest = kSteeper * std::sqrt(1.0f - up * up) / up;
     float slope = 0.0f, level = 0.0f;
     for (const float distance : kAway) {
       const base::TriangleTree::Hit hit = ground(distance);
       // Over a rim, or over a joint: not the foot of this slope.
       if (hit.triangle >= 0 && hit.distance > (steepest * distance + kUneven) * depth) return;
-      if (up_of(hit) >= wanted) {
+      if (up_of(hit.triangle) >= wanted) {
         level = distance;
         break;
       }
       slope = distance;
     }
     if (level <= 0.0f) return;
-    for (int round = 0; normal.z > kSteep && round < kHalvings; ++round) {
+    for (int round = 0; up > kSteep && round < kHalvings; ++round) {
       const float middle = 0.5f * (slope + level);
-      (up_of(ground(middle)) >= wanted ? level : slope) = middle;
+      (up_of(ground(middle).triangle) >= wanted ? level : slope) = middle;
     }
     const float above = static_cast<float>(ground(level).distance);
     const glm::vec3 foot = at + away * (level * depth) - glm::vec3(0.0f, 0.0f, above);
@@ -93,7 +94,7 @@ std::vector<Bank> find_banks(const SurfacePoints& points, const SurfaceMesh& rec
     bank.level = lying.at(foot + away * (kOffBank * depth), own, depth, false);
     bank.above = above;
     bank.point = bank.level.point[0] == own ? -1 : own;
-    const float steep = eased(normal.z, kFlattest, kSteep);
+    const float steep = eased(up, kFlattest, kSteep);
     bank.share = glm::mix(eased(level, kAway.back(), 0.5f * kAway.back()), 1.0f, steep);
     bank.steep = steep;
     const float at_foot = in_hollow ? eased(above, kOnSlope * depth, kAtFoot * depth) : 0.0f;

@@ -13,9 +13,8 @@
 namespace snowbough::snow {
 namespace {
 
-/// Reach of the smoothing of heights over the surface, and of normals, as fractions of the depth.
+/// Reach of the smoothing of heights over the surface, as a fraction of the depth.
 constexpr float kSmoothing = 0.12f;
-constexpr float kCrease = 0.3f;
 /// Cells within which the drawn snow has the volume of the map, and within which blankets have.
 constexpr float kKept = 1.0f;
 constexpr float kKeptWide = 3.0f;
@@ -229,7 +228,7 @@ SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& 
   zones.find(points.mesh, zone);
   surface.samples = samples_of(points.mesh, source, smoothing, dented, depth);
   surface.volume = KeptVolume(points.mesh.position, kKept * depth);
-  find_normals(points, surface.samples, kCrease * depth);
+  find_normals(points, surface.samples, depth);
   surface.fronts = find_fronts(points, surface.samples.area, zone, rims, receiver, tree,
                                Beyond(neighbours), plan.wind, shift, depth, needles);
   smooth_joins(surface.fronts, surface.samples);

@@ -64,6 +64,8 @@ constexpr float kShown = 0.0022f;
 constexpr float kShownShare = 0.04f;
 /// Points farther from a rim than this are not bare because of the rim.
 constexpr float kOffRim = 0.35f;
+/// Points nearer to a rim are low because of it.
+constexpr float kAtRim = 0.2f;
 /// Number of rings of bare faces that are kept around the snow.
 constexpr int kRings = 3;
 /// Length of the far face that is kept below rims.
@@ -218,6 +220,11 @@ class Refiner {
             std::min(heights[ends[0]], heights[ends[1]]) < shown_ &&
             std::max(heights[ends[0]], heights[ends[1]]) > kBorder * depth_ &&
             std::min(rim_distance_[ends[0]], rim_distance_[ends[1]]) > kOffRim * depth_;
+        // A body within the zone, such as the earth in a pot, has no rows along the rim.
+        const size_t lower = heights[ends[0]] < heights[ends[1]] ? 0 : 1;
+        const bool is_own_shape =
+            off > kOffAnyway * depth_ && rim_distance_[ends[lower]] > kAtRim * depth_;
+        if (is_own_shape) return std::max(0.6f * length, kFootEdge * unit_);
         return (ends_there ? kEndingEdge : at_foot ? kFootEdge : kRimEdge) * unit_;
       }
       wanted = std::min(wanted, kRimEdge * unit_ + kGrowth * off_zone);

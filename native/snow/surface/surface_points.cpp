@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "base/parallel_for.h"
@@ -13,8 +14,27 @@ namespace {
 
 /// Half of Phong tessellation is exact on a sphere.
 constexpr float kCurvature = 0.5f;
+/// Distance over which creases are smoothed, as a fraction of the depth.
+constexpr float kCrease = 0.3f;
 /// Difference of the normals at the ends of an edge, along the edge, over which a crease is hollow.
 constexpr float kHollow = 0.15f;
+/// Smooth normals on a hollow face lean together by at most this over the depth of the snow.
+constexpr float kLeansTogether = 0.1f;
+
+/// How much of a triangle's smooth normals' lean stays: where they lean together, snow along them
+/// would grow through that of the other side.
+float kept_lean(const SurfaceMesh& mesh, size_t triangle, float depth) {
+  float together = 0.0f;
+  for (int k = 0; k < 3; ++k) {
+    const int next = (k + 1) % 3;
+    const glm::vec3 apart = mesh.position[mesh.triangle[triangle][next]] -
+                            mesh.position[mesh.triangle[triangle][k]];
+    const glm::vec3 bend = mesh.normal[triangle][next] - mesh.normal[triangle][k];
+    const float squared = glm::dot(apart, apart);
+    if (squared > 0.0f) together = std::max(together, -depth * glm::dot(bend, apart) / squared);
+  }
+  return std::min(1.0f, kLeansTogether / std::max(together, kLeansTogether));
+}
 
 }  // namespace
 
@@ -84,16 +104,19 @@ SurfacePoints carried_points(SurfaceMesh mesh, const SurfaceSource& source) {
   return points;
 }
 
-void find_normals(SurfacePoints& points, const HeightSamples& samples, float reach) {
+void find_normals(SurfacePoints& points, const HeightSamples& samples, float depth) {
+  const float reach = kCrease * depth;
   std::vector<glm::vec3>& normal = points.normal;
   normal.assign(points.count(), glm::vec3(0.0f));
   for (size_t t = 0; t < points.mesh.triangle.size(); ++t) {
     const glm::vec3 cross = triangle_cross(points.mesh, t);
     const float area = glm::length(cross);
     const float level = area > 0.0f ? std::clamp(cross.z / area, 0.0f, 1.0f) : 0.0f;
+    const glm::vec3 flat = unit(cross);
+    const float kept = kept_lean(points.mesh, t, depth);
     for (int k = 0; k < 3; ++k) {
       normal[points.mesh.triangle[t][k]] +=
-          points.mesh.normal[t][k] * (area * (0.02f + level * level));
+          glm::mix(flat, points.mesh.normal[t][k], kept) * (area * (0.02f + level * level));
     }
   }
   for (glm::vec3& one : normal) one = unit(one);

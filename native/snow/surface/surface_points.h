@@ -30,7 +30,7 @@ SurfacePoints carried_points(SurfaceMesh mesh, const SurfaceSource& source);
 
 /// Sets the normals: a weighted mean over the corners of each point, smoothed over creases.
 /// @param samples those of the points: their neighbours.
-/// @param reach distance over which creases are smoothed, in metres.
-void find_normals(SurfacePoints& points, const HeightSamples& samples, float reach);
+/// @param depth of the snow on open ground, in metres.
+void find_normals(SurfacePoints& points, const HeightSamples& samples, float depth);
 
 }  // namespace snowbough::snow

@@ -82,6 +82,30 @@ def test_an_urn_full_of_snow_has_a_level_top(shading):
     assert np.abs(top - 0.5).mean() < 0.055
 
 
+@pytest.mark.parametrize("shading", [None, smooth])
+@pytest.mark.parametrize("has_fan", [False, True])
+def test_snow_on_the_earth_of_a_pot_is_a_dome(shading, has_fan):
+    """The earth lies 8 cm below the lip, as one face or as a fan of 28 around a small one; the map's snow falls by 65
+    degrees towards the lip."""
+    profile = [(0.23, 0.34), (0.26, 0.42), (0.29, 0.42), (0.27, 0.38), (0.2, 0.06)]
+    faces = [face[::-1] for face in lathe([(0.01, 0.33), *profile] if has_fan else profile, 28)]
+    bottom = np.array([face[3] for face in faces[:28]])
+    *mesh, resolution = unfolded([*faces, bottom], 0.01)
+
+    def dome(points):
+        return np.clip(0.42 + 2.14 * (0.27 - np.linalg.norm(points[:, :2], axis=1)), 0.0, 0.72)
+
+    snow = map_of(
+        mesh, resolution, lambda points, up: np.maximum(dome(points) - points[:, 2], 0.0) * np.maximum(up, 0.0)
+    )
+    around, out = np.meshgrid(np.linspace(0.1, 6.3, 24), np.linspace(0.04, 0.16, 7))
+    places = np.stack([out * np.cos(around), out * np.sin(around)], axis=2).reshape(-1, 2)
+    given = {"shading": shading(*mesh[:2])} if shading else {}
+    top, _ = shown_over(mesh, snow, 0.3, places, style={"relief": 0.0}, **given)
+    assert np.abs(top - dome(places)).max() < 0.13
+    assert np.abs(top - dome(places)).mean() < 0.1
+
+
 @pytest.mark.parametrize("below, is_covered", [(0.05, True), (0.5, False)])
 def test_snow_goes_on_over_the_snow_of_another_receiver(below, is_covered):
     *slab, resolution = pieces([((0.0, 0.0, -0.05), (1.0, 1.0, 0.1), 0.0)])
