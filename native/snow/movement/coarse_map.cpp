@@ -156,14 +156,15 @@ void CoarseMap::update_areas() {
   const size_t count = object_->table->texel.size();
   area_.resize(count);
   up_.resize(count);
+  normal_z_.resize(count);
   base::for_each_item((count + kRun - 1) / kRun, 1, [&](size_t run) {
-    std::vector<float> rest(5 * kRun);
+    std::vector<float> rest(4 * kRun);
     std::vector<uint8_t> two_sided(kRun);
     const size_t begin = run * kRun;
     const auto plane = [&](size_t i) { return rest.data() + i * kRun; };
     surface.texels(static_cast<int32_t>(begin), static_cast<int32_t>(std::min(kRun, count - begin)),
-                   {plane(0), plane(1), plane(2), plane(3), &up_[begin], &area_[begin], plane(4),
-                    two_sided.data()});
+                   {plane(0), plane(1), plane(2), &normal_z_[begin], &up_[begin], &area_[begin],
+                    plane(3), two_sided.data()});
   });
   square_area_.resize(texels_.middle.size());
   square_up_.resize(height_.size());
@@ -328,7 +329,8 @@ glm::vec2 CoarseMap::slope_at(int32_t place) const {
   return slope;
 }
 
-/// A texel of a square: its place and area, the upward part of its normal, and by how much the
+/// A texel of a square: its place and area, the upward part of its normal (of the area on which
+/// snow can lie: a face of it may be a wall), and by how much the
 /// snow's slope lifts it above the square's middle, in metres.
 struct CoarseMap::Part {
   size_t place = 0;
@@ -375,7 +377,8 @@ bool CoarseMap::spread(size_t square, std::vector<float>& height, std::vector<Pa
                            0.5;
     // Texels far outside the square's own place lie at its middle.
     const bool is_inside = std::max(std::abs(way.x), std::abs(way.y)) < 1.0;
-    parts.push_back({own, area, static_cast<double>(sign * up_[texel]),
+    parts.push_back({own, area, std::max(static_cast<double>(sign * normal_z_[texel]),
+                              static_cast<double>(shared::kWallUp)),
                      is_inside ? glm::dot(slope, way) : 0.0});
   });
   // Walls keep what sticks to them, unless there is nothing else.

@@ -58,8 +58,9 @@ class CoarseMap {
   CoarseTexels texels_;
   Repose repose_;
   bool has_areas_ = false;
-  /// Per texel of the receiver's map: area in m2, and upward part of the normal.
-  std::vector<float> area_, up_;
+  /// Per texel of the receiver's map: area in m2; upward part of the normal of the faces on which
+  /// snow can lie; and the same times their part of the area, as in TileGround.
+  std::vector<float> area_, up_, normal_z_;
   /// Per square: area in m2.
   std::vector<double> square_area_;
   /// By place on the coarse map: upward part of the mean normal.

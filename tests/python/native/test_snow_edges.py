@@ -105,6 +105,15 @@ def test_bevels_in_the_chart_of_the_walls_close_gaps_too(with_walls):
     assert held(snow_on({"seat": bevelled}), "seat") > 0.8 * held(snow_on({"seat": sharp}), "seat")
 
 
+@pytest.mark.parametrize("with_walls", [None, 2])
+@pytest.mark.parametrize("texel", [0.0055, 0.007])
+def test_snow_on_texels_that_are_partly_wall_closes_gaps(texel, with_walls):
+    """It is as high as it stands on the other part."""
+    sharp = held(snow_on({"seat": pieces(slats(PLACES))}, steps=16), "seat")
+    bevelled = bevelled_slats(PLACES, 2, texel=texel, with_walls=with_walls)
+    assert held(snow_on({"seat": bevelled}, steps=16), "seat") > 0.95 * sharp
+
+
 @pytest.mark.parametrize("texel", [0.0025, 0.005, 0.01])
 @pytest.mark.parametrize("segments", [1, 2, 3])
 def test_snow_falls_over_walls_in_the_chart_of_the_top(segments, texel):

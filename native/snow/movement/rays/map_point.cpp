@@ -67,6 +67,11 @@ MapPoint map_point(const SceneObject& object, const SurfaceHit& hit, double z) {
       uv[0] + hit.weights.x * (uv[1] - uv[0]) + hit.weights.y * (uv[2] - uv[0]);
   point.place =
       place_near(*object.table, hit.triangle, on_map * static_cast<float>(topology.resolution));
+  if (const int32_t texel = texel_at(*object.table, point.place); texel >= 0) {
+    // Others of its faces may be walls.
+    const auto up = static_cast<float>(std::abs(texel_now(object, *object.table, texel).normal.z));
+    point.column = shared::is_wall(up) ? 0.0f : shared::column_height(up);
+  }
   return point;
 }
 

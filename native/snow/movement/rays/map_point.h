@@ -16,7 +16,7 @@ struct MapPoint {
   int32_t place = -1;
   /// World height of the bare surface in metres.
   float z = 0.0f;
-  /// shared::column_height of the surface.
+  /// shared::column_height of the texel, or without one, of the surface; 0: it holds no snow.
   float column = 1.0f;
   /// Whether snow lies on the back there.
   bool is_back = false;
