@@ -377,7 +377,8 @@ bool CoarseMap::spread(size_t square, std::vector<float>& height, std::vector<Pa
                            0.5;
     // Texels far outside the square's own place lie at its middle.
     const bool is_inside = std::max(std::abs(way.x), std::abs(way.y)) < 1.0;
-    parts.push_back({own, area, std::max(static_cast<double>(sign * normal_z_[texel]),
+    parts.push_back({own, area,
+                     std::max(static_cast<double>(sign * normal_z_[texel]),
                               static_cast<double>(shared::kWallUp)),
                      is_inside ? glm::dot(slope, way) : 0.0});
   });

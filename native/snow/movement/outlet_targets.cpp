@@ -30,6 +30,17 @@ constexpr double kHighestTop = 1.0;
 constexpr double kDeepestStep = 1.0;
 /// Raises an outlet above all snow.
 constexpr float kClosed = 1e6f;
+/// Cells whose surface is less steep than this, by its upward part, end in a sharp edge.
+constexpr float kLevel = 0.98f;
+/// The rounding of an edge is lower than this part of the way inland to the surface that goes on
+/// there, which falls by less than that part of the way and hardly bends (as a tangent). A ball has
+/// no such surface.
+constexpr float kRoundings = 1.0f / 3.0f;
+constexpr float kFallsInland = 0.1f;
+constexpr float kBends = 0.1f;
+/// An edge is as good as sharp below snow this many times as deep as its rounding is high; below
+/// snow that is less deep by the rounding's height it is not.
+constexpr float kDepthsOfRounding = 3.0f;
 /// Rays start this fraction of the reach above the outlet, so that a surface as high as the outlet
 /// is below them.
 constexpr double kAbove = 0.5;
@@ -46,7 +57,7 @@ float top_at(const MapPoint& point, const std::vector<const std::vector<float>*>
 void OutletTargets::lay_out(const std::vector<const SceneObject*>& objects) {
   rays_.lay_out(objects);
   bounds_.assign(objects.size(), {});
-  targets_.assign(objects.size(), {});
+  known_.assign(objects.size(), {});
 }
 
 /// Whether rays from an object's outlets may meet something in `moved`, or could before it moved.
@@ -134,6 +145,64 @@ void OutletTargets::find_gap(const Outlet& outlet, float widest, OutletTarget& t
   target.before = beyond(-width, kOverBevel * width, is_closed);
 }
 
+/// Searches on for the surface inland of a rounding, up to `widest` metres. The distances do not
+/// depend on where earlier searches ended.
+void OutletTargets::find_edge(const Outlet& outlet, float widest, RoundedEdge& edge) const {
+  const auto inland = [&](float distance) {
+    bool is_closed = false;
+    return below(outlet.point - glm::dvec3(outlet.outwards * static_cast<double>(distance), 0.0),
+                 kOverBevel * static_cast<double>(distance), is_closed);
+  };
+  if (edge.searched == 0.0f) edge.searched = static_cast<float>(outlet.reach);
+  for (MapPoint near; edge.height == 0.0f && 2.0f * edge.searched <= widest;) {
+    if (near.object < 0) near = inland(edge.searched);
+    edge.searched *= 2.0f;
+    const MapPoint far = inland(edge.searched);
+    const float rise = far.z - near.z;
+    if (near.object < 0 || far.object < 0 || rise < -kFallsInland * edge.searched) {
+      edge.searched = std::numeric_limits<float>::infinity();
+      return;
+    }
+    // Where the surface would end if it went on outwards as it does there.
+    const float height = near.z - std::max(rise, 0.0f) - static_cast<float>(outlet.point.z);
+    const float slope = shared::bare_slope(1.0f / std::max(far.column, 1.0f));
+    const bool goes_on = std::abs(2.0f * std::abs(rise) / edge.searched - slope) < kBends;
+    if (goes_on && height > 0.0f && height < kRoundings * edge.searched) {
+      edge.height = height;
+      edge.inland = far;
+    }
+    near = far;
+  }
+}
+
+/// Raises a block's outlets below bevels and roundings that are low against the snow: it lies over
+/// them as over sharp edges.
+void OutletTargets::raise_edges(const ReposeGround& ground, float deepest, int32_t block,
+                                ReposeBlocks& map,
+                                const std::vector<const std::vector<float>*>& heights,
+                                std::map<int32_t, RoundedEdge>& known) const {
+  const ReposeTile& tile = *map.tiles[static_cast<size_t>(block)];
+  const float widest = deepest / (kRoundings * (kDepthsOfRounding - 1.0f));
+  int32_t cell = -1;
+  float top = 0.0f;
+  for (RimLink& rim : map.rims[static_cast<size_t>(block)]) {
+    if (!(rim.limit < kNoLink) || tile.ground.up[static_cast<size_t>(rim.cell)] > kLevel) continue;
+    if (rim.cell != cell) {
+      cell = rim.cell;
+      top = -shared::kUnbounded;
+      RoundedEdge& edge = known[cell];
+      if (edge.height == 0.0f && 2.0f * edge.searched <= widest) {
+        find_edge(outlet_of(ground, rim), widest, edge);
+      }
+      if (edge.height == 0.0f || edge.searched > widest) continue;
+      const float depth = top_at(edge.inland, heights) - edge.inland.z;
+      const float part = std::clamp(depth / edge.height - (kDepthsOfRounding - 1.0f), 0.0f, 1.0f);
+      if (part > 0.0f) top = rim.bare + rim.rise + part * edge.height;
+    }
+    rim.top = std::max(rim.top, top);
+  }
+}
+
 OutletTarget OutletTargets::find(const Outlet& outlet) const {
   OutletTarget target;
   target.z = static_cast<float>(outlet.point.z);
@@ -166,16 +235,16 @@ bool OutletTargets::is_anything_across(const Outlet& outlet) const {
 void OutletTargets::raise(size_t object, Repose& repose,
                           const std::vector<const std::vector<float>*>& heights) {
   if (repose.choice().chosen.empty()) return;
-  std::vector<std::map<int32_t, OutletTarget>>& targets =
-      targets_[object][repose.table().resolution];
-  targets.resize(repose.blocks().tiles.size());
+  std::vector<Known>& known_by_block = known_[object][repose.table().resolution];
+  known_by_block.resize(repose.blocks().tiles.size());
   const std::vector<int32_t>& blocks = repose.choice().chosen;
   const ReposeGround& ground = repose.ground();
   ReposeBlocks& map = repose.blocks();
   base::for_each_item(blocks.size(), 1, [&](size_t i) {
     const float widest = kDepthsOfGap * highest_near(*ground.links, repose.choice(), blocks[i]);
     if (widest == 0.0f) return;
-    std::map<int32_t, OutletTarget>& known = targets[static_cast<size_t>(blocks[i])];
+    Known& of_block = known_by_block[static_cast<size_t>(blocks[i])];
+    std::map<int32_t, OutletTarget>& known = of_block.targets;
     for (RimLink& rim : map.rims[static_cast<size_t>(blocks[i])]) {
       // Of an earlier step, in which snow lay here.
       rim.top = rim.bare;
@@ -196,6 +265,7 @@ void OutletTargets::raise(size_t object, Repose& repose,
         rim.top = rim.bare + rim.rise + above;
       }
     }
+    raise_edges(ground, widest / kDepthsOfGap, blocks[i], map, heights, of_block.edges);
   });
 }
 
