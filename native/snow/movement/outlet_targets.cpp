@@ -33,11 +33,14 @@ constexpr float kClosed = 1e6f;
 /// Cells whose surface is less steep than this, by its upward part, end in a sharp edge.
 constexpr float kLevel = 0.98f;
 /// The rounding of an edge is lower than this part of the way inland to the surface that goes on
-/// there, which falls by less than that part of the way and hardly bends (as a tangent). A ball has
-/// no such surface.
+/// there, higher than the next one, and falls by less than that part of the way and hardly bends
+/// (as a tangent). A ball has no such surface.
 constexpr float kRoundings = 1.0f / 3.0f;
+constexpr float kLowest = 0.05f;
 constexpr float kFallsInland = 0.1f;
 constexpr float kBends = 0.1f;
+/// Factor between the ways that are searched: of each, the outer half is compared with the end.
+constexpr float kNextInland = std::numbers::sqrt2_v<float>;
 /// An edge is as good as sharp below snow this many times as deep as its rounding is high; below
 /// snow that is less deep by the rounding's height it is not.
 constexpr float kDepthsOfRounding = 3.0f;
@@ -154,24 +157,26 @@ void OutletTargets::find_edge(const Outlet& outlet, float widest, RoundedEdge& e
                  kOverBevel * static_cast<double>(distance), is_closed);
   };
   if (edge.searched == 0.0f) edge.searched = static_cast<float>(outlet.reach);
-  for (MapPoint near; edge.height == 0.0f && 2.0f * edge.searched <= widest;) {
-    if (near.object < 0) near = inland(edge.searched);
-    edge.searched *= 2.0f;
+  MapPoint near = inland(edge.searched / kNextInland);
+  MapPoint middle = inland(edge.searched);
+  while (edge.height == 0.0f && kNextInland * edge.searched <= widest) {
+    edge.searched *= kNextInland;
     const MapPoint far = inland(edge.searched);
     const float rise = far.z - near.z;
     if (near.object < 0 || far.object < 0 || rise < -kFallsInland * edge.searched) {
       edge.searched = std::numeric_limits<float>::infinity();
       return;
     }
-    // Where the surface would end if it went on outwards as it does there.
+    // Where the surface would end if it went on outwards as it does from one to the other.
     const float height = near.z - std::max(rise, 0.0f) - static_cast<float>(outlet.point.z);
     const float slope = shared::bare_slope(1.0f / std::max(far.column, 1.0f));
     const bool goes_on = std::abs(2.0f * std::abs(rise) / edge.searched - slope) < kBends;
-    if (goes_on && height > 0.0f && height < kRoundings * edge.searched) {
+    if (goes_on && height > kLowest * edge.searched && height < kRoundings * edge.searched) {
       edge.height = height;
       edge.inland = far;
     }
-    near = far;
+    near = middle;
+    middle = far;
   }
 }
 
@@ -191,7 +196,7 @@ void OutletTargets::raise_edges(const ReposeGround& ground, float deepest, int32
       cell = rim.cell;
       top = -shared::kUnbounded;
       RoundedEdge& edge = known[cell];
-      if (edge.height == 0.0f && 2.0f * edge.searched <= widest) {
+      if (edge.height == 0.0f && kNextInland * edge.searched <= widest) {
         find_edge(outlet_of(ground, rim), widest, edge);
       }
       if (edge.height == 0.0f || edge.searched > widest) continue;
@@ -240,6 +245,8 @@ void OutletTargets::raise(size_t object, Repose& repose,
   const std::vector<int32_t>& blocks = repose.choice().chosen;
   const ReposeGround& ground = repose.ground();
   ReposeBlocks& map = repose.blocks();
+  const std::vector<float>& highest = repose.choice().highest;
+  const float deepest = *std::max_element(highest.begin(), highest.end());
   base::for_each_item(blocks.size(), 1, [&](size_t i) {
     const float widest = kDepthsOfGap * highest_near(*ground.links, repose.choice(), blocks[i]);
     if (widest == 0.0f) return;
@@ -265,7 +272,7 @@ void OutletTargets::raise(size_t object, Repose& repose,
         rim.top = rim.bare + rim.rise + above;
       }
     }
-    raise_edges(ground, widest / kDepthsOfGap, blocks[i], map, heights, of_block.edges);
+    raise_edges(ground, deepest, blocks[i], map, heights, of_block.edges);
   });
 }
 
