@@ -39,6 +39,8 @@ constexpr float kRoundings = 1.0f / 3.0f;
 constexpr float kLowest = 0.05f;
 constexpr float kFallsInland = 0.1f;
 constexpr float kBends = 0.1f;
+/// Roundings whose curvature is known end within this many of its radii: twigs are narrower.
+constexpr float kRadii = 2.0f;
 /// Factor between the ways that are searched: of each, the outer half is compared with the end.
 constexpr float kNextInland = std::numbers::sqrt2_v<float>;
 /// An edge is as good as sharp below snow this many times as deep as its rounding is high; below
@@ -150,20 +152,28 @@ void OutletTargets::find_gap(const Outlet& outlet, float widest, OutletTarget& t
 
 /// Searches on for the surface inland of a rounding, up to `widest` metres. The distances do not
 /// depend on where earlier searches ended.
-void OutletTargets::find_edge(const Outlet& outlet, float widest, RoundedEdge& edge) const {
+void OutletTargets::find_edge(const Outlet& outlet, float curvature, float widest,
+                              RoundedEdge& edge) const {
   const auto inland = [&](float distance) {
     bool is_closed = false;
     return below(outlet.point - glm::dvec3(outlet.outwards * static_cast<double>(distance), 0.0),
                  kOverBevel * static_cast<double>(distance), is_closed);
   };
-  if (edge.searched == 0.0f) edge.searched = static_cast<float>(outlet.reach);
-  MapPoint near = inland(edge.searched / kNextInland);
-  MapPoint middle = inland(edge.searched);
+  if (edge.searched == 0.0f) {
+    const auto reach = static_cast<float>(outlet.reach);
+    edge.searched = curvature * reach > 0.0f ? std::max(reach, kRadii / curvature) : reach;
+  }
+  MapPoint near, middle;
   while (edge.height == 0.0f && kNextInland * edge.searched <= widest) {
+    const MapPoint far = inland(kNextInland * edge.searched);
+    const bool is_there = far.object >= 0 && far.z > static_cast<float>(outlet.point.z);
+    if (is_there && near.object < 0) {
+      near = inland(edge.searched / kNextInland);
+      middle = inland(edge.searched);
+    }
     edge.searched *= kNextInland;
-    const MapPoint far = inland(edge.searched);
     const float rise = far.z - near.z;
-    if (near.object < 0 || far.object < 0 || rise < -kFallsInland * edge.searched) {
+    if (!is_there || near.object < 0 || rise < -kFallsInland * edge.searched) {
       edge.searched = std::numeric_limits<float>::infinity();
       return;
     }
@@ -197,7 +207,8 @@ void OutletTargets::raise_edges(const ReposeGround& ground, float deepest, int32
       top = -shared::kUnbounded;
       RoundedEdge& edge = known[cell];
       if (edge.height == 0.0f && kNextInland * edge.searched <= widest) {
-        find_edge(outlet_of(ground, rim), widest, edge);
+        find_edge(outlet_of(ground, rim), tile.ground.curvature[static_cast<size_t>(cell)], widest,
+                  edge);
       }
       if (edge.height == 0.0f || edge.searched > widest) continue;
       const float depth = top_at(edge.inland, heights) - edge.inland.z;

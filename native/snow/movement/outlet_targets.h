@@ -82,7 +82,7 @@ class OutletTargets {
   static float rise_of(const OutletTarget& target, float widest, float near, float slope,
                        const std::vector<const std::vector<float>*>& heights);
   void find_gap(const Outlet& outlet, float widest, OutletTarget& target) const;
-  void find_edge(const Outlet& outlet, float widest, RoundedEdge& edge) const;
+  void find_edge(const Outlet& outlet, float curvature, float widest, RoundedEdge& edge) const;
   void raise_edges(const ReposeGround& ground, float deepest, int32_t block, ReposeBlocks& map,
                    const std::vector<const std::vector<float>*>& heights,
                    std::map<int32_t, RoundedEdge>& known) const;

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 import snowbough_native as native
-from snow_meshes import grid, wind
+from snow_meshes import bevelled_box, cylinder, grid, sphere, wind
 from snow_pieces import bevelled_slats, paving, pieces, slab, slats, tile_courses, top_chart
 
 DOWN = (0.0, 0.0, -1.0)
@@ -122,6 +122,21 @@ def test_snow_falls_over_walls_in_the_chart_of_the_top(segments, texel):
     narrow = snow_on({"seat": bevelled_slats([0.0], segments, bevel=0.001, texel=texel)})
     assert held(broad, "seat") == pytest.approx(held(narrow, "seat"), rel=0.2)
     assert held(broad, "seat") < 1.1 * held(snow_on({"seat": pieces(slats([0.0]))}), "seat")
+
+
+@pytest.mark.parametrize("bevel, segments", [(0.02, 1), (0.02, 3), (0.06, 8)])
+@pytest.mark.parametrize("steps", [16, 64])
+def test_a_box_with_low_bevels_or_roundings_holds_as_much_as_a_sharp_one(bevel, segments, steps):
+    rounded = snow_on({"box": bevelled_box(bevel, segments, 0.8, 0.5)}, steps=steps)
+    sharp = snow_on({"box": pieces([((0.0, 0.0, 0.25), (0.8, 0.8, 0.5), 0.0)])}, steps=steps)
+    assert held(rounded, "box") == pytest.approx(held(sharp, "box"), rel=0.03)
+
+
+@pytest.mark.parametrize("mesh", [sphere(0.1), cylinder(0.1, 1.0, axis="x")], ids=["ball", "log"])
+def test_nothing_level_goes_on_inland_of_a_ball_or_a_log(mesh):
+    """The slopes of repose that touch their sides meet 2.37 radii over the middle."""
+    heights = snow_on({"round": (*mesh, 256)}, 0.3).height("round")
+    assert 0.09 < heights.max() < 0.137
 
 
 def across_a_joint(lift, height, depth=0.2, gap=GAP):
