@@ -26,8 +26,10 @@ constexpr float kMoreLevel = 0.02f;
 /// Distances down the slope's direction at which a level place is looked for. Slopes that are not
 /// steep count fully up to half of the last one, and not at all from the last one on.
 constexpr std::array<float, 5> kAway{0.05f, 0.15f, 0.3f, 0.5f, 0.75f};
-/// Distance beyond the foot of a slope at which the level place gives the thickness of its snow.
+/// Distance beyond the foot of a slope at which the level place gives the thickness of its snow, in
+/// a hollow and elsewhere: over a low side snow is higher, the farther inwards.
 constexpr float kOffBank = 0.2f;
+constexpr float kOffLowBank = 0.1f;
 /// Thickness along the normals is smoothed, which takes from the snow at the foot of a slope: the
 /// column over a point there may be higher by this factor, up to the first height above the level
 /// place fully, and not at all from the second one on.
@@ -91,7 +93,7 @@ std::vector<Bank> find_banks(const SurfacePoints& points, const SurfaceMesh& rec
     const glm::vec3 foot = at + away * (level * depth) - glm::vec3(0.0f, 0.0f, above);
     const auto own = static_cast<int32_t>(p);
     Bank& bank = found[p];
-    bank.level = lying.at(foot + away * (kOffBank * depth), own, depth, false);
+    bank.level = lying.at(foot + away * ((in_hollow ? kOffBank : kOffLowBank) * depth), own, depth, false);
     bank.above = above;
     bank.point = bank.level.point[0] == own ? -1 : own;
     const float steep = eased(up, kFlattest, kSteep);
