@@ -41,7 +41,7 @@ constexpr float kFallsInland = 0.1f;
 constexpr float kBends = 0.1f;
 /// Roundings whose curvature is known end within this many of its radii: twigs are narrower.
 constexpr float kRadii = 2.0f;
-/// Factor between the ways that are searched: of each, the outer half is compared with the end.
+/// Factor between the ways that are searched. The middle of each is compared with its end.
 constexpr float kNextInland = std::numbers::sqrt2_v<float>;
 /// An edge is as good as sharp below snow this many times as deep as its rounding is high; below
 /// snow that is less deep by the rounding's height it is not.
@@ -163,30 +163,25 @@ void OutletTargets::find_edge(const Outlet& outlet, float curvature, float wides
     const auto reach = static_cast<float>(outlet.reach);
     edge.searched = curvature * reach > 0.0f ? std::max(reach, kRadii / curvature) : reach;
   }
-  MapPoint near, middle;
+  const auto outlet_z = static_cast<float>(outlet.point.z);
   while (edge.height == 0.0f && kNextInland * edge.searched <= widest) {
-    const MapPoint far = inland(kNextInland * edge.searched);
-    const bool is_there = far.object >= 0 && far.z > static_cast<float>(outlet.point.z);
-    if (is_there && near.object < 0) {
-      near = inland(edge.searched / kNextInland);
-      middle = inland(edge.searched);
-    }
     edge.searched *= kNextInland;
+    const MapPoint far = inland(edge.searched);
+    const bool is_there = far.object >= 0 && far.z > outlet_z;
+    const MapPoint near = is_there ? inland(0.5f * edge.searched) : MapPoint{};
     const float rise = far.z - near.z;
-    if (!is_there || near.object < 0 || rise < -kFallsInland * edge.searched) {
+    if (near.object < 0 || rise < -kFallsInland * edge.searched) {
       edge.searched = std::numeric_limits<float>::infinity();
       return;
     }
     // Where the surface would end if it went on outwards as it does from one to the other.
-    const float height = near.z - std::max(rise, 0.0f) - static_cast<float>(outlet.point.z);
+    const float height = near.z - std::max(rise, 0.0f) - outlet_z;
     const float slope = shared::bare_slope(1.0f / std::max(far.column, 1.0f));
     const bool goes_on = std::abs(2.0f * std::abs(rise) / edge.searched - slope) < kBends;
     if (goes_on && height > kLowest * edge.searched && height < kRoundings * edge.searched) {
       edge.height = height;
       edge.inland = far;
     }
-    near = middle;
-    middle = far;
   }
 }
 
@@ -201,7 +196,10 @@ void OutletTargets::raise_edges(const ReposeGround& ground, float deepest, int32
   int32_t cell = -1;
   float top = 0.0f;
   for (RimLink& rim : map.rims[static_cast<size_t>(block)]) {
-    if (!(rim.limit < kNoLink) || tile.ground.up[static_cast<size_t>(rim.cell)] > kLevel) continue;
+    // Sheets end in rims without walls below.
+    const bool is_at_wall = rim.number < static_cast<int32_t>(ground.links->across.size());
+    const float up = std::abs(tile.ground.up[static_cast<size_t>(rim.cell)]);
+    if (!(rim.limit < kNoLink) || !is_at_wall || up > kLevel) continue;
     if (rim.cell != cell) {
       cell = rim.cell;
       top = -shared::kUnbounded;
