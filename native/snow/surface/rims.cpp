@@ -126,11 +126,18 @@ void Rims::visit_near(const glm::vec3& point, int32_t part, const Visit& visit) 
   constexpr int32_t kFew = 48;
   const int32_t begin = part_begin_[static_cast<size_t>(part)];
   const int32_t end = part_begin_[static_cast<size_t>(part) + 1];
+  // Slightly more, since distances are rounded.
+  const glm::vec3 around(1.001f * reach_);
   if (end - begin <= kFew) {
-    for (int32_t number = begin; number < end; ++number) visit(number);
+    for (int32_t number = begin; number < end; ++number) {
+      const Rim& rim = rims_[static_cast<size_t>(number)];
+      const bool is_away =
+          glm::any(glm::lessThan(glm::max(rim.from, rim.to) + around, point)) ||
+          glm::any(glm::greaterThan(glm::min(rim.from, rim.to) - around, point));
+      if (!is_away) visit(number);
+    }
     return;
   }
-  const glm::vec3 around(reach_);
   grid_.visit(point - around, point + around, [&](int32_t number) {
     if (rims_[static_cast<size_t>(number)].part == part) visit(number);
   });
