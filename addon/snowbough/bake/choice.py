@@ -13,6 +13,7 @@ import numpy as np
 
 from ..base.names import MIN_DEPTH
 from ..surface.compute import expected_seconds
+from ..surface.side_by_side import for_each
 from ..surface.style import patchy_points, shared_out
 from . import baked_receiver
 
@@ -66,14 +67,17 @@ def share_points(native, request, pose, receivers):
     complete_pose, so that machines that bake some of them agree."""
     depth = max(request.start_depth, request.end_depth, MIN_DEPTH)
     thaws = request.end_depth < request.start_depth
-    wanted = {}
-    for key, obj in pose.known.items():
-        if obj.receives and obj.receiver.surface is not None:
-            mesh = obj.topology
-            points = native.wanted_surface_points(mesh.triangles, obj.positions, depth, mesh.shading)
-            is_patchy = thaws or obj.receiver.mask is not None
-            wanted[key] = patchy_points(*points) if is_patchy else points
-    shares = shared_out(wanted)
+
+    def wanted_by(obj):
+        mesh = obj.topology
+        points = native.wanted_surface_points(mesh.triangles, obj.positions, depth, mesh.shading)
+        is_patchy = thaws or obj.receiver.mask is not None
+        return patchy_points(*points) if is_patchy else points
+
+    shown = {
+        key: obj for key, obj in pose.known.items() if obj.receives and obj.receiver.surface is not None
+    }
+    shares = shared_out(dict(zip(shown, for_each(shown.values(), wanted_by))))
     for receiver in receivers:
         if receiver.key in shares:
             receiver.wanted = shares[receiver.key]

@@ -29,8 +29,9 @@ from ..cache.folder import restore_manifest
 from ..cache.ledger import read_ledger, write_ledger
 from ..cache.lock import drop_dead_locks, lock_receivers
 from ..cache.versions import is_finished
-from ..surface.side_by_side import run_side_by_side, takes_longer_than, workers
+from ..surface.side_by_side import for_each, run_side_by_side, takes_longer_than, workers
 from . import continuing, memory, plan, resuming, simulation
+from .baked_receiver import BakedReceiver
 from .choice import choose_receivers, complete_pose, share_points
 from .frames import FrameBaker, ShotPoses, bake_frames
 from .log import open_log
@@ -143,12 +144,11 @@ class BakeJob:
             if request.extend:
                 stack.enter_context(self._discarding())
             if rest is None or request.extend:
-                for receiver in self.receivers:
-                    receiver.start(settings)
+                for_each(self.receivers, lambda receiver: receiver.start(settings))
             if rest is not None:
                 self._resume_from(run, rest)
             begin = request.frame_start if rest is None else rest + 1
-            writer = stack.enter_context(MapWriter())
+            writer = stack.enter_context(MapWriter(len(self.receivers)))
             baker = FrameBaker(
                 request,
                 self.native,
@@ -176,8 +176,7 @@ class BakeJob:
             writer.flush()
             self._make_surfaces(shaping, lambda share: cancelled())
             if request.last == request.frame_end:
-                for receiver in self.receivers:
-                    receiver.complete(settings, self.native)
+                for_each(self.receivers, lambda receiver: receiver.complete(settings, self.native))
                 write_ledger(self.version, self._all_keys)
 
     def _make_surfaces(self, shaping, cancelled):
@@ -188,8 +187,7 @@ class BakeJob:
             shaping(share)
             return not cancelled(share)
 
-        for receiver in self.receivers:
-            receiver.finish_recording()
+        for_each(self.receivers, BakedReceiver.finish_recording)
         jobs = [partial(receiver.make_surface, self.native) for receiver in self.receivers]
         weights = [receiver.surface_seconds for receiver in self.receivers]
         if not run_side_by_side(jobs, progress, weights):

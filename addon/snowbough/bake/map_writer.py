@@ -8,11 +8,17 @@ from concurrent.futures import ThreadPoolExecutor
 
 from ..cache.errors import InputsChanged, LockLost, with_remedy
 
-# Limits of the queue, in tasks and in bytes of maps; a longer one would only fill memory if the disk is slow.
+# Limits of the queue, in tasks and in bytes of maps; a longer one would only fill memory if the disk is slow. The maps of
+# one frame may always wait, so that the next frame is simulated while they are written.
 MAX_WAITING = 8
 MAX_WAITING_BYTES = 256 << 20
 # Maps made in parallel: the parts of one map that use a single thread overlap with the next map.
 MAKERS = 2
+
+
+def max_waiting(maps):
+    """Maximum number of tasks in the queue of a bake that writes this many maps per frame."""
+    return max(MAX_WAITING, maps)
 
 
 class WriteFailed(RuntimeError):
@@ -20,14 +26,14 @@ class WriteFailed(RuntimeError):
 
 
 class MapWriter:
-    """``with MapWriter() as writer: writer.call(write, make)``.
+    """``with MapWriter() as writer: writer.call(write, make)``. maps: number of maps of a frame.
 
     call() and flush() raise the error of earlier work: WriteFailed if a file could not be written (disk full, folder
     deleted). After an error no more work is done. Leaving the block waits for all work.
     """
 
-    def __init__(self):
-        self._queue = queue.Queue(MAX_WAITING)
+    def __init__(self, maps=1):
+        self._queue = queue.Queue(max_waiting(maps))
         self._waiting_bytes = 0
         self._less_waits = threading.Condition()
         self._error = None

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 
 from ..base.names import sized
-from .map_writer import MAX_WAITING, MAX_WAITING_BYTES
+from .map_writer import MAX_WAITING_BYTES, max_waiting
 
 # Bytes per texel of a receiver: its map and texel; data of repose; work data of the output of the largest map.
 MAP, REPOSE, OUTPUT = 50, 124, 89
@@ -44,7 +44,7 @@ def estimate(maps, repose, with_normals):
     return (
         simulation(maps, repose)
         + kept
-        + max(min(MAX_WAITING * max(waiting), MAX_WAITING_BYTES), max(waiting))
+        + max(min(max_waiting(len(maps)) * max(waiting), MAX_WAITING_BYTES), max(waiting))
     )
 
 

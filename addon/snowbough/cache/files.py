@@ -191,7 +191,7 @@ def file_digest(path):
     """A digest of a file's content: 16 bytes in hex."""
     hasher = hashlib.blake2b(digest_size=16)
     with open(path, "rb") as stream:
-        while block := stream.read(1 << 20):
+        while block := stream.read(1 << 16):
             hasher.update(block)
     return hasher.hexdigest()
 

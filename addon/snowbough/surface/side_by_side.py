@@ -19,6 +19,13 @@ def workers():
     return min(MAX_WORKERS, max(2, os.cpu_count() or 1))
 
 
+def for_each(items, work):
+    """The results of work(item), in order. For work that waits for the disk, or that runs without Python's lock. Raises
+    the error of the first item that failed; items that have not started are skipped."""
+    with ThreadPoolExecutor(MAX_WORKERS) as pool:
+        return list(pool.map(work, items))
+
+
 def run_side_by_side(jobs, progress, weights=None):
     """Calls each job(own_progress) in a worker thread. A job returns False if its own_progress returned False.
 
