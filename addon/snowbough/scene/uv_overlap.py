@@ -67,7 +67,8 @@ def tiles_text(corner_uv):
 def _count_cells(points, grid, enough=1.0):
     """(number of cells whose centres triangles (T, 3, 2) cover, number of those that more than one covers). It may stop
     when this share of all cells is covered more than once."""
-    change = np.zeros(grid * (grid + 1) + 1, dtype=np.int64)
+    change = np.zeros(grid * (grid + 1) + 1, dtype=np.int32)
+    depth = np.empty_like(change)
     drawn = claimed_twice = 0
     for some in _batches(points, grid):
         row, left, right = _spans(some, grid)
@@ -75,10 +76,12 @@ def _count_cells(points, grid, enough=1.0):
         end = np.clip(np.ceil(right - 0.5), 0, grid).astype(np.int64)
         valid = end > begin
         first_cell = row[valid] * (grid + 1)  # the end of a span is never in the next row
-        change += np.bincount(first_cell + begin[valid], minlength=len(change))
-        change -= np.bincount(first_cell + end[valid], minlength=len(change))
-        depth = np.cumsum(change)
-        drawn, claimed_twice = int((depth > 0).sum()), int((depth > 1).sum())
+        for ends, by in ((begin, 1), (end, -1)):
+            # np.bincount would make an array of the whole grid.
+            cells, counts = np.unique(first_cell + ends[valid], return_counts=True)
+            change[cells] += by * counts.astype(np.int32)
+        np.cumsum(change, dtype=np.int32, out=depth)
+        drawn, claimed_twice = int(np.count_nonzero(depth)), int(np.count_nonzero(depth > 1))
         if claimed_twice > enough * grid * grid:
             break
     return drawn, claimed_twice

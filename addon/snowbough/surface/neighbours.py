@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The receivers that stand near another one in the cache: its snow meets theirs. No ``bpy``."""
 
+import os
 from functools import lru_cache
 from pathlib import Path
 
@@ -21,6 +22,7 @@ MAX_KEPT = 4
 def _standing(folder, stamp):
     """((first, last, deepest frame, its depth), (lowest, highest corner), to_world) of a receiver that never moves, or
     None. Metres, in world space. stamp: see _stamp."""
+    folder = Path(folder)
     manifest = read_manifest(folder)
     frames = [] if manifest is None else [entry for entry in manifest["frames"] if "to_world" in entry]
     if not frames or any(
@@ -44,6 +46,7 @@ def _standing(folder, stamp):
 def _loaded(native, folder, stamp):
     """(triangles, uv, positions, map of its deepest frame) of a receiver."""
     shot, _, matrix = _standing(folder, stamp)
+    folder = Path(folder)
     mesh, local = read_mesh(folder / RECEIVER), read_point_cache(folder / POSITIONS)[0]
     positions = (local @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
     height = native.read_exr(str(folder / frame_file("height", shot[2])))[0]
@@ -51,14 +54,15 @@ def _loaded(native, folder, stamp):
 
 
 def _stamp(folder):
-    return tuple((folder / name).stat().st_mtime_ns for name in (MANIFEST, RECEIVER, POSITIONS))
+    """When the files of a folder were written. Without Path, since each receiver asks for all others."""
+    return tuple(os.stat(f"{folder}/{name}").st_mtime_ns for name in (MANIFEST, RECEIVER, POSITIONS))
 
 
 def near(native, folder):
     """[(triangles, uv, positions, height)] of the faces near the receiver in `folder`, in world space, of the
     receivers of its bake. Neither it nor they may move during the shot: else there are none. A neighbour whose files
     are missing or damaged is left out."""
-    folder, found = Path(folder), []
+    folder, found = os.path.abspath(folder), []
     try:
         own = _standing(folder, _stamp(folder))
     except (OSError, RuntimeError, ValueError):
@@ -68,9 +72,11 @@ def near(native, folder):
     shot, (low, high), _ = own
     low = low - np.float32([BESIDE, BESIDE, BELOW]) * shot[3]
     high = high + np.float32([BESIDE, BESIDE, 0.0]) * shot[3]
-    for other in sorted(folder.parent.iterdir()):
-        if other == folder or not (other / RECEIVER).is_file():
+    parent, own_name = os.path.split(folder)
+    for name in sorted(os.listdir(parent)):
+        if name == own_name:
             continue
+        other = f"{parent}/{name}"
         try:
             stamp = _stamp(other)
             known = _standing(other, stamp)

@@ -150,14 +150,18 @@ void Movement::rest(const MovementSettings& settings, double dt, bool of_blades,
                     const std::vector<MovingMap*>& shown) {
   if (!settings.repose.is_on()) return;
   std::vector<MovingMap*> maps;
-  std::vector<Resting> first;
-  std::vector<Resting> then;
   for (MovingMap* map : shown) {
     const bool moves = dt > 0.0 || (of_blades && pressing_.is_pressed(*map));
-    if (!moves && map->slid_from.empty() && map->shed_from.empty()) continue;
-    maps.push_back(map);
-    choose_maps(settings, dt, *map, of_blades, first, then);
+    if (moves || !map->slid_from.empty() || !map->shed_from.empty()) maps.push_back(map);
   }
+  // Coarser maps of many receivers are made side by side.
+  base::for_each_item(maps.size(), 1, [&](size_t i) {
+    coarse_.choose(*maps[i], settings.repose.is_granular, *link_tables_,
+                   *receivers_[maps[i]->object]);
+  });
+  std::vector<Resting> first;
+  std::vector<Resting> then;
+  for (MovingMap* map : maps) choose_maps(settings, dt, *map, of_blades, first, then);
   rest_on(settings, dt, of_blades, maps, first);
   if (!then.empty()) rest_on(settings, dt, of_blades, maps, then);
 }

@@ -82,6 +82,18 @@ def test_leaving_waits_for_all_and_tells_what_failed():
         writer.call(lambda: (_ for _ in ()).throw(OSError("gone")))
 
 
+def test_all_maps_of_a_frame_may_wait():
+    go_on = threading.Event()
+
+    def write():
+        assert go_on.wait(WAIT), "the bake waits for the disk"
+
+    with map_writer.MapWriter(maps=40) as writer:
+        for _ in range(40):
+            writer.call(write)
+        go_on.set()
+
+
 @pytest.mark.parametrize("size, most", [(1, map_writer.MAX_WAITING + 1), (map_writer.MAX_WAITING_BYTES, 1)])
 def test_a_slow_disk_lets_the_bake_wait_with_few_maps_in_memory(size, most):
     writing, go_on, queued = threading.Event(), threading.Event(), []
