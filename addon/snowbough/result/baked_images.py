@@ -53,8 +53,11 @@ def frames_on_disk(folder, kind):
 def _load(path, name, color_space):
     """The image of a file; it is reloaded if it was loaded before."""
     path = Path(path)
+    ending = "/".join(path.parts[-2:])
     for image in bpy.data.images:
-        if image.library is None and image.filepath and Path(bpy.path.abspath(image.filepath)) == path:
+        # Paths of thousands of images take long to compare.
+        may_be = image.library is None and image.filepath.replace("\\", "/").endswith(ending)
+        if may_be and Path(bpy.path.abspath(image.filepath)) == path:
             image.reload()
             break
     else:
