@@ -352,7 +352,29 @@ SNOWBOUGH_KERNEL void gather(const Gain& gain, const FragmentRuns& all, const Ti
 }  // namespace
 }  // namespace kernel
 
+namespace cpu {
+namespace {
+
+/// By slot: whether a receiver may have samples in a tile.
+std::vector<uint8_t> shown_in(const Scene& scene, const Tile& tile) {
+  std::vector<uint8_t> shown;
+  for (const Receiver& receiver : scene.receivers) {
+    const PixelRect own = pixels_of(receiver.bounds, scene.frame);
+    const PixelRect& all = tile.pixels;
+    const bool meets = own.low.x < all.high.x && all.low.x < own.high.x &&
+                       own.low.y < all.high.y && all.low.y < own.high.y;
+    shown.push_back(meets || receiver.bounds.empty() ? 1 : 0);
+  }
+  return shown;
+}
+
+}  // namespace
+}  // namespace cpu
+
 cpu::GroupWork cpu::deposit_work(Scene& scene, const Tile& tile, bool is_first) {
+  for (Receiver& receiver : scene.receivers) {
+    receiver.has_gain = receiver.has_gain && !is_first;
+  }
   kernel::Gain gain{};
   gain.projection = scene.frame;
   gain.triangle_corners = scene.corners.data();
@@ -366,22 +388,26 @@ cpu::GroupWork cpu::deposit_work(Scene& scene, const Tile& tile, bool is_first) 
   gain.occlusion = kernel::rows<glm::uvec2>(scene.seen);
   gain.tile_origin = tile.with_margin().low;
   gain.tile_size = tile.with_margin().size();
-  return [&scene, tile, is_first, gain](Receiver& receiver, size_t group) {
+  return [&scene, tile, gain, shown = shown_in(scene, tile)](Receiver& receiver, size_t group) {
+    if (receiver.has_gain && shown[receiver.slot] == 0) return;
     const size_t first = receiver.first_texel(group);
     evaluate_group(scene, receiver, group);
     kernel::Gain own = gain;
     own.resolution = static_cast<float>(receiver.resolution);
     kernel::gather(own, receiver.fragments, tile, receiver.map_offset, group,
-                   receiver.first_texel(group + 1) - first, !is_first,
+                   receiver.first_texel(group + 1) - first, receiver.has_gain,
                    receiver.steps.gain.data() + first);
   };
 }
 
 void cpu::gather_deposit(Scene& scene, const Tile& tile, bool is_first) {
   const GroupWork work = deposit_work(scene, tile, is_first);
+  const std::vector<uint8_t> shown = shown_in(scene, tile);
+  for_active_groups(scene, [&](Receiver& receiver, size_t number) {
+    if (shown[receiver.slot] != 0) work(receiver, receiver.active[number]);
+  });
   for (Receiver& receiver : scene.receivers) {
-    base::for_each_item(receiver.active.size(), 4,
-                        [&](size_t i) { work(receiver, receiver.active[i]); });
+    receiver.has_gain = receiver.has_gain || shown[receiver.slot] != 0;
   }
 }
 

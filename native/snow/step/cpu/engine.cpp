@@ -54,7 +54,11 @@ void CpuEngine::set_positions(size_t object, const std::vector<glm::vec3>& posit
   std::copy(positions.begin(), positions.end(),
             scene_.positions.begin() + scene_.layout.first_vertex[object]);
   scene_.normals_are_current = false;
-  if (scene_.layout.plan.group[object] >= 0) ++receiver_of(object).pose;
+  if (scene_.layout.plan.group[object] < 0) return;
+  Receiver& receiver = receiver_of(object);
+  ++receiver.pose;
+  receiver.bounds = {};
+  for (const glm::vec3& position : positions) receiver.bounds.include(glm::dvec3(position));
 }
 
 void CpuEngine::render_occlusion(const Tile& tile, const std::vector<TriangleRange>& ranges) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/parallel_for.h"
 #include "shaders/lib/object_sums.h"
 #include "shaders/lib/snow_shared.h"
 #include "snow/scene/projection.h"
@@ -46,6 +47,21 @@ void find_snow(Receiver& receiver);
 /// current triangles, unless that was done in this pose.
 void evaluate_group(const Scene& scene, Receiver& receiver, size_t group);
 
+/// Calls work(receiver, number of one of its active groups) for all of them, in one loop: the threads
+/// would wait for each other after each of many small receivers.
+template <typename Work>
+void for_active_groups(Scene& scene, const Work& work) {
+  std::vector<size_t> begin{0};
+  for (const Receiver& receiver : scene.receivers) {
+    begin.push_back(begin.back() + receiver.active.size());
+  }
+  base::for_each_item(begin.back(), 4, [&](size_t i) {
+    const auto after = std::upper_bound(begin.begin(), begin.end(), i);
+    const auto r = static_cast<size_t>(after - begin.begin()) - 1;
+    work(scene.receivers[r], i - begin[r]);
+  });
+}
+
 /// Evaluates area and upward parts of the active texels on the current triangles, for steps without
 /// snowfall; sets their gain to 0.
 void evaluate_texels(Scene& scene);
@@ -55,7 +71,8 @@ void evaluate_texels(Scene& scene);
 void count_back_faces(Scene& scene, const Tile& tile);
 
 /// Gathers the deposit of a tile at the active texels (shaders/lib/texel_gain.h has the method):
-/// adds it to `gain` of their steps, or sets it in the step's first tile, after evaluate_group. The
+/// adds it to `gain` of their steps, or sets it in the first tile of the step that shows their
+/// receiver, after evaluate_group. The
 /// scene's `seen` shows the tile and its margin, plus kSeenSpare pixels. The result is
 /// bit-identical to evaluating fragments one by one.
 void gather_deposit(Scene& scene, const Tile& tile, bool is_first);
@@ -63,7 +80,8 @@ void gather_deposit(Scene& scene, const Tile& tile, bool is_first);
 /// Work on one group of a receiver's texels, for any thread.
 using GroupWork = std::function<void(Receiver& receiver, size_t group)>;
 
-/// gather_deposit for a single group; `scene` and its content must not change meanwhile.
+/// gather_deposit for a single group, in the step's last tile: it also sets the gain of receivers that
+/// no tile shows. `scene` and its content must not change meanwhile.
 GroupWork deposit_work(Scene& scene, const Tile& tile, bool is_first);
 
 /// Adds the active texels' deposit to their heights and lets snow beyond the slope's capacity

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "shaders/lib/snow_shared.h"
+#include "snow/scene/projection.h"
 #include "snow/scene/scene_layout.h"
 #include "snow/step/cpu/fragment_runs.h"
 
@@ -33,6 +34,8 @@ struct Receiver {
   int32_t resolution = 0;
   /// From a scene triangle's index to its index among the layout's map triangles.
   int32_t map_offset = 0;
+  /// Of its positions; empty: unknown.
+  Bounds bounds;
   /// Per texel: row * resolution + column. Receivers that share a texel table share this, too.
   std::shared_ptr<const std::vector<uint32_t>> own_places;
   std::span<const uint32_t> places;
@@ -40,6 +43,8 @@ struct Receiver {
   /// Of the current step; area and upward parts are from the pose in which the texel's group was
   /// last evaluated.
   TexelSteps steps;
+  /// Whether a tile of the current step has set their gain.
+  bool has_gain = false;
   /// Number of the receiver's pose, and per group the pose in which it was evaluated.
   uint32_t pose = 1;
   std::vector<uint32_t> evaluated_in;

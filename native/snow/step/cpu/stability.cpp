@@ -121,8 +121,10 @@ SNOWBOUGH_KERNEL dvec4 stabilise(Stability stability, size_t begin, size_t end, 
 
 void cpu::apply_stability(Scene& scene, const StabilitySettings& settings, float full_gain,
                           float dt, const GroupWork& before) {
+  std::vector<kernel::Stability> stabilities;
+  std::vector<std::vector<glm::dvec4>> sums;
   for (Receiver& receiver : scene.receivers) {
-    kernel::Stability stability{};
+    kernel::Stability& stability = stabilities.emplace_back();
     stability.places = receiver.places.data();
     stability.texel_count = receiver.places.size();
     stability.steps = &receiver.steps;
@@ -134,17 +136,20 @@ void cpu::apply_stability(Scene& scene, const StabilitySettings& settings, float
     stability.half_life = settings.clamped_half_life();
     if (settings.records_slid) receiver.slid.resize(receiver.places.size(), 0.0f);
     stability.slid = settings.records_slid ? receiver.slid.data() : nullptr;
-    std::vector<glm::dvec4> sums(receiver.active.size(), glm::dvec4(0.0));
-    base::for_each_item(receiver.active.size(), 4, [&](size_t i) {
-      const size_t group = receiver.active[i];
-      if (before) before(receiver, group);
-      bool holds_snow = false;
-      sums[i] = kernel::stabilise(stability, receiver.first_texel(group),
-                                  receiver.first_texel(group + 1), holds_snow);
-      receiver.holds_snow[group] = holds_snow ? 1 : 0;
-    });
-    for (size_t i = 0; i < sums.size(); ++i) {
-      const glm::dvec4& sum = sums[i];
+    sums.emplace_back(receiver.active.size(), glm::dvec4(0.0));
+  }
+  for_active_groups(scene, [&](Receiver& receiver, size_t number) {
+    const size_t group = receiver.active[number];
+    if (before) before(receiver, group);
+    bool holds_snow = false;
+    sums[receiver.slot][number] =
+        kernel::stabilise(stabilities[receiver.slot], receiver.first_texel(group),
+                          receiver.first_texel(group + 1), holds_snow);
+    receiver.holds_snow[group] = holds_snow ? 1 : 0;
+  });
+  for (Receiver& receiver : scene.receivers) {
+    for (size_t i = 0; i < receiver.active.size(); ++i) {
+      const glm::dvec4& sum = sums[receiver.slot][i];
       if (settings.records_slid && sum.y > 0.0) receiver.slid_groups.push_back(receiver.active[i]);
       receiver.sums.deposited += sum.x;
       receiver.sums.slid += sum.y;

@@ -144,16 +144,13 @@ void cpu::evaluate_group(const Scene& scene, Receiver& receiver, size_t group) {
 }
 
 void cpu::evaluate_texels(Scene& scene) {
-  for (Receiver& receiver : scene.receivers) {
-    base::for_each_item(receiver.active.size(), 4, [&](size_t i) {
-      const size_t group = receiver.active[i];
-      evaluate_group(scene, receiver, group);
-      std::fill(
-          receiver.steps.gain.begin() + static_cast<ptrdiff_t>(receiver.first_texel(group)),
-          receiver.steps.gain.begin() + static_cast<ptrdiff_t>(receiver.first_texel(group + 1)),
-          0u);
-    });
-  }
+  for_active_groups(scene, [&](Receiver& receiver, size_t number) {
+    const size_t group = receiver.active[number];
+    evaluate_group(scene, receiver, group);
+    const auto gain = receiver.steps.gain.begin();
+    std::fill(gain + static_cast<ptrdiff_t>(receiver.first_texel(group)),
+              gain + static_cast<ptrdiff_t>(receiver.first_texel(group + 1)), 0u);
+  });
 }
 
 }  // namespace snowbough::snow
