@@ -196,7 +196,8 @@ std::string encode(const ExrLayout& layout, const float* pixels) {
 /// Reads the pixels of an EXR file in memory on the calling thread, as MemoryFile writes them.
 class PixelReader {
  public:
-  explicit PixelReader(const std::string& bytes) : bytes_(bytes) {
+  /// `table`: where the table of the chunks' places begins.
+  PixelReader(const std::string& bytes, size_t table) : bytes_(bytes), table_(table) {
     exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
     settings.error_handler_fn = [](exr_const_context_t, exr_result_t, const char*) {};
     settings.user_data = this;
@@ -252,8 +253,19 @@ class PixelReader {
     return static_cast<int64_t>(static_cast<const PixelReader*>(reader)->bytes_.size());
   }
 
+  /// OpenEXR searches for chunks whose places are damaged: their pixels may be, too.
+  void require_place(int32_t chunk) const {
+    uint64_t place = 0;
+    const size_t at = table_ + sizeof place * static_cast<size_t>(chunk);
+    if (at + sizeof place <= bytes_.size()) std::memcpy(&place, &bytes_[at], sizeof place);
+    if (place < at || place >= bytes_.size()) {
+      throw std::runtime_error("the place of a line is damaged");
+    }
+  }
+
   void read_chunk(const ExrLayout& layout, const exr_chunk_info_t& chunk, const glm::ivec2& at,
                   float* pixels) {
+    require_place(chunk.idx);
     const bool is_first = chunk_.context == nullptr;
     require(is_first ? exr_decoding_initialize(context_, kPart, &chunk, &chunk_)
                      : exr_decoding_update(context_, kPart, &chunk, &chunk_));
@@ -269,6 +281,7 @@ class PixelReader {
   }
 
   const std::string& bytes_;
+  size_t table_;
   exr_context_t context_ = nullptr;
   exr_decode_pipeline_t chunk_{};
 };
@@ -336,8 +349,14 @@ void secure_attributes(std::string& bytes) {
   }
 }
 
+struct CheckedHeader {
+  Imf::Header header;
+  /// Where the table of the chunks' places begins.
+  size_t table = 0;
+};
+
 /// Secures the header and compares the declared size with the file's length and kLargestExr.
-Imf::Header checked_header(const std::string& path, std::string& bytes) {
+CheckedHeader checked_header(const std::string& path, std::string& bytes) {
   MemoryReader stream(path, bytes);
   int32_t start[2];
   stream.read(reinterpret_cast<char*>(start), sizeof start);
@@ -370,11 +389,11 @@ Imf::Header checked_header(const std::string& path, std::string& bytes) {
     throw std::runtime_error(std::to_string(bytes.size()) + " bytes cannot hold its " +
                              std::to_string(width) + " x " + std::to_string(height) + " pixels");
   }
-  return header;
+  return {header, stream.tellg()};
 }
 
 ExrImage decode(const std::string& path, std::string& bytes) {
-  const Imf::Header header = checked_header(path, bytes);
+  const auto [header, table] = checked_header(path, bytes);
   const Imath::Box2i window = header.dataWindow();
 
   ExrImage image;
@@ -404,7 +423,7 @@ ExrImage decode(const std::string& path, std::string& bytes) {
 
   image.pixels.resize(static_cast<size_t>(layout.width) * static_cast<size_t>(layout.height) *
                       layout.channels.size());
-  PixelReader reader(bytes);
+  PixelReader reader(bytes, table);
   if (header.hasTileDescription()) {
     const Imf::TileDescription& tile = header.tileDescription();
     reader.read_tiles(layout, {tile.xSize, tile.ySize}, image.pixels.data());
