@@ -79,7 +79,7 @@ ptrdiff_t place_of(const ExrLayout& layout, const exr_coding_channel_info_t& cha
 }
 
 /// An EXR file in memory, so that only atomic_write writes to the disk. OpenEXR's C interface
-/// compresses on the calling thread; that of C++ hands each line to its own threads, and within
+/// works on the calling thread; that of C++ hands each line to its own threads, and within
 /// Blender takes 4 times as long.
 class MemoryFile {
  public:

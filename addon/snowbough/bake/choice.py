@@ -74,9 +74,7 @@ def share_points(native, request, pose, receivers):
         is_patchy = thaws or obj.receiver.mask is not None
         return patchy_points(*points) if is_patchy else points
 
-    shown = {
-        key: obj for key, obj in pose.known.items() if obj.receives and obj.receiver.surface is not None
-    }
+    shown = {key: obj for key, obj in pose.known.items() if obj.receives and obj.receiver.surface is not None}
     shares = shared_out(dict(zip(shown, for_each(shown.values(), wanted_by))))
     for receiver in receivers:
         if receiver.key in shares:

@@ -8,8 +8,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 from ..cache.errors import InputsChanged, LockLost, with_remedy
 
-# Limits of the queue, in tasks and in bytes of maps; a longer one would only fill memory if the disk is slow. The maps of
-# one frame may always wait, so that the next frame is simulated while they are written.
+# Limits of the queue, in tasks and in bytes of maps; a longer one would only fill memory if the disk is slow. All maps
+# of one frame may wait, so that the next frame is simulated while they are written.
 MAX_WAITING = 8
 MAX_WAITING_BYTES = 256 << 20
 # Maps made in parallel: the parts of one map that use a single thread overlap with the next map.
