@@ -228,8 +228,7 @@ class PixelReader {
     exr_chunk_info_t chunk;
     for (int32_t y = 0; y < layout.height; y += tile.y) {
       for (int32_t x = 0; x < layout.width; x += tile.x) {
-        require(
-            exr_read_tile_chunk_info(context_, kPart, x / tile.x, y / tile.y, 0, 0, &chunk));
+        require(exr_read_tile_chunk_info(context_, kPart, x / tile.x, y / tile.y, 0, 0, &chunk));
         if (chunk.width < 1 || chunk.width > layout.width - x || chunk.height < 1 ||
             chunk.height > layout.height - y)
           throw std::runtime_error("it has tiles of another size");

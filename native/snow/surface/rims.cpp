@@ -131,9 +131,8 @@ void Rims::visit_near(const glm::vec3& point, int32_t part, const Visit& visit) 
   if (end - begin <= kFew) {
     for (int32_t number = begin; number < end; ++number) {
       const Rim& rim = rims_[static_cast<size_t>(number)];
-      const bool is_away =
-          glm::any(glm::lessThan(glm::max(rim.from, rim.to) + around, point)) ||
-          glm::any(glm::greaterThan(glm::min(rim.from, rim.to) - around, point));
+      const bool is_away = glm::any(glm::lessThan(glm::max(rim.from, rim.to) + around, point)) ||
+                           glm::any(glm::greaterThan(glm::min(rim.from, rim.to) - around, point));
       if (!is_away) visit(number);
     }
     return;

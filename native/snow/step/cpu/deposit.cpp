@@ -361,8 +361,8 @@ std::vector<uint8_t> shown_in(const Scene& scene, const Tile& tile) {
   for (const Receiver& receiver : scene.receivers) {
     const PixelRect own = pixels_of(receiver.bounds, scene.frame);
     const PixelRect& all = tile.pixels;
-    const bool meets = own.low.x < all.high.x && all.low.x < own.high.x &&
-                       own.low.y < all.high.y && all.low.y < own.high.y;
+    const bool meets = own.low.x < all.high.x && all.low.x < own.high.x && own.low.y < all.high.y &&
+                       all.low.y < own.high.y;
     shown.push_back(meets || receiver.bounds.empty() ? 1 : 0);
   }
   return shown;

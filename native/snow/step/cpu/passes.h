@@ -47,8 +47,8 @@ void find_snow(Receiver& receiver);
 /// current triangles, unless that was done in this pose.
 void evaluate_group(const Scene& scene, Receiver& receiver, size_t group);
 
-/// Calls work(receiver, number of one of its active groups) for all of them, in one loop: the threads
-/// would wait for each other after each of many small receivers.
+/// Calls work(receiver, number of one of its active groups) for all of them, in one loop: the
+/// threads would wait for each other after each of many small receivers.
 template <typename Work>
 void for_active_groups(Scene& scene, const Work& work) {
   std::vector<size_t> begin{0};
@@ -80,8 +80,8 @@ void gather_deposit(Scene& scene, const Tile& tile, bool is_first);
 /// Work on one group of a receiver's texels, for any thread.
 using GroupWork = std::function<void(Receiver& receiver, size_t group)>;
 
-/// gather_deposit for a single group, in the step's last tile: it also sets the gain of receivers that
-/// no tile shows. `scene` and its content must not change meanwhile.
+/// gather_deposit for a single group, in the step's last tile: it also sets the gain of receivers
+/// that no tile shows. `scene` and its content must not change meanwhile.
 GroupWork deposit_work(Scene& scene, const Tile& tile, bool is_first);
 
 /// Adds the active texels' deposit to their heights and lets snow beyond the slope's capacity
