@@ -45,7 +45,8 @@ struct RoundedEdge {
 };
 
 /// What lies beyond the outlets of a scene's receivers, found with rays in the current pose, when
-/// it is first needed. Snow above an outlet is bounded by the top of the snow beyond, instead of by
+/// it is first needed, and kept until something near moves (gain: 16 % of the processor's time of a
+/// bake of nine paving stones). Snow above an outlet is bounded by the top of the snow beyond, instead of by
 /// the end of its own surface: it joins what lies a step lower, and closes narrow gaps.
 class OutletTargets {
  public:
