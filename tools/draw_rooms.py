@@ -33,7 +33,7 @@ PIPELINES = {
         "native/tree/surface": "bones to a cage of quads",
         "native/tree/crossings": "limbs that newly cross part",
         "native/tree/tubes": "quads onto round limbs",
-        "native/tree/rims": "soft forks",
+        "native/tree/collars": "soft forks",
         "native/tree/detail": "levels of detail",
         "native/tree/mesh": "faces, weights",
         "native/tree/uv": "strips for snow",

@@ -11,7 +11,7 @@ MapOutput OutputSnapshot::output() {
     throw std::runtime_error("output() of this snapshot was already called: take a new snapshot");
   }
   const std::shared_ptr<OutputFilter> filter = std::move(filter_);
-  return filter->run(std::move(stored_), surface_);
+  return filter->run(std::move(stored_), pose_);
 }
 
 double ReceiverOutputs::blur_radius(const SceneObject& receiver) const {
@@ -52,13 +52,13 @@ OutputSnapshot ReceiverOutputs::snapshot(const std::shared_ptr<SceneObject>& rec
     receiver->layers = std::make_shared<const std::vector<LayerTerms>>(
         layer_terms(topology.triangles, receiver->description.shading, receiver->positions));
   }
-  snapshot.surface_.layers = receiver->layers;
-  snapshot.surface_.maps = maps;
-  snapshot.surface_.wet = std::move(wet);
+  snapshot.pose_.layers = receiver->layers;
+  snapshot.pose_.maps = maps;
+  snapshot.pose_.wet = std::move(wet);
   if (maps.normal) {
     const std::vector<glm::vec3> positions(receiver->positions.begin(),
                                            receiver->positions.begin() + topology.vertex_count);
-    snapshot.surface_.metrics = surface_metrics(topology, positions);
+    snapshot.pose_.metrics = surface_metrics(topology, positions);
   }
   snapshot.stored_ = std::move(stored);
   snapshot.memory_ = map_memory_;

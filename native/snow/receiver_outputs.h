@@ -26,7 +26,7 @@ class OutputSnapshot {
   friend class ReceiverOutputs;
   int32_t resolution_ = 0;
   std::vector<float> stored_;
-  OutputSurface surface_;
+  OutputPose pose_;
   std::shared_ptr<OutputFilter> filter_;
   std::shared_ptr<MapMemory> memory_;
 };
@@ -45,7 +45,7 @@ class ReceiverOutputs {
   /// its rest pose.
   void prepare(const std::shared_ptr<SceneObject>& receiver);
   const SeamTable& seams(const std::shared_ptr<SceneObject>& receiver);
-  /// `stored`: the heights, from `map_memory`; `wet`: see OutputSurface.
+  /// `stored`: the heights, from `map_memory`; `wet`: see OutputPose.
   OutputSnapshot snapshot(const std::shared_ptr<SceneObject>& receiver, const MapRequest& maps,
                           std::vector<float> stored, std::vector<float> wet = {});
   MapMemory& map_memory() { return *map_memory_; }

@@ -102,7 +102,7 @@ TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& option
   const base::Execution execution = whole.part(0.0f, base_done);
   base::report_progress(execution.progress, 0.0f);
 
-  const SurfaceScale scale = surface_scale(skeleton);
+  const LengthLimits scale = length_limits(skeleton);
   const Widths widths = limb_widths(skeleton, options.width);
   const std::vector<LimbPath> paths = limb_paths(skeleton, widths, scale);
   const std::vector<LimbPath> limbs = join_stems(skeleton, paths, scale);

@@ -28,7 +28,7 @@ float fragment_up(uvec4 fragment, vec4 surface) {
 
 /// Sums over the fragments [i, end) of a texel.
 FragmentSum sum_of_fragments(int i, int end) {
-  SurfaceSums sums = SurfaceSums(0.0f, 0.0f, 0.0f, 0.0f, 0.0f);
+  FragmentSums sums = FragmentSums(0.0f, 0.0f, 0.0f, 0.0f, 0.0f);
   bool faces_front = false;
   bool faces_back = false;
   // Tested at the end for software renderers (CONTRIBUTING.md).

@@ -29,7 +29,7 @@ ROOMS = {
     "native/snow/step": "engine cpu gl",
     "native/snow/step/cpu": "kernel.h occlusion",
     "native/snow/step/gl": "scene_buffers.h occlusion.h geometry",
-    "native/tree": "skeleton obj rings welded read coverage surface crossings mesh tubes rims detail uv leaves "
+    "native/tree": "skeleton obj rings welded read coverage surface crossings mesh tubes collars detail uv leaves "
     "original kept",
 }
 

@@ -22,8 +22,8 @@ from . import (
     tree_data,
     tree_file,
 )
-from .surface import transformed
 from .thinning import thinned_leaves
+from .triangle_mesh import transformed
 
 
 def checked_path(path, suffixes):

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..base import native
 from . import texels
-from .surface import unit
 from .tree_data import SNOW_COLOR, Cards
+from .triangle_mesh import unit
 
 VIEWS = 8
 # Pictures per row of the texture, and side of a picture in texels.
@@ -67,7 +67,7 @@ def _uvs(surface, materials):
 
 
 def _add_parts(renderer, parts, snow_meshes):
-    """parts: [(Surface, [Material], [their textures' pixels or None])]; snow_meshes: [SnowMesh]."""
+    """parts: [(TriangleMesh, [Material], [their textures' pixels or None])]; snow_meshes: [SnowMesh]."""
     for number, (surface, materials, images) in enumerate(parts):
         renderer.add_mesh(
             f"part{number}",

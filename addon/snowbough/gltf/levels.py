@@ -13,8 +13,8 @@ from ..tree import kept_skeleton, wind_attributes
 from ..tree.bone_names import fitting_names
 from ..tree.import_options import BASE, LOD_CHAIN
 from ..tree.objects import point_levels
-from .surface import from_quads, strongest
 from .thinning import Limb, kept_branches, without_branches
+from .triangle_mesh import from_quads, strongest
 
 DETAILS = ("FILM", "DEFAULT", "GAME", "DRAFT", BASE)
 # A level is used only if it has at most this share of the triangles of the level before.
@@ -120,8 +120,8 @@ def _is_cap(mesh):
 
 
 def _as_surface(branches, mesh, points, quads, corner_uvs, faces, joints, finest):
-    """A native mesh of the branches, or a part of it, as a Surface with the materials and the number of UV maps of the
-    `finest` level, and with wind attributes if that level has them.
+    """A native mesh of the branches, or a part of it, as a TriangleMesh with the materials and the number of UV maps
+    of the `finest` level, and with wind attributes if that level has them.
 
     points: of the mesh; faces: the index of each quad in the mesh.
     """
@@ -135,8 +135,8 @@ def _as_surface(branches, mesh, points, quads, corner_uvs, faces, joints, finest
 
 
 def _with_flat_caps(surface, mesh):
-    """A Surface of the scene with flat caps, which come from the native mesh. Unchanged if the artist has edited the
-    mesh."""
+    """A TriangleMesh of the scene with flat caps, which come from the native mesh. Unchanged if the artist has edited
+    the mesh."""
     same = len(surface.points) == len(mesh.vertices) and len(surface.triangles) == 2 * len(mesh.quads)
     if not same or not np.allclose(surface.points, mesh.vertices, atol=1e-5):
         return surface
@@ -144,7 +144,7 @@ def _with_flat_caps(surface, mesh):
 
 
 def _rebuilt(builder, branches, in_scene, finest):
-    """Yields Surfaces of the details coarser than `in_scene`. Each is built on demand."""
+    """Yields TriangleMeshes of the details coarser than `in_scene`. Each is built on demand."""
     for detail in DETAILS[DETAILS.index(in_scene) + 1 :]:
         mesh = builder.mesh(detail)
         yield _as_surface(
@@ -160,7 +160,7 @@ def _rebuilt(builder, branches, in_scene, finest):
 
 
 def _pruned(builder, branches, finest, triangles):
-    """Yields Surfaces with fewer and fewer branches, the first with half of `triangles`, the last with only the
+    """Yields TriangleMeshes with fewer and fewer branches, the first with half of `triangles`, the last with only the
     roots."""
     mesh = builder.mesh(BASE)
     quads = np.asarray(mesh.quads)
@@ -189,8 +189,8 @@ def _append_worthwhile(levels, candidates, count):
 
 
 def complete(levels, lods, count, rig, warnings):
-    """`levels` (Surfaces in armature space, the finest first), completed with coarser ones up to `count`. If there are
-    fewer, `warnings` receives the reason. lods: for each level its place in LOD_CHAIN, or None.
+    """`levels` (TriangleMeshes in armature space, the finest first), completed with coarser ones up to `count`. If
+    there are fewer, `warnings` receives the reason. lods: for each level its place in LOD_CHAIN, or None.
     """
     levels, lods = levels[:count], lods[:count]
     try:

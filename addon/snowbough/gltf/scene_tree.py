@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads an imported tree from the scene: its objects, its bones, and its meshes as Surfaces.
+"""Reads an imported tree from the scene: its objects, its bones, and its meshes as TriangleMeshes.
 
 The meshes are the objects' own data in rest pose, without modifiers such as those of the snow.
 """
@@ -14,8 +14,8 @@ from ..base.names import BARK_UV, LEAF_UV, ORIGINAL_UV, SNOW_UV
 from ..tree.import_tree import LOD_PROPERTY
 from ..tree.objects import LEVEL_ATTRIBUTE, point_levels
 from ..tree.wind_attributes import AXIS, LENGTH, PHASE, PIVOT
-from .surface import Surface, strongest, unit
 from .tree_data import Joint
+from .triangle_mesh import TriangleMesh, strongest, unit
 
 # UV maps in the order of TEXCOORD_0, _1 and so on. ORIGINAL_UV exists only if the imported file had texture
 # coordinates.
@@ -121,7 +121,7 @@ def _point_levels(mesh, corner_point):
 
 
 def _wind(mesh):
-    """The mesh's wind attributes in the form of Surface.wind; None if one is missing."""
+    """The mesh's wind attributes in the form of TriangleMesh.wind; None if one is missing."""
     found = []
     for name, field, shape in (
         (PIVOT, "vector", (3,)),
@@ -146,7 +146,7 @@ def _normals(mesh, to_rig):
 
 
 def surface_of(obj, rig, uv_maps):
-    """The Surface of a mesh object in armature space. uv_maps: names in the order of TEXCOORD_0 and so on. Raises
+    """The TriangleMesh of a mesh object in armature space. uv_maps: names in the order of TEXCOORD_0 and so on. Raises
     ValueError if one of the first two is missing; further missing ones are skipped."""
     mesh = obj.data
     missing = [name for name in uv_maps[:2] if name not in mesh.uv_layers]
@@ -169,7 +169,7 @@ def surface_of(obj, rig, uv_maps):
     corner_point = compat.read_corner_vertices(mesh)
     layers = [mesh.uv_layers[name] for name in uv_maps if name in mesh.uv_layers]
     joints, weights = _influences(obj, rig)
-    return Surface(
+    return TriangleMesh(
         points=points.astype(np.float32),
         joints=joints,
         weights=weights,

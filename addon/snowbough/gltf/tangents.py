@@ -8,7 +8,7 @@ texture is mirrored do not share vertices with others.
 
 import numpy as np
 
-from .surface import unit
+from .triangle_mesh import unit
 
 
 def orientations(uv):

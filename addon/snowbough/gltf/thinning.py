@@ -125,7 +125,7 @@ def leaf_of_points(surface):
 
 
 def thinned_leaves(surface, share, stems=None):
-    """A Surface with `share` of the leaves, each enlarged by 1 / sqrt(share), so that the covered area stays the same.
+    """A TriangleMesh with `share` of the leaves, each enlarged by 1 / sqrt(share), so that the covered area stays.
 
     Leaves that share points count as one. The choice is deterministic and evenly spread, and a smaller share is a
     subset of a larger one. A leaf is enlarged about its point nearest to its bone, or about its centre without `stems`.

@@ -53,8 +53,8 @@ class Material:
 
 @dataclass
 class Part:
-    """Bark or leaves. levels: one Surface per level of detail, the finest first. materials: indexed by
-    Surface.material."""
+    """Bark or leaves. levels: one TriangleMesh per level of detail, the finest first. materials: indexed by
+    TriangleMesh.material."""
 
     name: str
     levels: list

@@ -11,9 +11,9 @@ import numpy as np
 from ..tree.wind_attributes import AXIS, LENGTH, PHASE, PIVOT
 from . import quantise
 from .document import INDICES, VERTICES, Document
-from .surface import limb_widths, point_normals, split
 from .tangents import orientations, tangents
 from .tree_data import SNOW_COLOR, SNOW_ROUGHNESS, STILL, Material, local_rests, quaternion, times
+from .triangle_mesh import limb_widths, point_normals, split
 
 GENERATOR = "Snowbough"
 MSFT_LOD, TEXTURE_TRANSFORM = "MSFT_lod", "KHR_texture_transform"

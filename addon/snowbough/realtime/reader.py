@@ -32,7 +32,7 @@ class Reader:
     def __init__(self, native, shows_live=False):
         self._snow = SceneSnow(native, shows_live)
         self._revision = None
-        self._surfaces = trees.Surfaces()
+        self._bases = trees.Bases()
         self._looks = {}
         self._shapes = {}
         self._leaves = {}
@@ -112,7 +112,7 @@ class Reader:
         is_leaves = trees.is_leaves(original)
         if not is_leaves and not trees.is_unedited_bark(original):
             return False
-        arrays, print_ = self._surfaces.of(rig)
+        arrays, print_ = self._bases.of(rig)
         if arrays is None or (is_leaves and receiver is not None):
             return False
         snow = self._snow_on_bark(original, arrays, print_, receiver)

@@ -38,7 +38,7 @@ def is_unedited_bark(obj):
     return obj.data.snowbough.bark_vertices == len(obj.data.vertices) > 0
 
 
-class Surfaces:
+class Bases:
     """Bases of trees, each built once from the skeleton that its armature stores."""
 
     def __init__(self):

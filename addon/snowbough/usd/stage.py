@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from ..cache.files import write_bytes
-from ..gltf.surface import corner_normals, point_normals
 from ..gltf.tree_data import SNOW_COLOR, SNOW_ROUGHNESS, Material, local_rests, quaternion, times
+from ..gltf.triangle_mesh import corner_normals, point_normals
 from .instances import kinds_of
 from .materials import Materials
 from .wind_json import wind_data

@@ -323,8 +323,9 @@ class PatchBuilder {
     }
   }
 
-  /// Limits the bark near the rims of children's holes, where it would otherwise end in a step. The
-  /// outer side of an inset can be much nearer to the rim than its corners are to each other.
+  /// Limits the bark near the collars of children's holes, where it would otherwise end in a step.
+  /// The outer side of an inset can be much nearer to the collar than its corners are to each
+  /// other.
   void limit_bark() {
     for (size_t f = 0; f < made_.patches.size(); ++f) {
       if (source_.kind[f] != QuadKind::kInset) continue;
@@ -333,8 +334,8 @@ class PatchBuilder {
       const vec3 along = position(v.y) - begin;
       const vec3 unit = along / std::max(glm::length(along), 1e-30f);
       float gap = std::numeric_limits<float>::max();
-      for (const int32_t rim : {v.z, v.w}) {
-        gap = std::min(gap, glm::length(glm::cross(position(rim) - begin, unit)));
+      for (const int32_t collar : {v.z, v.w}) {
+        gap = std::min(gap, glm::length(glm::cross(position(collar) - begin, unit)));
       }
       for (const int32_t outer : {v.x, v.y}) {
         float& bark = made_.vertices[outer].position.w;

@@ -39,11 +39,11 @@ struct TreePatches {
 
 /// Moves the base's vertices to the limbs' radius, and computes for each edge and patch the
 /// constants of its points. Each edge has one record, which determines all of its points: its
-/// vertices, the sections of both faces (a child's rim uses only the section of the parent's
+/// vertices, the sections of both faces (a child's collar uses only the section of the parent's
 /// inset), and a correction at each end that fades out towards the middle.
 ///
 /// @param bark_depth amplitude of the bark as a fraction of the limb's radius. The bark has height
-/// 0 where its coordinates are discontinuous: on rims and tips.
+/// 0 where its coordinates are discontinuous: on collars and tips.
 /// @throws std::invalid_argument with the reason: arrays of different lengths, indices out of
 /// range, or an edge with more than two quads.
 ///

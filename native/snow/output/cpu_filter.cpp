@@ -32,21 +32,21 @@ CpuFilter::Parts CpuFilter::build_parts(const TexelTable& table, const SeamTable
   return {std::move(*leveller), std::move(grid)};
 }
 
-MapOutput CpuFilter::run(std::vector<float> map, const OutputSurface& surface) {
+MapOutput CpuFilter::run(std::vector<float> map, const OutputPose& pose) {
   if (is_smoothed_) {
     const std::scoped_lock lock(smoothing_);
     smoother_.run(map);
   }
-  if (surface.layers != nullptr) show_layers(table_, *surface.layers, map, threads_);
+  if (pose.layers != nullptr) show_layers(table_, *pose.layers, map, threads_);
   dilate_heights(table_, seams_, map);
   if (is_smoothed_) {
     const std::scoped_lock lock(levelling_);
     parts_.leveller.run(map);
   }
   MapOutput output;
-  if (surface.maps.normal) output.normal = normal_map(table_, seams_, surface.metrics, map);
-  if (surface.maps.wet && !surface.wet.empty()) {
-    output.wet = surface.wet;
+  if (pose.maps.normal) output.normal = normal_map(table_, seams_, pose.metrics, map);
+  if (pose.maps.wet && !pose.wet.empty()) {
+    output.wet = pose.wet;
     dilate_heights(table_, seams_, output.wet);
   }
   output.height = std::move(map);

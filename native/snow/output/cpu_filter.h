@@ -17,7 +17,7 @@
 namespace snowbough::snow {
 
 /// A receiver's surface in the pose of a map.
-struct OutputSurface {
+struct OutputPose {
   /// See layer_terms; null or empty: flat.
   std::shared_ptr<const std::vector<LayerTerms>> layers = {};
   /// See surface_metrics; empty if no maps are requested.
@@ -40,7 +40,7 @@ class CpuFilter {
 
   /// `map`: resolution^2 stored heights in metres, row 0 = v 0, 0 for texels without owner; its
   /// memory is reused for the output.
-  MapOutput run(std::vector<float> map, const OutputSurface& surface = {});
+  MapOutput run(std::vector<float> map, const OutputPose& pose = {});
 
  private:
   /// Tables from the seams.

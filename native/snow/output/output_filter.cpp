@@ -24,9 +24,9 @@ const SeamTable& OutputFilter::seams() {
   return seams_;
 }
 
-MapOutput OutputFilter::run(std::vector<float> stored, const OutputSurface& surface) {
+MapOutput OutputFilter::run(std::vector<float> stored, const OutputPose& pose) {
   build();
-  return cpu_filter_->run(std::move(stored), surface);
+  return cpu_filter_->run(std::move(stored), pose);
 }
 
 std::shared_ptr<OutputFilter> OutputFilterCache::get(

@@ -28,7 +28,7 @@ class OutputFilter {
   const SeamTable& seams();
 
   /// See CpuFilter::run.
-  MapOutput run(std::vector<float> stored, const OutputSurface& surface);
+  MapOutput run(std::vector<float> stored, const OutputPose& pose);
 
  private:
   const std::shared_ptr<const SceneObject> receiver_;

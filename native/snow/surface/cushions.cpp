@@ -238,14 +238,14 @@ struct Net {
   std::vector<std::array<int32_t, 4>> quads;
 };
 
-/// The isosurface at `level`. Each cube of eight cells that the surface crosses has one point, at
-/// the mean of the crossings on the cube's edges. Each crossed edge has one quad.
-Net surface_net(const Grid& grid, const std::vector<float>& values, float level) {
+/// The isosurface at the value `of`. Each cube of eight cells that the surface crosses has one
+/// point, at the mean of the crossings on the cube's edges. Each crossed edge has one quad.
+Net surface_net(const Grid& grid, const std::vector<float>& values, float of) {
   Net net;
   const glm::ivec3 size = grid.size();
   const OccupiedRows rows(grid, values);
   std::vector<int32_t> number(grid.count(), -1);
-  const auto value = [&](const glm::ivec3& at) { return values[grid.index(at)] - level; };
+  const auto value = [&](const glm::ivec3& at) { return values[grid.index(at)] - of; };
   for (int z = 0; z + 1 < size.z; ++z) {
     for (int y = 0; y + 1 < size.y; ++y) {
       if (!rows.has(y, z)) continue;

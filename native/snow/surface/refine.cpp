@@ -78,7 +78,7 @@ constexpr float kBends = 0.12f;
 /// They are made while target edge lengths exceed the default by less than `coarseness`.
 struct Cuts {
   float coarseness;
-  std::array<float, 14> levels;
+  std::array<float, 14> shares;
 };
 constexpr std::array<Cuts, 4> kCuts{
     {{1.35f,
@@ -362,12 +362,12 @@ class Refiner {
     if (b.place.is_far_off) to = a.share < 0.0f ? -kBeyond : kBeyond;
     if (from == to) return 0.0f;
     float best = 0.0f;
-    const auto look_at = [&](float level) {
-      const float at = (level - from) / (to - from);
+    const auto look_at = [&](float share) {
+      const float at = (share - from) / (to - from);
       if (at > kSnap && at < 1.0f - kSnap && std::abs(at - 0.5f) < std::abs(best - 0.5f)) best = at;
     };
-    for (const float level : cuts()->levels) {
-      if (level != 0.0f) look_at(level);
+    for (const float share : cuts()->shares) {
+      if (share != 0.0f) look_at(share);
     }
     return best;
   }

@@ -114,7 +114,7 @@ void take_back(const Build& build, int threads, UncrossedSurface& best,
 
 UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
                                          const std::vector<LimbPath>& paths,
-                                         const SurfaceScale& scale, const SurfaceOptions& options,
+                                         const LengthLimits& scale, const SurfaceOptions& options,
                                          const base::Execution& execution) {
   const auto build = [&](const std::vector<uint8_t>& narrowing_steps) {
     return build_surface(skeleton, paths, scale, options, narrowing_steps, execution.threads);

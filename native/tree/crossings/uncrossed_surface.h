@@ -24,7 +24,7 @@ struct UncrossedSurface {
 /// @throws Cancelled when execution's progress says stop.
 UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
                                          const std::vector<LimbPath>& paths,
-                                         const SurfaceScale& scale, const SurfaceOptions& options,
+                                         const LengthLimits& scale, const SurfaceOptions& options,
                                          const base::Execution& execution = {});
 
 }  // namespace snowbough::tree

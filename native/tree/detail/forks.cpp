@@ -163,7 +163,7 @@ class ForkBlender {
     return cap;
   }
 
-  /// Finds all vertices within the fork's reach, starting from the rim of every child's hole.
+  /// Finds all vertices within the fork's reach, starting from the collar of every child's hole.
   void find_movers() {
     const std::vector<uint8_t> fixed = capped();
     // Vertex, distance from a fork in its reaches, and the fork.

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/parallel_for.h"
-#include "tree/rims/fork_field.h"
+#include "tree/collars/fork_field.h"
 #include "tree/surface/surface.h"
 #include "tree/tubes/fine_mesh.h"
 

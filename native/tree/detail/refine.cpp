@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "tree/collars/fork_field.h"
+#include "tree/collars/places.h"
 #include "tree/detail/clear_limbs.h"
 #include "tree/detail/forks.h"
 #include "tree/mesh/edges.h"
 #include "tree/mesh/weights.h"
-#include "tree/rims/fork_field.h"
-#include "tree/rims/places.h"
 #include "tree/tubes/cuts.h"
 #include "tree/tubes/fine_mesh.h"
 #include "tree/tubes/limb_shape.h"
@@ -90,14 +90,14 @@ void take_faces(FineMesh fine, TreeMesh& mesh, const base::Execution& execution)
 }  // namespace
 
 void refine(TreeMesh& mesh, const Surface& surface, const std::vector<LimbPath>& paths,
-            const SurfaceScale& scale, Detail detail, int max_influences,
+            const LengthLimits& scale, Detail detail, int max_influences,
             const base::Execution& execution) {
   const std::vector<int32_t>& parents = surface.parents;
   const Edges edges(mesh.quads, mesh.vertices.size());
   const DetailSettings settings = detail_settings(detail);
   const std::vector<LimbShape> shapes =
       limb_shapes(surface, paths, parents, settings.thin_stray * scale.height);
-  const SurfaceCuts cuts = cut_surface(surface, edges, shapes, scale.height, settings);
+  const BaseCuts cuts = cut_base(surface, edges, shapes, scale.height, settings);
   FineMesh fine = cut_quads(mesh.quads, mesh.vertices.size(), edges, cuts);
   const std::vector<int32_t> chains = limb_chains(surface, parents);
   const LimbTubes tubes(surface, shapes, cuts, chains);

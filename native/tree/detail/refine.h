@@ -22,12 +22,12 @@ namespace snowbough::tree {
 /// interpolated within the base quads, which keeps them from overlapping and every face's area
 /// positive. Weights are interpolated too.
 ///
-/// @param mesh  the mesh of `surface`, at level 0, with its UVs and weights.
+/// @param mesh  the mesh of `surface`, the base, with its UVs and weights.
 /// @param paths  limb_paths(skeleton), which the surface was built from.
 /// @param max_influences most bones a vertex keeps, 1 to 4.
 /// @throws Cancelled when execution's progress says stop; the mesh is then unusable.
 void refine(TreeMesh& mesh, const Surface& surface, const std::vector<LimbPath>& paths,
-            const SurfaceScale& scale, Detail detail, int max_influences,
+            const LengthLimits& scale, Detail detail, int max_influences,
             const base::Execution& execution = {});
 
 }  // namespace snowbough::tree

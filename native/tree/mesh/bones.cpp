@@ -26,7 +26,7 @@ float distance_to_segment(const glm::vec3& p, const glm::vec3& a, const glm::vec
 }  // namespace
 
 Armature make_bones(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
-                    const SurfaceScale& scale, bool root_bone) {
+                    const LengthLimits& scale, bool root_bone) {
   Armature armature;
   Bones& bones = armature.bones;
   const auto add = [&bones, &skeleton](int32_t branch, int32_t parent, std::string name) {

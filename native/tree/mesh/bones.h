@@ -24,7 +24,7 @@ struct Armature {
 ///   first root begins, as long as that is thick, and holds the first bones of all roots. No vertex
 ///   has a weight of it.
 Armature make_bones(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
-                    const SurfaceScale& scale, bool root_bone = true);
+                    const LengthLimits& scale, bool root_bone = true);
 
 /// Per leaf: the bone of its branch nearest to its attach point.
 /// @throws std::invalid_argument if the mesh was not built from this skeleton.

@@ -106,7 +106,7 @@ Surface join_limbs(const LimbPlan& plan, std::vector<LimbPart> parts, int thread
 }  // namespace
 
 Surface build_surface(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
-                      const SurfaceScale& scale, const SurfaceOptions& options,
+                      const LengthLimits& scale, const SurfaceOptions& options,
                       const std::vector<uint8_t>& narrowing_steps, int threads) {
   LimbPlan plan{skeleton, paths, scale, options, surface_parents(skeleton, paths, scale), {}, {}};
   plan.children.resize(paths.size());

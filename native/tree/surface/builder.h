@@ -19,7 +19,7 @@ namespace snowbough::tree {
 /// @param threads  that may share the work, the calling one included; 0 = one per core. Does not
 ///   change the surface.
 Surface build_surface(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
-                      const SurfaceScale& scale, const SurfaceOptions& options,
+                      const LengthLimits& scale, const SurfaceOptions& options,
                       const std::vector<uint8_t>& narrowing_steps, int threads = 0);
 
 }  // namespace snowbough::tree

@@ -162,7 +162,7 @@ void join_stem(const LimbPath& stem, const Crotch& crotch, LimbPath& limb) {
 }  // namespace
 
 std::optional<Crotch> find_crotch(const PathSearch& search, double attach, const LimbPath& child,
-                                  const SurfaceScale& scale) {
+                                  const LengthLimits& scale) {
   const LimbPath& parent = search.path();
   const double thick = radius_at(parent, attach);
   const double farthest = std::min(child.length(), kFarthest * thick);
@@ -227,7 +227,7 @@ std::optional<Crotch> find_crotch(const PathSearch& search, double attach, const
 }
 
 std::vector<int32_t> surface_parents(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
-                                     const SurfaceScale& scale) {
+                                     const LengthLimits& scale) {
   /// A child that separates from its parent at `end` metres along its own path.
   struct Stem {
     int32_t branch = -1;
@@ -277,7 +277,7 @@ std::vector<int32_t> surface_parents(const Skeleton& skeleton, const std::vector
 }
 
 std::vector<LimbPath> join_stems(const Skeleton& skeleton, std::vector<LimbPath> paths,
-                                 const SurfaceScale& scale) {
+                                 const LengthLimits& scale) {
   const std::vector<int32_t> parents = surface_parents(skeleton, paths, scale);
   const auto crotch_of = [&](const PathSearch& search, int32_t stem) {
     const glm::dvec3 attach(skeleton.branches[stem].attach_point);

@@ -29,18 +29,18 @@ struct Crotch {
 /// @param search  of the parent's path.
 /// @param attach  arc length of the child's attach point on the parent's path.
 std::optional<Crotch> find_crotch(const PathSearch& search, double attach, const LimbPath& child,
-                                  const SurfaceScale& scale);
+                                  const LengthLimits& scale);
 
 /// The paths that the surface follows: up to the heel of a stem beside it, a limb has the area of
 /// both, and their middle. Bone lengths stay those of the limb's own centreline.
 std::vector<LimbPath> join_stems(const Skeleton& skeleton, std::vector<LimbPath> paths,
-                                 const SurfaceScale& scale);
+                                 const LengthLimits& scale);
 
 /// Per branch: the limb that it leaves on the surface, or -1. Of several stems that separate from
 /// one parent, one that stays within another longer than within their parent leaves that one. What
 /// leaves a stem before its heel leaves that stem's parent; all other branches leave their parent
 /// in the skeleton.
 std::vector<int32_t> surface_parents(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
-                                     const SurfaceScale& scale);
+                                     const LengthLimits& scale);
 
 }  // namespace snowbough::tree

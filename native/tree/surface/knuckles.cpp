@@ -128,7 +128,7 @@ void share(double free, double gap, double smallest_gap, double& left, double& r
   }
 }
 
-double least_room(size_t count, const SurfaceScale& scale) {
+double least_room(size_t count, const LengthLimits& scale) {
   const auto n = static_cast<double>(count);
   return n * scale.smallest_knuckle + (n + 1.0) * scale.smallest_gap;
 }
@@ -136,7 +136,7 @@ double least_room(size_t count, const SurfaceScale& scale) {
 }  // namespace
 
 KnuckleRow place_knuckles(std::vector<ChildRequest> requests, double begin, double end, double gap,
-                          const SurfaceScale& scale) {
+                          const LengthLimits& scale) {
   KnuckleRow row;
   row.end = end;
   if (requests.empty()) {
@@ -202,7 +202,7 @@ KnuckleRow place_knuckles(std::vector<ChildRequest> requests, double begin, doub
 
 KnuckleRow place_knuckles_between(std::vector<ChildRequest> requests, double begin, double end,
                                   double gap, std::vector<std::pair<double, double>> bends,
-                                  const SurfaceScale& scale) {
+                                  const LengthLimits& scale) {
   std::erase_if(bends, [&](const auto& bend) {
     return bend.first - bend.second <= begin || bend.first + bend.second >= end;
   });

@@ -51,13 +51,13 @@ struct KnuckleRow {
 ///
 /// @param gap desired free length between two knuckles and at the ends.
 KnuckleRow place_knuckles(std::vector<ChildRequest> requests, double begin, double end, double gap,
-                          const SurfaceScale& scale);
+                          const LengthLimits& scale);
 
 /// The same for a limb with sharp bends: no knuckle spans a bend, unless the children between two
 /// bends need more room than there is.
 /// @param bends per sharp bend, in order: its arc length, and the length to keep free beside it.
 KnuckleRow place_knuckles_between(std::vector<ChildRequest> requests, double begin, double end,
                                   double gap, std::vector<std::pair<double, double>> bends,
-                                  const SurfaceScale& scale);
+                                  const LengthLimits& scale);
 
 }  // namespace snowbough::tree

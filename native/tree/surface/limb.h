@@ -42,7 +42,7 @@ struct LimbPart {
 struct LimbPlan {
   const Skeleton& skeleton;
   const std::vector<LimbPath>& paths;
-  SurfaceScale scale;
+  LengthLimits scale;
   SurfaceOptions options;
   /// Per branch: surface_parents, and the children, ascending.
   std::vector<int32_t> parents;

@@ -161,7 +161,7 @@ bool is_shortcut(const LimbPath& child, const Hole& hole, size_t first, size_t j
 
 /// Gives a second stem the stretch of its parent along which both separate. False for others.
 bool leave_as_stem(const PathSearch& search, double attach, const LimbPath& child,
-                   const SurfaceScale& scale, int narrowing_steps, Exit& exit) {
+                   const LengthLimits& scale, int narrowing_steps, Exit& exit) {
   const std::optional<Crotch> crotch = find_crotch(search, attach, child, scale);
   const double length = crotch ? crotch->parent_end - crotch->parent_heel : 0.0;
   if (!crotch) return false;
@@ -186,7 +186,7 @@ bool leave_as_stem(const PathSearch& search, double attach, const LimbPath& chil
 /// A second stem's path from the heel of its crotch on, with its first ring where that is clear of
 /// its parent; empty if it is nowhere within `kStemReach` of its corner radii.
 LimbPath leave_crotch(const LimbPath& child, const Hole& hole, const LimbHull& parent,
-                      const SurfaceScale& scale, int narrowing_steps) {
+                      const LengthLimits& scale, int narrowing_steps) {
   LimbPath path;
   const double narrowing = std::pow(kStemFactor, narrowing_steps);
   const double margin =
@@ -228,7 +228,7 @@ struct FirstRing {
 /// The first joint whose ring, narrowed if necessary, clears the parent, or one soon after it whose
 /// ring also rises from the hole. None: joint 0.
 FirstRing first_ring(const LimbPath& child, const Hole& hole, const LimbHull& parent,
-                     const SurfaceScale& scale, double margin, double narrowing) {
+                     const LengthLimits& scale, double margin, double narrowing) {
   const size_t last = child.points.size() - 1;
   FirstRing first;
   for (size_t i = 1; i <= last; ++i) {
@@ -259,7 +259,7 @@ FirstRing first_ring(const LimbPath& child, const Hole& hole, const LimbHull& pa
 }  // namespace
 
 Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
-               const LimbPath& child, int32_t child_index, const SurfaceScale& scale,
+               const LimbPath& child, int32_t child_index, const LengthLimits& scale,
                int narrowing_steps) {
   const LimbPath& parent = search.path();
   const Crossing crossing = first_outside(search, child);
@@ -306,7 +306,7 @@ Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
 }
 
 LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbHull& parent,
-                      const SurfaceScale& scale, int narrowing_steps) {
+                      const LengthLimits& scale, int narrowing_steps) {
   if (hole.crotch) {
     LimbPath stem = leave_crotch(child, hole, parent, scale, narrowing_steps);
     if (!stem.points.empty()) return stem;

@@ -39,7 +39,7 @@ struct Exit {
 /// @param attach arc length of the child's attach point on the parent's path.
 /// @param narrowing_steps see build_surface.
 Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
-               const LimbPath& child, int32_t child_index, const SurfaceScale& scale,
+               const LimbPath& child, int32_t child_index, const LengthLimits& scale,
                int narrowing_steps);
 
 /// The child's path from its hole on. A second stem begins with its own width on its own
@@ -51,6 +51,6 @@ Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
 /// clear the parent. At least the tip remains.
 /// @param parent the hull of the parent's rings.
 LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbHull& parent,
-                      const SurfaceScale& scale, int narrowing_steps);
+                      const LengthLimits& scale, int narrowing_steps);
 
 }  // namespace snowbough::tree

@@ -51,7 +51,7 @@ struct Nearest {
 };
 
 glm::dvec3 away_from_parent(const Branch& branch, const std::vector<LimbPath>& paths,
-                            const SurfaceScale& scale) {
+                            const LengthLimits& scale) {
   if (branch.parent < 0) {
     return {0.0, 0.0, 1.0};
   }
@@ -102,14 +102,14 @@ void fair(LimbPath& path) {
 
 /// Distance below which two joints are merged. Where the export's limb is thinner than the surface
 /// can be, the surface has no room for joints closer than its thickness.
-double closest_joint(double corner, double next, const SurfaceScale& scale) {
+double closest_joint(double corner, double next, const LengthLimits& scale) {
   const bool thinnest = std::max(corner, next) <= scale.smallest_corner;
   return thinnest ? kThinnestJoints * scale.smallest_corner : scale.coincident;
 }
 
 }  // namespace
 
-SurfaceScale surface_scale(const Skeleton& skeleton) {
+LengthLimits length_limits(const Skeleton& skeleton) {
   if (skeleton.branches.empty()) {
     throw std::invalid_argument("the skeleton has no branches");
   }
@@ -135,7 +135,7 @@ SurfaceScale surface_scale(const Skeleton& skeleton) {
       high = glm::max(high, glm::dvec3(branch.points[i]));
     }
   }
-  SurfaceScale scale;
+  LengthLimits scale;
   scale.height = skeleton.height > 0.0f ? skeleton.height : high.z - low.z;
   // A tree that lies flat, or a skeleton far from upright, is measured by its extent instead.
   scale.height = std::max(scale.height, 0.1 * glm::length(high - low));
@@ -219,7 +219,7 @@ double PathSearch::nearest_length(const glm::dvec3& point) const {
 }
 
 std::vector<LimbPath> limb_paths(const Skeleton& skeleton, const Widths& widths,
-                                 const SurfaceScale& scale) {
+                                 const LengthLimits& scale) {
   std::vector<LimbPath> paths(skeleton.branches.size());
   for (size_t b = 0; b < paths.size(); ++b) {
     const Branch& branch = skeleton.branches[b];

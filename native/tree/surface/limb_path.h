@@ -11,7 +11,7 @@
 namespace snowbough::tree {
 
 /// Length limits of the surface, in metres, all relative to the tree's height.
-struct SurfaceScale {
+struct LengthLimits {
   double height = 1.0;
   /// Points closer than this coincide.
   double coincident = 0.0;
@@ -25,13 +25,13 @@ struct SurfaceScale {
 };
 
 /// @throws std::invalid_argument for a skeleton without branches or with a non-finite position.
-SurfaceScale surface_scale(const Skeleton& skeleton);
+LengthLimits length_limits(const Skeleton& skeleton);
 
 /// A centreline that the surface follows: at least two points, no segment of zero length.
 struct LimbPath {
   std::vector<glm::dvec3> points;
   /// Distance of each corner of the ring from the centre: sqrt(area / 2), so that a square ring
-  /// preserves the limb's volume, and at least SurfaceScale::smallest_corner.
+  /// preserves the limb's volume, and at least LengthLimits::smallest_corner.
   std::vector<double> corners;
   /// Arc length of each point; 0 at the first.
   std::vector<double> lengths;
@@ -50,7 +50,7 @@ void measure(LimbPath& path);
 /// The centreline of every branch without zero-length segments. A branch of a single point becomes
 /// a short segment away from its parent (upwards for a root), so that no branch is lost.
 std::vector<LimbPath> limb_paths(const Skeleton& skeleton, const Widths& widths,
-                                 const SurfaceScale& scale);
+                                 const LengthLimits& scale);
 
 /// Index of the segment that contains arc length `s`, for ascending `lengths`; at a point, the
 /// segment before it.

@@ -44,7 +44,7 @@ bool cut_each_other(const Station& a, const Station& b, double margin) {
 }
 
 std::array<Station, 2> knuckle_stations(const LimbPath& path, const Knuckle& knuckle, int index,
-                                        const SurfaceScale& scale) {
+                                        const LengthLimits& scale) {
   const double length = knuckle.end - knuckle.begin;
   Station begin, end;
   begin.kind = Kind::kKnuckleBegin;
@@ -134,7 +134,7 @@ void tilt_cutting_planes(std::vector<Station>& stations, const StationOptions& o
 }  // namespace
 
 std::vector<std::pair<double, double>> sharp_bends(const LimbPath& path,
-                                                   const SurfaceScale& scale) {
+                                                   const LengthLimits& scale) {
   std::vector<std::pair<double, double>> bends;
   for (size_t i = 1; i + 1 < path.points.size(); ++i) {
     if (bend_cosine(path, i) < kSharp) {
@@ -163,7 +163,7 @@ glm::dvec3 joint_normal(const LimbPath& path, size_t point) {
 }
 
 std::vector<Station> ring_stations(const LimbPath& path, const std::vector<Knuckle>& knuckles,
-                                   const SurfaceScale& scale, const StationOptions& options) {
+                                   const LengthLimits& scale, const StationOptions& options) {
   std::vector<Station> stations;
   stations.reserve(path.points.size() + 2 * knuckles.size());
   Station first;

@@ -40,11 +40,11 @@ struct StationOptions {
 /// and so does one whose ring would cut a knuckle's. Planes that would otherwise cut each other are
 /// tilted.
 std::vector<Station> ring_stations(const LimbPath& path, const std::vector<Knuckle>& knuckles,
-                                   const SurfaceScale& scale, const StationOptions& options);
+                                   const LengthLimits& scale, const StationOptions& options);
 
 /// Joints where the limb turns by more than 60 degrees: arc length, and the length beside them to
 /// keep free of knuckles.
-std::vector<std::pair<double, double>> sharp_bends(const LimbPath& path, const SurfaceScale& scale);
+std::vector<std::pair<double, double>> sharp_bends(const LimbPath& path, const LengthLimits& scale);
 
 /// Normal of the ring at an inner point of a path.
 glm::dvec3 joint_normal(const LimbPath& path, size_t point);

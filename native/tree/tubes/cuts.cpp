@@ -49,7 +49,7 @@ class Cutter {
   }
 
   /// The numbers of pieces for a side error, without their bounds.
-  SurfaceCuts count(double error) {
+  BaseCuts count(double error) {
     cuts_ = {};
     cuts_.across = count_sides(surface_, holes_, height_, settings_.most_sides, error);
     cuts_.along = cut_rows(surface_, holes_, shapes_, turns_, cuts_.across, settings_);
@@ -62,7 +62,7 @@ class Cutter {
   }
 
   /// The same cuts with the bounds of their pieces.
-  SurfaceCuts cut(SurfaceCuts counted) {
+  BaseCuts cut(BaseCuts counted) {
     cuts_ = std::move(counted);
     cuts_.edges.resize(edges_.all.size());
     cut_edges();
@@ -89,13 +89,13 @@ class Cutter {
   }
 
   /// The side of a row, or of an inset, between two patches.
-  /// @param levels  of a row; null for an inset, whose strips are even.
-  /// @param extra  whether it has one more level: with_extra.
-  /// @param down  whether the edge runs against the levels.
-  void set_side(size_t face, int k, const std::vector<double>* levels, int strips, bool extra,
+  /// @param lines  of a row; null for an inset, whose strips are even.
+  /// @param extra  whether it has one more line: with_extra.
+  /// @param down  whether the edge runs against the lines.
+  void set_side(size_t face, int k, const std::vector<double>* lines, int strips, bool extra,
                 bool thinner, int plain, bool down) {
     set_edge(face, k, strips + (extra ? 1 : 0), [&] {
-      std::vector<double> at = levels != nullptr ? *levels : even_pieces(strips);
+      std::vector<double> at = lines != nullptr ? *lines : even_pieces(strips);
       if (extra) at = with_extra(at, thinner, plain);
       if (down) turn_round(at);
       return at;
@@ -112,7 +112,7 @@ class Cutter {
     return odd;
   }
 
-  /// The levels of a row with one more, in the middle of the odd strip.
+  /// The lines of a row with one more, in the middle of the odd strip.
   static std::vector<double> with_extra(const std::vector<double>& at, bool thinner, int plain) {
     std::vector<double> more(at);
     const size_t strip = thinner ? at.size() - 2 - plain : plain;
@@ -150,15 +150,15 @@ class Cutter {
       }
     }
     const std::array<int, 4> odd = odd_corners(low, {high, high, high, high});
-    const std::vector<double>* levels = &cuts_.along.rows[limb][row];
+    const std::vector<double>* lines = &cuts_.along.rows[limb][row];
     const int strips = cuts_.along.strips(limb, row);
     const int plain = cuts_.along.plain[limb][row];
     cuts_.face_plain[face] = low[origin.side] == high ? 0 : plain;
     const int side = origin.side, next = (side + 1) % 4;
     set_evenly(face, 0, low[side]);
-    set_side(face, 1, levels, strips, odd[next] != 0, high == 1, plain, false);
+    set_side(face, 1, lines, strips, odd[next] != 0, high == 1, plain, false);
     set_evenly(face, 2, high);
-    set_side(face, 3, levels, strips, odd[side] != 0, high == 1, plain, true);
+    set_side(face, 3, lines, strips, odd[side] != 0, high == 1, plain, true);
   }
 
   void cut_inset(size_t face, const FaceOrigin& origin) {
@@ -211,19 +211,18 @@ class Cutter {
   std::vector<std::vector<RowSamples>> turns_;
   /// Per junction: the wider part of its side beside the hole, as a fraction.
   std::vector<double> beside_hole_;
-  SurfaceCuts cuts_;
+  BaseCuts cuts_;
 };
 
 }  // namespace
 
-PatchCuts patch_cuts(const SurfaceCuts& cuts, const Edges& edges, size_t face) {
+PatchCuts patch_cuts(const BaseCuts& cuts, const Edges& edges, size_t face) {
   const auto pieces = [&](int k) { return static_cast<int>(cuts.pieces[edges.of_face[face][k]]); };
   return {pieces(0), pieces(1), pieces(2), pieces(3), cuts.face_plain[face]};
 }
 
-SurfaceCuts cut_surface(const Surface& surface, const Edges& edges,
-                        const std::vector<LimbShape>& shapes, double height,
-                        const DetailSettings& settings) {
+BaseCuts cut_base(const Surface& surface, const Edges& edges, const std::vector<LimbShape>& shapes,
+                  double height, const DetailSettings& settings) {
   const auto budget = std::max<int64_t>(
       settings.faces,
       static_cast<int64_t>(settings.per_base * static_cast<double>(surface.quads.size())));
@@ -231,7 +230,7 @@ SurfaceCuts cut_surface(const Surface& surface, const Edges& edges,
   const auto coarser = [&](int step) {
     return cutter.count(settings.side_error * height * std::pow(kCoarser, step));
   };
-  SurfaceCuts cuts = coarser(0);
+  BaseCuts cuts = coarser(0);
   // The first step within the budget, by doubling steps, then bisection.
   int above = 0, step = 1;
   while (cuts.quads > budget && above < kMaxSteps) {
@@ -242,7 +241,7 @@ SurfaceCuts cut_surface(const Surface& surface, const Edges& edges,
   }
   for (int below = step; below - above > 1;) {
     const int middle = (above + below) / 2;
-    SurfaceCuts between = coarser(middle);
+    BaseCuts between = coarser(middle);
     if (between.quads > budget) {
       above = middle;
     } else {

@@ -14,7 +14,7 @@
 namespace snowbough::tree {
 
 /// The subdivision of the four-sided base: pieces of every base edge, shared by both its faces.
-struct SurfaceCuts {
+struct BaseCuts {
   RowCuts along;
   SideCounts across;
   /// Per base edge: the number of its pieces, and their bounds as fractions from its vertex a (the
@@ -28,12 +28,11 @@ struct SurfaceCuts {
 };
 
 /// The pieces of a face's four edges.
-PatchCuts patch_cuts(const SurfaceCuts& cuts, const Edges& edges, size_t face);
+PatchCuts patch_cuts(const BaseCuts& cuts, const Edges& edges, size_t face);
 
 /// Cuts for a level of detail: sides by the limbs' thickness, rows at bends, tapers and junctions,
 /// within the level's budget of faces.
-SurfaceCuts cut_surface(const Surface& surface, const Edges& edges,
-                        const std::vector<LimbShape>& shapes, double height,
-                        const DetailSettings& settings);
+BaseCuts cut_base(const Surface& surface, const Edges& edges, const std::vector<LimbShape>& shapes,
+                  double height, const DetailSettings& settings);
 
 }  // namespace snowbough::tree

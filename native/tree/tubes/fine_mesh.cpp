@@ -34,8 +34,7 @@ FinePlace on_edge(int32_t face, int k, double t) {
 
 class Cut {
  public:
-  Cut(const std::vector<Quad>& quads, size_t vertex_count, const Edges& edges,
-      const SurfaceCuts& cuts)
+  Cut(const std::vector<Quad>& quads, size_t vertex_count, const Edges& edges, const BaseCuts& cuts)
       : quads_(quads), edges_(edges), cuts_(cuts) {
     fine_.vertices.resize(vertex_count);
     for (size_t f = 0; f < quads.size(); ++f) {
@@ -93,8 +92,8 @@ class Cut {
     const int strips = cuts.strips();
     const auto first_inside = static_cast<int32_t>(fine_.vertices.size());
     for (const Patch::Inside& inside : patch_.inside) {
-      const double v = cuts.left == strips ? 1.0 - edge_share(f, 3, strips - inside.level)
-                                           : edge_share(f, 1, inside.level);
+      const double v = cuts.left == strips ? 1.0 - edge_share(f, 3, strips - inside.line)
+                                           : edge_share(f, 1, inside.line);
       fine_.vertices.push_back({face, static_cast<double>(inside.step) / inside.steps, v});
     }
     for (const auto& quad : patch_.quads) {
@@ -135,7 +134,7 @@ class Cut {
 
   const std::vector<Quad>& quads_;
   const Edges& edges_;
-  const SurfaceCuts& cuts_;
+  const BaseCuts& cuts_;
   FineMesh fine_;
   /// Per edge: its first inner vertex.
   std::vector<int32_t> first_on_edge_;
@@ -145,7 +144,7 @@ class Cut {
 }  // namespace
 
 FineMesh cut_quads(const std::vector<Quad>& quads, size_t vertex_count, const Edges& edges,
-                   const SurfaceCuts& cuts) {
+                   const BaseCuts& cuts) {
   return Cut(quads, vertex_count, edges, cuts).cut();
 }
 

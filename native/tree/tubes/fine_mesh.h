@@ -34,7 +34,7 @@ struct FineMesh {
 /// Cuts every base quad according to its edges. A vertex shared by several base quads has its place
 /// on the first of them.
 FineMesh cut_quads(const std::vector<Quad>& quads, size_t vertex_count, const Edges& edges,
-                   const SurfaceCuts& cuts);
+                   const BaseCuts& cuts);
 
 /// Per vertex, 1 if straighten moves it.
 std::vector<uint8_t> between_others(const FineMesh& fine);

@@ -94,7 +94,7 @@ std::vector<int32_t> limb_chains(const Surface& surface, const std::vector<int32
 }
 
 LimbTubes::LimbTubes(const Surface& surface, const std::vector<LimbShape>& shapes,
-                     const SurfaceCuts& cuts, const std::vector<int32_t>& chains)
+                     const BaseCuts& cuts, const std::vector<int32_t>& chains)
     : limbs_(surface.limbs.size()), tubes_(surface.limbs.size()), chains_(chains), cuts_(cuts) {
   std::vector<uint8_t> hole(surface.limbs.size(), 0);
   for (const Junction& junction : surface.junctions) {
@@ -113,20 +113,20 @@ void LimbTubes::add_limb(const LimbShape& shape, const LimbSurface& limb, size_t
   /// Row and fraction of every section.
   std::vector<std::pair<size_t, double>> places;
   for (size_t row = 0; row < shape.row_count(); ++row) {
-    const std::vector<double>& levels = cuts_.along.rows[number][row];
+    const std::vector<double>& lines = cuts_.along.rows[number][row];
     own.rows.push_back(chain.sections.size() - own.first);
     const int high = cuts_.across[number][row + 1];
     const int low = row == 0 && hole ? high : cuts_.across[number][row];
-    const int strips = static_cast<int>(levels.size()) - 1;
+    const int strips = static_cast<int>(lines.size()) - 1;
     const PatchCuts across{low, strips, high, strips, cuts_.along.plain[number][row]};
-    // The last level is the next row's first.
+    // The last line is the next row's first.
     const bool last_row = row + 1 == shape.row_count();
-    for (int level = 0; level < strips + (last_row ? 1 : 0); ++level) {
+    for (int line = 0; line < strips + (last_row ? 1 : 0); ++line) {
       TubeSection& section = chain.sections.emplace_back();
-      section.centre = shape.centre(row, levels[level]);
-      section.sides = 4 * quads_across(across, level);
-      section.radius = shape.radius(row, levels[level]) * corner_factor(section.sides);
-      places.emplace_back(row, levels[level]);
+      section.centre = shape.centre(row, lines[line]);
+      section.sides = 4 * quads_across(across, line);
+      section.radius = shape.radius(row, lines[line]) * corner_factor(section.sides);
+      places.emplace_back(row, lines[line]);
     }
   }
   own.count = chain.sections.size() - own.first;
@@ -147,12 +147,12 @@ void LimbTubes::add_limb(const LimbShape& shape, const LimbSurface& limb, size_t
 
 double LimbTubes::length(int32_t limb, int32_t row, double v) const {
   const Limb& own = limbs_[limb];
-  const std::vector<double>& levels = cuts_.along.rows[limb][row];
-  const auto above = std::upper_bound(levels.begin() + 1, levels.end() - 1, v);
-  const auto level = static_cast<size_t>(above - levels.begin()) - 1;
-  const double t = std::clamp((v - levels[level]) / (levels[level + 1] - levels[level]), 0.0, 1.0);
+  const std::vector<double>& lines = cuts_.along.rows[limb][row];
+  const auto above = std::upper_bound(lines.begin() + 1, lines.end() - 1, v);
+  const auto line = static_cast<size_t>(above - lines.begin()) - 1;
+  const double t = std::clamp((v - lines[line]) / (lines[line + 1] - lines[line]), 0.0, 1.0);
   const std::vector<double>& lengths = tubes_[chains_[limb]].lengths;
-  const size_t i = own.first + own.rows[row] + level;
+  const size_t i = own.first + own.rows[row] + line;
   return mix(lengths[i], lengths[i + 1], t);
 }
 

@@ -41,12 +41,12 @@ struct TubePlace {
 /// branch.
 std::vector<int32_t> limb_chains(const Surface& surface, const std::vector<int32_t>& parents);
 
-/// All limbs as round sections at the levels where their rows are cut. The surface is linear
+/// All limbs as round sections at the lines where their rows are cut. The surface is linear
 /// between two sections and extended straight before the first, for limbs that begin inside their
 /// parent.
 class LimbTubes {
  public:
-  LimbTubes(const Surface& surface, const std::vector<LimbShape>& shapes, const SurfaceCuts& cuts,
+  LimbTubes(const Surface& surface, const std::vector<LimbShape>& shapes, const BaseCuts& cuts,
             const std::vector<int32_t>& chains);
 
   int32_t chain(int32_t limb) const { return chains_[limb]; }
@@ -96,7 +96,7 @@ class LimbTubes {
   /// Per branch; only filled for the first of a chain.
   std::vector<Chain> tubes_;
   std::vector<int32_t> chains_;
-  const SurfaceCuts& cuts_;
+  const BaseCuts& cuts_;
 };
 
 }  // namespace snowbough::tree

@@ -27,29 +27,29 @@ void check(const PatchCuts& cuts) {
   }
 }
 
-/// Numbers a patch's vertices by level and step.
-class Levels {
+/// Numbers a patch's vertices by line and step.
+class Lines {
  public:
-  Levels(const PatchCuts& cuts, Patch& patch) : cuts_(cuts), strips_(cuts.strips()) {
+  Lines(const PatchCuts& cuts, Patch& patch) : cuts_(cuts), strips_(cuts.strips()) {
     odd_ = is_odd(cuts.low, cuts.high) ? odd_strip(cuts) : strips_;
     first_inside_.assign(strips_ + 1, 0);
-    for (int level = 1; level < strips_; ++level) {
-      first_inside_[level] = static_cast<int32_t>(patch.inside.size());
-      const int across = at(level);
+    for (int line = 1; line < strips_; ++line) {
+      first_inside_[line] = static_cast<int32_t>(patch.inside.size());
+      const int across = at(line);
       for (int step = 1; step < across; ++step) {
-        patch.inside.push_back({level, step, across});
+        patch.inside.push_back({line, step, across});
       }
     }
   }
 
-  int at(int level) const { return quads_across(cuts_, level); }
+  int at(int line) const { return quads_across(cuts_, line); }
 
-  PatchVertex vertex(int level, int step) const {
-    if (level == 0) return {Place::kLow, step};
-    if (level == strips_) return {Place::kHigh, step};
-    if (step == 0) return {Place::kLeft, on_side(level, cuts_.left)};
-    if (step == at(level)) return {Place::kRight, on_side(level, cuts_.right)};
-    return {Place::kInside, first_inside_[level] + step - 1};
+  PatchVertex vertex(int line, int step) const {
+    if (line == 0) return {Place::kLow, step};
+    if (line == strips_) return {Place::kHigh, step};
+    if (step == 0) return {Place::kLeft, on_side(line, cuts_.left)};
+    if (step == at(line)) return {Place::kRight, on_side(line, cuts_.right)};
+    return {Place::kInside, first_inside_[line] + step - 1};
   }
 
   /// The additional vertex beside the odd strip.
@@ -59,8 +59,8 @@ class Levels {
   bool extra_is_left() const { return cuts_.left > cuts_.right; }
 
  private:
-  int on_side(int level, int pieces) const {
-    return pieces > strips_ && level > odd_ ? level + 1 : level;
+  int on_side(int line, int pieces) const {
+    return pieces > strips_ && line > odd_ ? line + 1 : line;
   }
 
   PatchCuts cuts_;
@@ -79,11 +79,11 @@ bool is_odd(int low, int high) {
   return low != high && std::min(low, high) == 1;
 }
 
-int quads_across(const PatchCuts& cuts, int level) {
+int quads_across(const PatchCuts& cuts, int line) {
   const int steps = halvings(cuts.low, cuts.high);
   return cuts.high < cuts.low
-             ? cuts.low >> std::clamp(level - (cuts.strips() - steps - cuts.plain), 0, steps)
-             : cuts.low << std::clamp(level - cuts.plain, 0, steps);
+             ? cuts.low >> std::clamp(line - (cuts.strips() - steps - cuts.plain), 0, steps)
+             : cuts.low << std::clamp(line - cuts.plain, 0, steps);
 }
 
 int odd_strip(const PatchCuts& cuts) {
@@ -106,24 +106,24 @@ void cut_patch(const PatchCuts& cuts, Patch& patch) {
   check(cuts);
   patch.quads.clear();
   patch.inside.clear();
-  const Levels levels(cuts, patch);
+  const Lines lines(cuts, patch);
   auto& quads = patch.quads;
   for (int strip = 0; strip < cuts.strips(); ++strip) {
-    const int across = levels.at(strip), above = levels.at(strip + 1);
-    const auto a = [&](int step) { return levels.vertex(strip, step); };
-    const auto b = [&](int step) { return levels.vertex(strip + 1, step); };
-    const PatchVertex x = levels.extra();
+    const int across = lines.at(strip), above = lines.at(strip + 1);
+    const auto a = [&](int step) { return lines.vertex(strip, step); };
+    const auto b = [&](int step) { return lines.vertex(strip + 1, step); };
+    const PatchVertex x = lines.extra();
     if (across == above) {
       for (int i = 0; i < across; ++i) {
         quads.push_back({a(i), a(i + 1), b(i + 1), b(i)});
       }
-    } else if (across == 1 && levels.extra_is_left()) {
+    } else if (across == 1 && lines.extra_is_left()) {
       quads.push_back({a(0), a(1), b(2), b(1)});
       quads.push_back({x, a(0), b(1), b(0)});
     } else if (across == 1) {
       quads.push_back({a(0), a(1), b(1), b(0)});
       quads.push_back({x, b(2), b(1), a(1)});
-    } else if (above == 1 && levels.extra_is_left()) {
+    } else if (above == 1 && lines.extra_is_left()) {
       quads.push_back({a(1), a(2), b(1), b(0)});
       quads.push_back({x, a(0), a(1), b(0)});
     } else if (above == 1) {

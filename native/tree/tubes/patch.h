@@ -30,8 +30,8 @@ int halvings(int a, int b);
 /// Whether the left and right edges must differ by one.
 bool is_odd(int low, int high);
 
-/// Number of quads across between low and high, at level 0 (low) to `strips` (high).
-int quads_across(const PatchCuts& cuts, int level);
+/// Number of quads across between low and high, at line 0 (low) to `strips` (high).
+int quads_across(const PatchCuts& cuts, int line);
 
 /// The strip between one quad and two in an odd patch.
 int odd_strip(const PatchCuts& cuts);
@@ -51,9 +51,9 @@ struct PatchVertex {
 /// between 0 and 2 have an area.
 struct Patch {
   std::vector<std::array<PatchVertex, 4>> quads;
-  /// Per inner vertex: its level, and its step of `steps` across.
+  /// Per inner vertex: its line, and its step of `steps` across.
   struct Inside {
-    int level = 0, step = 0, steps = 0;
+    int line = 0, step = 0, steps = 0;
   };
   std::vector<Inside> inside;
 };

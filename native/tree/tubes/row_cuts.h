@@ -12,7 +12,7 @@ namespace snowbough::tree {
 
 /// The cuts of all limbs' rows along the limb.
 struct RowCuts {
-  /// Per limb and row: fractions of the row at its levels, from 0 to 1.
+  /// Per limb and row: fractions of the row at its lines, from 0 to 1.
   std::vector<std::vector<std::vector<double>>> rows;
   /// Per limb and row: number of strips, from the end with fewer quads across, before the number
   /// changes.

@@ -20,7 +20,7 @@ namespace snowbough::tree {
 /// - a strip longer than the map is cut between two rows, if possible not where a child continues.
 /// The scale is nearly the largest at which all charts fit: see lay_out_charts.
 ///
-/// @param mesh  the level-0 mesh with quads, origins and vertices as in FaceOrigin. Fills uv_snow,
+/// @param mesh  the base mesh with quads, origins and vertices as in FaceOrigin. Fills uv_snow,
 ///   one entry per quad, and may add to warnings.
 /// @param skeleton  the tree from which the mesh was built: origins index its branches.
 /// @param snow_resolution  side of the map in texels, 16 to 16384. If the charts do not fit, the

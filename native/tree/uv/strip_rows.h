@@ -62,7 +62,7 @@ struct Strip {
   int32_t tip_cap = -1;
 };
 
-/// Sorts the quads of a level-0 mesh into strips, in the order of their first branches.
+/// Sorts the quads of a base mesh into strips, in the order of their first branches.
 /// @throws std::invalid_argument if the origins contradict the quads.
 std::vector<Strip> collect_strips(const TreeMesh& mesh, const Skeleton& skeleton);
 

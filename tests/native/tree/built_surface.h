@@ -13,14 +13,14 @@ namespace snowbough::tree {
 
 /// A skeleton's surface before relief, and its inputs.
 struct Built {
-  SurfaceScale scale;
+  LengthLimits scale;
   std::vector<LimbPath> paths;
   Surface surface;
 };
 
 inline Built build(const Skeleton& skeleton) {
   Built built;
-  built.scale = surface_scale(skeleton);
+  built.scale = length_limits(skeleton);
   built.paths = limb_paths(skeleton, limb_widths(skeleton, {}), built.scale);
   built.surface = build_surface(skeleton, built.paths, built.scale, {},
                                 std::vector<uint8_t>(built.paths.size(), 0));

@@ -219,17 +219,18 @@ inline TriangleSoup marched_surface(const std::function<float(const glm::vec3&)>
             (values[number(c)] < 0.0f ? inside : outside).push_back(c);
           }
           if (inside.empty() || outside.empty()) continue;
-          std::vector<int32_t> rim;
+          std::vector<int32_t> collar;
           if (inside.size() == 2) {
-            rim = {crossing(inside[0], outside[0]), crossing(inside[0], outside[1]),
-                   crossing(inside[1], outside[1]), crossing(inside[1], outside[0])};
+            collar = {crossing(inside[0], outside[0]), crossing(inside[0], outside[1]),
+                      crossing(inside[1], outside[1]), crossing(inside[1], outside[0])};
           } else {
             const bool one = inside.size() == 1;
             for (const glm::ivec3& c : one ? outside : inside) {
-              rim.push_back(crossing(one ? inside[0] : outside[0], c));
+              collar.push_back(crossing(one ? inside[0] : outside[0], c));
             }
           }
-          for (size_t k = 1; k + 1 < rim.size(); ++k) soup.add_triangle(rim[0], rim[k], rim[k + 1]);
+          for (size_t k = 1; k + 1 < collar.size(); ++k)
+            soup.add_triangle(collar[0], collar[k], collar[k + 1]);
         }
       }
     }

@@ -76,7 +76,7 @@ WITHOUT_BLENDER = (
     "gltf.impostor",
     "gltf.quantise",
     "gltf.snow_maps",
-    "gltf.surface",
+    "gltf.triangle_mesh",
     "gltf.texels",
     "gltf.thinning",
     "gltf.tree_data",

@@ -77,19 +77,19 @@ SNOWBOUGH_WIDE void dry_run(const float* __restrict height, const float* __restr
 
 void Water::lay_out(const SceneRays& rays) {
   rays_ = &rays;
-  surfaces_.assign(rays.objects().size(), {});
+  films_.assign(rays.objects().size(), {});
   drips_.clear();
 }
 
 void Water::forget_pose(size_t object) {
-  surfaces_[object].next.clear();
-  surfaces_[object].area.clear();
+  films_[object].next.clear();
+  films_[object].area.clear();
   // Drops may fall onto any object.
-  for (Surface& own : surfaces_) own.targets.clear();
+  for (Film& own : films_) own.targets.clear();
 }
 
 void Water::find_ways(size_t object, Repose& repose) {
-  Surface& own = surfaces_[object];
+  Film& own = films_[object];
   if (!own.next.empty()) return;
   const BareTexels& bare = repose.bare();
   const size_t count = bare.x.size();
@@ -123,7 +123,7 @@ void Water::find_ways(size_t object, Repose& repose) {
 /// returned, to `spread_` as volumes.
 float Water::soak_sideways(const MeltSettings& settings, double dt, const LinkedRuns& runs,
                            const std::vector<int32_t>& places, const ReposeLinks& links,
-                           double area, Surface& own) {
+                           double area, Film& own) {
   if (!(area > 0.0)) return 0.0f;
   // Mean square of the way along an axis in texels, and that of the spread over a square.
   const double wanted =
@@ -168,7 +168,7 @@ MapPoint Water::below(size_t object, int32_t from, int32_t texel, Repose& repose
 }
 
 void Water::run_down(const MeltSettings& settings, size_t object, Repose& repose) {
-  Surface& own = surfaces_[object];
+  Film& own = films_[object];
   const auto soak = static_cast<float>(settings.soak);
   for (const int32_t texel : own.order) {
     const auto i = static_cast<size_t>(texel);
@@ -192,7 +192,7 @@ void Water::run_down(const MeltSettings& settings, size_t object, Repose& repose
 void Water::flow(const MeltSettings& settings, double dt, const std::vector<float>& melted,
                  const std::vector<float>* sun, const std::vector<float>* rain,
                  const MovingMap& map, Repose& repose, const LinkedRuns& runs) {
-  Surface& own = surfaces_[map.object];
+  Film& own = films_[map.object];
   const std::vector<int32_t>& places = rays_->objects()[map.object]->table->texel;
   const bool rains = settings.rain > 0.0 && rain != nullptr;
   if (own.area.empty()) own.area = repose.bare().area;
@@ -220,8 +220,8 @@ void Water::flow(const MeltSettings& settings, double dt, const std::vector<floa
 
 void Water::drip(bool lands) {
   for (const Drip& drop : drips_) {
-    Surface* const own =
-        lands && drop.object >= 0 ? &surfaces_[static_cast<size_t>(drop.object)] : nullptr;
+    Film* const own =
+        lands && drop.object >= 0 ? &films_[static_cast<size_t>(drop.object)] : nullptr;
     const int32_t texel =
         own == nullptr || drop.place < 0
             ? -1
@@ -235,7 +235,7 @@ void Water::drip(bool lands) {
 }
 
 std::vector<float> Water::state(size_t object) const {
-  const Surface& own = surfaces_[object];
+  const Film& own = films_[object];
   if (own.depth.empty()) return {};
   const TexelTable& table = *rays_->objects()[object]->table;
   const auto side = static_cast<size_t>(table.resolution);
@@ -247,7 +247,7 @@ std::vector<float> Water::state(size_t object) const {
 }
 
 void Water::set_state(size_t object, const std::vector<float>* plane) {
-  std::vector<float>& depth = surfaces_[object].depth;
+  std::vector<float>& depth = films_[object].depth;
   depth.clear();
   if (plane == nullptr) return;
   for (const int32_t place : rays_->objects()[object]->table->texel) {

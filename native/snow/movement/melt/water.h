@@ -36,7 +36,7 @@ class Water {
  private:
   /// Ends of ways: a texel, from whose lower side water drips.
   static constexpr int32_t kStays = -1;
-  struct Surface {
+  struct Film {
     /// By texel, empty before there is any.
     std::vector<float> depth;
     /// Of the current pose; empty: not known. By texel: the next one down, kStays, or -2 - outlet;
@@ -55,12 +55,12 @@ class Water {
   void find_ways(size_t object, Repose& repose);
   float soak_sideways(const MeltSettings& settings, double dt, const LinkedRuns& runs,
                       const std::vector<int32_t>& places, const ReposeLinks& links, double area,
-                      Surface& own);
+                      Film& own);
   void run_down(const MeltSettings& settings, size_t object, Repose& repose);
   MapPoint below(size_t object, int32_t from, int32_t texel, Repose& repose) const;
 
   const SceneRays* rays_ = nullptr;
-  std::vector<Surface> surfaces_;
+  std::vector<Film> films_;
   std::vector<Drip> drips_;
   /// By texel; a member to keep its memory.
   std::vector<float> spread_;

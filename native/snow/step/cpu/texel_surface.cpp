@@ -15,7 +15,7 @@ struct Surface {
 #include "shaders/lib/texel_surface.h"
 };
 
-/// Surface::SurfaceSums of a group's texels: area, up and upper in one vector, so that a fragment
+/// Surface::FragmentSums of a group's texels: area, up and upper in one vector, so that a fragment
 /// is added at once; and back_up and back_upper, only used with two-sided triangles.
 struct GroupSums {
   alignas(16) std::array<std::array<float, 4>, kTexelGroup> front;

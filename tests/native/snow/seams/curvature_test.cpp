@@ -154,7 +154,7 @@ Shown shown(const LaidOutMesh& mesh, const std::function<float(glm::vec3)>& dept
     result.held += double{seams.texel_area[i]} * depth(at);
   }
   result.uncorrected = displaced_volume(mesh, map, 6);
-  OutputSurface surface;
+  OutputPose surface;
   surface.layers = std::make_shared<const std::vector<LayerTerms>>(
       layer_terms(mesh.topology.triangles, smooth(mesh.topology), mesh.positions));
   const MapOutput output = CpuFilter(table, seams, {0.0f}).run(map, surface);

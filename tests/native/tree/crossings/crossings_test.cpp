@@ -24,7 +24,7 @@ constexpr uint32_t kSeeds = 60;
 struct Plan {
   explicit Plan(const Skeleton& tree)
       : skeleton(tree),
-        scale(surface_scale(tree)),
+        scale(length_limits(tree)),
         paths(limb_paths(tree, limb_widths(tree, {}), scale)) {}
 
   Surface build() const {
@@ -32,7 +32,7 @@ struct Plan {
   }
 
   Skeleton skeleton;
-  SurfaceScale scale;
+  LengthLimits scale;
   std::vector<LimbPath> paths;
 };
 

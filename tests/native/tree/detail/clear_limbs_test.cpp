@@ -7,10 +7,10 @@
 #include <numeric>
 #include <vector>
 
-#include "native/tree/rims/built_tubes.h"
+#include "native/tree/collars/built_tubes.h"
 #include "tree/build_tree_mesh.h"
+#include "tree/collars/places.h"
 #include "tree/crossings/whole.h"
-#include "tree/rims/places.h"
 #include "tree/tubes/fine_mesh.h"
 
 namespace snowbough::tree {

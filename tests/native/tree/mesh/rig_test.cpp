@@ -32,9 +32,9 @@ TEST(Weights, FollowFromWhereTheRingStands) {
   EXPECT_THAT(weights.weights[tip], ElementsAre(1.0f, 0.0f, 0.0f, 0.0f));
   const int32_t knuckle = limb.rings[built.surface.junctions[0].row].vertices[0];
   EXPECT_THAT(weights.indices[knuckle], ElementsAre(5, 0, 0, 0));
-  const int32_t rim = built.surface.limbs[1].rings[0].vertices[0];
-  EXPECT_THAT(weights.indices[rim], ElementsAre(5, 10, 0, 0));
-  EXPECT_THAT(weights.weights[rim], ElementsAre(0.5f, 0.5f, 0.0f, 0.0f));
+  const int32_t collar = built.surface.limbs[1].rings[0].vertices[0];
+  EXPECT_THAT(weights.indices[collar], ElementsAre(5, 10, 0, 0));
+  EXPECT_THAT(weights.weights[collar], ElementsAre(0.5f, 0.5f, 0.0f, 0.0f));
 }
 
 TEST(Bones, AChildHangsOnTheBoneThatEndsWhereItSits) {

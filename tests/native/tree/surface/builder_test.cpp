@@ -33,11 +33,11 @@ void expect_same(const Surface& a, const Surface& b) {
 struct PlannedTree {
   explicit PlannedTree(uint32_t seed)
       : skeleton(RandomSkeleton(seed).make()),
-        scale(surface_scale(skeleton)),
+        scale(length_limits(skeleton)),
         paths(limb_paths(skeleton, limb_widths(skeleton, {}), scale)) {}
 
   Skeleton skeleton;
-  SurfaceScale scale;
+  LengthLimits scale;
   std::vector<LimbPath> paths;
 };
 

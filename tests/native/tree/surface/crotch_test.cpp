@@ -27,7 +27,7 @@ Branch stem(float radius, double angle, double around = 0.0) {
 
 std::optional<Crotch> crotch_of(const Branch& child) {
   const Skeleton skeleton = make_skeleton({trunk(0.2f), child});
-  const SurfaceScale scale = surface_scale(skeleton);
+  const LengthLimits scale = length_limits(skeleton);
   const std::vector<LimbPath> paths = limb_paths(skeleton, limb_widths(skeleton, {}), scale);
   return find_crotch(PathSearch(paths[0]), 5.0, paths[1], scale);
 }
@@ -125,7 +125,7 @@ TEST(Crotch, OfStemsSideBySideBeginsLate) {
 
 TEST(Crotch, UpToTheHeelALimbHasTheAreaOfTheStemBesideIt) {
   const Skeleton skeleton = make_skeleton({trunk(0.2f), stem(0.2f, 7.0)});
-  const SurfaceScale scale = surface_scale(skeleton);
+  const LengthLimits scale = length_limits(skeleton);
   const std::vector<LimbPath> paths = limb_paths(skeleton, limb_widths(skeleton, {}), scale);
   const LimbPath joined = join_stems(skeleton, paths, scale)[0];
   const std::optional<Crotch> crotch = crotch_of(skeleton.branches[1]);
@@ -152,7 +152,7 @@ TEST(Crotch, IsNotOfAChildThatStaysInsideItsParent) {
 TEST(Crotch, OfThreeStemsTheNearestTwoSeparateLast) {
   const Skeleton skeleton = make_skeleton({trunk(0.2f), stem(0.18f, 20.0), stem(0.18f, 20.0, 40.0),
                                            stem(0.18f, 20.0, 180.0), stem(0.05f, 20.0, 30.0)});
-  const SurfaceScale scale = surface_scale(skeleton);
+  const LengthLimits scale = length_limits(skeleton);
   const std::vector<LimbPath> paths = limb_paths(skeleton, limb_widths(skeleton, {}), scale);
   EXPECT_EQ(surface_parents(skeleton, paths, scale), (std::vector<int32_t>{-1, 0, 1, 0, 0}));
 }

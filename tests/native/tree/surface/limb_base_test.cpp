@@ -52,7 +52,7 @@ TEST(Surface, NoSliverLiesAcrossALimbBesideAHole) {
 /// Width of the second limb's base after narrowing steps, relative to none.
 double narrowed_width(float radius, uint8_t steps) {
   const Skeleton skeleton = make_skeleton({trunk(), side_branch(5.5f, radius)});
-  const SurfaceScale scale = surface_scale(skeleton);
+  const LengthLimits scale = length_limits(skeleton);
   const std::vector<LimbPath> paths = limb_paths(skeleton, limb_widths(skeleton, {}), scale);
   const auto width = [&](uint8_t of) {
     const Surface surface = build_surface(skeleton, paths, scale, {}, {0, of});

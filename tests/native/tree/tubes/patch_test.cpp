@@ -46,7 +46,7 @@ glm::dvec2 place(const PatchVertex& vertex, const PatchCuts& cuts, const Patch& 
     default: {
       const Patch::Inside& inside = patch.inside[vertex.index];
       return {static_cast<double>(inside.step) / inside.steps,
-              static_cast<double>(inside.level) / cuts.strips()};
+              static_cast<double>(inside.line) / cuts.strips()};
     }
   }
 }

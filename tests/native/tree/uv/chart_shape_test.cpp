@@ -117,7 +117,7 @@ TEST(Charts, AFootprintHasACellInEveryColumn) {
 
 TEST(BarkUvs, GoOnceRoundAndGrowByLengthOverCircumference) {
   const Skeleton skeleton = make_skeleton({trunk()});
-  const SurfaceScale scale = surface_scale(skeleton);
+  const LengthLimits scale = length_limits(skeleton);
   const std::vector<LimbPath> paths = limb_paths(skeleton, limb_widths(skeleton, {}), scale);
   const Surface surface = build_surface(skeleton, paths, scale, {}, {0});
   const std::vector<QuadUv> uvs = layout_bark_uvs(surface);

@@ -130,7 +130,7 @@ TexelFragments fragments_of(const TexelTable& table, int32_t i) {
 void add_by_fragments(kernel::PlainGain& plain, const SceneObject& object, TexelFragments own,
                       bool adds_to_gain, shared::TexelStep& step) {
   const TexelTable& table = *object.table;
-  kernel::PlainGain::SurfaceSums sums{};
+  kernel::PlainGain::FragmentSums sums{};
   bool front = false;
   bool back = false;
   for (size_t f = own.begin; f < own.end; ++f) {

@@ -1,4 +1,4 @@
-#include "tree/rims/cones.h"
+#include "tree/collars/cones.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "native/tree/rims/built_tubes.h"
+#include "native/tree/collars/built_tubes.h"
 
 namespace snowbough::tree {
 namespace {

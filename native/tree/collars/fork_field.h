@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "tree/rims/cones.h"
+#include "tree/collars/cones.h"
 #include "tree/surface/surface.h"
 #include "tree/tubes/limb_tubes.h"
 

@@ -1,4 +1,4 @@
-#include "tree/rims/rims.h"
+#include "tree/collars/collars.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,9 +14,9 @@ constexpr double kFilletHeight = 0.25;
 constexpr int kMaxRaySteps = 60;
 constexpr double kShortestStep = 0.03;
 constexpr double kNear = 2e-3;
-/// Minimum jump between a rim's points, in the same radii.
+/// Minimum jump between a collar's points, in the same radii.
 constexpr double kJump = 0.35;
-/// Search window for a rim's place on the parent, in reaches of the fork.
+/// Search window for a collar's place on the parent, in reaches of the fork.
 constexpr double kWindow = 2.0;
 /// Maximum length along which a child's side that begins outside its parent is followed, in the
 /// same radii.
@@ -27,8 +27,8 @@ constexpr double kDeepest = 0.1;
 constexpr double kHighest = 0.3;
 /// Maximum distance of its beginning inwards from the base's, in radii.
 constexpr double kInwards = 1.2;
-/// Relaxation passes per point of a rim, times the number of points: a rim that is fixed at its
-/// ends converges as a whole.
+/// Relaxation passes per point of a collar, times the number of points: a collar that is fixed at
+/// its ends converges as a whole.
 constexpr size_t kStretches = 2;
 
 /// One of the child's straight sides, offset from it.
@@ -91,11 +91,11 @@ class Side {
   double quarter_;
 };
 
-/// Removes jumps from lengths around a rim, where sides graze the parent: replaces a value by the
-/// median of it and its neighbours if that differs by more than `jump`.
+/// Removes jumps from lengths around a collar, where sides graze the parent: replaces a value by
+/// the median of it and its neighbours if that differs by more than `jump`.
 void remove_jumps(double jump, std::vector<double>& lengths) {
   const size_t count = lengths.size();
-  // A rim of eight points has only its own shape.
+  // A collar of eight points has only its own shape.
   for (size_t pass = 8; pass < 2 * count; pass *= 2) {
     const std::vector<double> from(lengths);
     for (size_t i = 0; i < count && count > 8; ++i) {
@@ -106,8 +106,8 @@ void remove_jumps(double jump, std::vector<double>& lengths) {
   }
 }
 
-/// Pulls a rim tight like a string between its points' minimum and maximum lengths, so that it has
-/// corners only where necessary.
+/// Pulls a collar tight like a string between its points' minimum and maximum lengths, so that it
+/// has corners only where necessary.
 void stretch(const std::vector<double>& least, const std::vector<double>& greatest,
              std::vector<double>& lengths) {
   const size_t count = lengths.size();
@@ -121,21 +121,22 @@ void stretch(const std::vector<double>& least, const std::vector<double>& greate
   }
 }
 
-/// Spaces a rim's points evenly along its line, with the smallest possible rotation around the
+/// Spaces a collar's points evenly along its line, with the smallest possible rotation around the
 /// child.
-void space_evenly(const Fork& fork, const LimbTubes& tubes, Rim& rim) {
-  const size_t count = rim.size();
+void space_evenly(const Fork& fork, const LimbTubes& tubes, Collar& collar) {
+  const size_t count = collar.size();
   std::vector<double> lengths(count + 1, 0.0);
   for (size_t i = 0; i < count; ++i) {
-    lengths[i + 1] = lengths[i] + glm::distance(rim[i].position, rim[(i + 1) % count].position);
+    lengths[i + 1] =
+        lengths[i] + glm::distance(collar[i].position, collar[(i + 1) % count].position);
   }
   const double around = lengths[count];
-  if (rim.empty() || around <= 0.0) return;
+  if (collar.empty() || around <= 0.0) return;
   double offset = 0.0;
-  for (size_t i = 0; i < count; ++i) offset += lengths[i] / around - 0.25 * rim[i].quarter;
+  for (size_t i = 0; i < count; ++i) offset += lengths[i] / around - 0.25 * collar[i].quarter;
   offset /= static_cast<double>(count);
-  const Rim from(rim);
-  for (RimPoint& point : rim) {
+  const Collar from(collar);
+  for (CollarPoint& point : collar) {
     const double share = 0.25 * point.quarter + offset;
     const double rounds = std::floor(share);
     const double place = (share - rounds) * around;
@@ -152,8 +153,8 @@ void space_evenly(const Fork& fork, const LimbTubes& tubes, Rim& rim) {
   }
 }
 
-/// Arc length on the child next to a rim's point of the base.
-double base_length(const Fork& fork, const LimbTubes& tubes, const RimPoint& point) {
+/// Arc length on the child next to a collar's point of the base.
+double base_length(const Fork& fork, const LimbTubes& tubes, const CollarPoint& point) {
   const glm::dvec3 start = tubes.centre(fork.child_chain, 0.0);
   const glm::dvec3 axis = tubes.centre(fork.child_chain, fork.radius) - start;
   const glm::dvec3 off = tubes.at(fork.parent_chain, point.base) - start;
@@ -162,9 +163,9 @@ double base_length(const Fork& fork, const LimbTubes& tubes, const RimPoint& poi
 
 }  // namespace
 
-void meet_limbs(const Fork& fork, const LimbTubes& tubes, double farthest, Rim& rim) {
+void meet_limbs(const Fork& fork, const LimbTubes& tubes, double farthest, Collar& collar) {
   std::vector<double> lengths, least, greatest;
-  for (const RimPoint& point : rim) {
+  for (const CollarPoint& point : collar) {
     const Side side(fork, tubes, point.quarter);
     const double low = side.rises_to(-kDeepest * fork.radius, farthest);
     const double high = side.rises_to(kHighest * fork.radius, farthest);
@@ -176,12 +177,12 @@ void meet_limbs(const Fork& fork, const LimbTubes& tubes, double farthest, Rim& 
   }
   remove_jumps(kJump * fork.radius, lengths);
   stretch(least, greatest, lengths);
-  for (size_t i = 0; i < rim.size(); ++i) {
-    rim[i].length = lengths[i];
-    rim[i].position = Side(fork, tubes, rim[i].quarter).at(lengths[i]);
+  for (size_t i = 0; i < collar.size(); ++i) {
+    collar[i].length = lengths[i];
+    collar[i].position = Side(fork, tubes, collar[i].quarter).at(lengths[i]);
   }
-  space_evenly(fork, tubes, rim);
-  for (RimPoint& point : rim) {
+  space_evenly(fork, tubes, collar);
+  for (CollarPoint& point : collar) {
     point.target =
         tubes.nearest(fork.parent_chain, point.position, point.base, kWindow * fork.reach);
   }

@@ -1,23 +1,23 @@
-#include "tree/rims/unrolled_limbs.h"
+#include "tree/collars/unrolled_limbs.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <utility>
 
-#include "native/tree/rims/built_tubes.h"
+#include "native/tree/collars/built_tubes.h"
 
 namespace snowbough::tree {
 namespace {
 
 constexpr int kAround = 16, kAlong = 21;
 
-/// The trunk of a fork as a regular grid with a hole of two by two faces in it, whose rim is to
+/// The trunk of a fork as a regular grid with a hole of two by two faces in it, whose collar is to
 /// move by `distance` metres along the trunk.
 struct GridWithHole {
   BuiltTubes built{make_skeleton({trunk(0.2f), side_branch(5.5f, 0.1f)})};
   UnrolledLimbs unrolled;
-  std::vector<Rim> rims{1};
+  std::vector<Collar> collars{1};
 
   static int32_t vertex(int around, int along) { return along * kAround + around % kAround; }
 
@@ -34,31 +34,31 @@ struct GridWithHole {
         }
       }
     }
-    constexpr std::pair<int, int> kRim[] = {{8, 9},   {9, 9},  {10, 9}, {10, 10},
-                                            {10, 11}, {9, 11}, {8, 11}, {8, 10}};
-    for (const auto& [x, y] : kRim) {
-      RimPoint point;
+    constexpr std::pair<int, int> kCollar[] = {{8, 9},   {9, 9},  {10, 9}, {10, 10},
+                                               {10, 11}, {9, 11}, {8, 11}, {8, 10}};
+    for (const auto& [x, y] : kCollar) {
+      CollarPoint point;
       point.vertex = vertex(x, y);
       point.base = point.target = unrolled.places[point.vertex];
       point.target.length += distance;
-      rims[0].push_back(point);
+      collars[0].push_back(point);
     }
   }
 
-  void move() { move_rims(rims, built.forks, built.tubes, 1, unrolled); }
+  void move() { move_collars(collars, built.forks, built.tubes, 1, unrolled); }
 };
 
-TEST(UnrolledLimbs, ARimThatHasRoomReachesItsTarget) {
+TEST(UnrolledLimbs, ACollarThatHasRoomReachesItsTarget) {
   GridWithHole grid(0.2);
   grid.move();
-  for (const RimPoint& point : grid.rims[0]) {
+  for (const CollarPoint& point : grid.collars[0]) {
     EXPECT_DOUBLE_EQ(grid.unrolled.shares[point.vertex], 1.0);
     EXPECT_NEAR(grid.unrolled.places[point.vertex].length, point.target.length, 1e-12);
     EXPECT_NEAR(grid.unrolled.places[point.vertex].quarter, point.target.quarter, 1e-12);
   }
 }
 
-TEST(UnrolledLimbs, WhatLiesBeforeARimGivesWayInItsOrder) {
+TEST(UnrolledLimbs, WhatLiesBeforeACollarGivesWayInItsOrder) {
   GridWithHole grid(0.3);
   grid.move();
   for (int x = 8; x <= 10; ++x) {
@@ -71,12 +71,12 @@ TEST(UnrolledLimbs, WhatLiesBeforeARimGivesWayInItsOrder) {
   }
 }
 
-TEST(UnrolledLimbs, ARimWithoutRoomStaysBehind) {
+TEST(UnrolledLimbs, ACollarWithoutRoomStaysBehind) {
   // Past the end of the grid, which is fixed 0.8 m further up.
   GridWithHole grid(2.0);
   grid.move();
   double least = 1.0;
-  for (const RimPoint& point : grid.rims[0]) {
+  for (const CollarPoint& point : grid.collars[0]) {
     least = std::min(least, grid.unrolled.shares[point.vertex]);
     EXPECT_LT(grid.unrolled.places[point.vertex].length, 5.5 + 0.08 * (kAlong / 2));
   }
@@ -85,23 +85,23 @@ TEST(UnrolledLimbs, ARimWithoutRoomStaysBehind) {
 
 /// The hole becomes an egg that points up the trunk and aside, as for a child that leans along its
 /// parent.
-TEST(UnrolledLimbs, ARimThatGrowsToAnEggGoesMoreThanHalfOfTheWay) {
+TEST(UnrolledLimbs, ACollarThatGrowsToAnEggGoesMoreThanHalfOfTheWay) {
   GridWithHole grid(0.0);
-  for (RimPoint& point : grid.rims[0]) {
+  for (CollarPoint& point : grid.collars[0]) {
     const double up = point.base.length - (5.5 - 0.08);
     point.target.length += up > 0.1 ? 0.45 : 0.0;
     point.target.quarter += up > 0.1 ? 0.3 : 0.0;
   }
   grid.move();
-  for (const RimPoint& point : grid.rims[0]) {
+  for (const CollarPoint& point : grid.collars[0]) {
     EXPECT_GT(grid.unrolled.shares[point.vertex], 0.5);
   }
 }
 
-TEST(UnrolledLimbs, WhatTurnsWithARimTurnsBackWithinItsReach) {
+TEST(UnrolledLimbs, WhatTurnsWithACollarTurnsBackWithinItsReach) {
   GridWithHole grid(0.0);
-  for (RimPoint& point : grid.rims[0]) point.target.quarter += 0.3;
-  // Above the rim's reach, rows are long; an earlier version folded back within one.
+  for (CollarPoint& point : grid.collars[0]) point.target.quarter += 0.3;
+  // Above the collar's reach, rows are long; an earlier version folded back within one.
   constexpr int kLong = 15;
   for (int y = kLong + 1; y < kAlong; ++y) {
     for (int x = 0; x < kAround; ++x) {
@@ -118,7 +118,7 @@ TEST(UnrolledLimbs, WhatTurnsWithARimTurnsBackWithinItsReach) {
   EXPECT_LT(most, 0.06) << "five degrees, of 27";
 }
 
-TEST(UnrolledLimbs, RimsOfForksThatDoNotBlendStay) {
+TEST(UnrolledLimbs, CollarsOfForksThatDoNotBlendStay) {
   GridWithHole grid(0.2);
   grid.built.forks[0].blends = false;
   const UnrolledLimbs before = grid.unrolled;

@@ -1,4 +1,4 @@
-#include "tree/rims/unrolled_limbs.h"
+#include "tree/collars/unrolled_limbs.h"
 
 #include <algorithm>
 #include <array>
@@ -14,23 +14,23 @@
 namespace snowbough::tree {
 namespace {
 
-/// Range of the movement around a rim: a multiple of its farthest point's displacement, plus a
+/// Range of the movement around a collar: a multiple of its farthest point's displacement, plus a
 /// number of the hole's radii.
 constexpr double kReachOfMove = 2.5;
 constexpr double kReachOfFork = 2.0;
-/// Neighbours farther than the rim's own edge length, or this many radii of the hole, pull as if
-/// they were closer: faces beside the rim become as long as the fillet needs.
+/// Neighbours farther than the collar's own edge length, or this many radii of the hole, pull as if
+/// they were closer: faces beside the collar become as long as the fillet needs.
 constexpr double kSpread = 0.5;
-/// Vertices are attracted to their place, with the square of the distance relative to the rim's
-/// reach: hardly beside the rim, where they must move, and at the reach as strongly as by a
-/// neighbour at this fraction of it. Without this, the whole limb would rotate with the rim.
+/// Vertices are attracted to their place, with the square of the distance relative to the collar's
+/// reach: hardly beside the collar, where they must move, and at the reach as strongly as by a
+/// neighbour at this fraction of it. Without this, the whole limb would rotate with the collar.
 constexpr double kFade = 0.4;
 /// Maximum number of iterations of the solver, and the square of the residual's fraction that it
 /// leaves.
 constexpr int kIterations = 100;
 constexpr double kResidual = 1e-8;
-/// Number of attempts for rims that are held back, and the least part of the way that the next one
-/// is worth.
+/// Number of attempts for collars that are held back, and the least part of the way that the next
+/// one is worth.
 constexpr int kAttempts = 6;
 constexpr double kMinStep = 0.015;
 /// Minimum area of a face relative to its first.
@@ -51,14 +51,14 @@ glm::dvec2 difference(const TubePlace& from, const TubePlace& to) {
 }
 
 /// Range around a hole in which vertices move, in metres on the unrolled parent.
-struct RimReach {
+struct CollarReach {
   int32_t junction = -1;
   TubePlace centre;
   double radius = 0.0;
   double quarter_length = 1.0;
-  /// Length of the faces beside the rim that the fillet needs.
+  /// Length of the faces beside the collar that the fillet needs.
   double spread = 0.0;
-  /// Maximum lead of a point over the rim's slowest, as a fraction of the farthest point's way:
+  /// Maximum lead of a point over the collar's slowest, as a fraction of the farthest point's way:
   /// half of the hole, otherwise the hole would turn inside out.
   double lead = 0.0;
   /// Mean share of the way that its points have gone.
@@ -70,42 +70,43 @@ struct RimReach {
   double from_centre(const TubePlace& place) const { return metres(difference(centre, place)); }
 };
 
-RimReach rim_reach(int32_t junction, const Rim& rim, const Fork& fork, const LimbTubes& tubes) {
+CollarReach collar_reach(int32_t junction, const Collar& collar, const Fork& fork,
+                         const LimbTubes& tubes) {
   glm::dvec2 middle(0.0);
-  for (const RimPoint& point : rim) middle += difference(rim[0].base, point.base);
-  middle /= static_cast<double>(rim.size());
-  RimReach reach;
+  for (const CollarPoint& point : collar) middle += difference(collar[0].base, point.base);
+  middle /= static_cast<double>(collar.size());
+  CollarReach reach;
   reach.junction = junction;
-  reach.centre = {rim[0].base.length + middle.y, rim[0].base.quarter + middle.x};
+  reach.centre = {collar[0].base.length + middle.y, collar[0].base.quarter + middle.x};
   reach.quarter_length = 0.5 * M_PI * tubes.radius(fork.parent_chain, reach.centre.length);
   double extent = 0.0, farthest = 0.0;
-  for (const RimPoint& point : rim) {
+  for (const CollarPoint& point : collar) {
     farthest = std::max(farthest, reach.metres(difference(point.base, point.target)));
     extent = std::max({extent, reach.from_centre(point.base), reach.from_centre(point.target)});
   }
-  reach.spread = std::min(kSpread, 2.0 * M_PI / static_cast<double>(rim.size())) * fork.radius;
+  reach.spread = std::min(kSpread, 2.0 * M_PI / static_cast<double>(collar.size())) * fork.radius;
   reach.lead = fork.radius / std::max(farthest, 1e-30);
   reach.radius = extent + kReachOfMove * farthest + kReachOfFork * fork.radius;
   return reach;
 }
 
-/// Divides a chain's rims into groups whose reaches overlap.
-std::vector<std::span<const RimReach>> apart(std::span<RimReach> rims) {
-  std::sort(rims.begin(), rims.end(), [](const RimReach& a, const RimReach& b) {
+/// Divides a chain's collars into groups whose reaches overlap.
+std::vector<std::span<const CollarReach>> apart(std::span<CollarReach> collars) {
+  std::sort(collars.begin(), collars.end(), [](const CollarReach& a, const CollarReach& b) {
     const double low = a.centre.length - a.radius, other = b.centre.length - b.radius;
     return low != other ? low < other : a.junction < b.junction;
   });
-  std::vector<std::span<const RimReach>> parts;
+  std::vector<std::span<const CollarReach>> parts;
   size_t first = 0;
   double end = -1e300;
-  for (size_t i = 0; i < rims.size(); ++i) {
-    if (i > first && rims[i].centre.length - rims[i].radius > end) {
-      parts.push_back(rims.subspan(first, i - first));
+  for (size_t i = 0; i < collars.size(); ++i) {
+    if (i > first && collars[i].centre.length - collars[i].radius > end) {
+      parts.push_back(collars.subspan(first, i - first));
       first = i;
     }
-    end = std::max(end, rims[i].centre.length + rims[i].radius);
+    end = std::max(end, collars[i].centre.length + collars[i].radius);
   }
-  parts.push_back(rims.subspan(first));
+  parts.push_back(collars.subspan(first));
   return parts;
 }
 
@@ -118,17 +119,17 @@ double least_area(const std::array<TubePlace, 4>& corners) {
   return std::min(cross(a, b), cross(b, c));
 }
 
-/// Rims on one chain whose reaches overlap, and the vertices within their range.
-class RimGroup {
+/// Collars on one chain whose reaches overlap, and the vertices within their range.
+class CollarGroup {
  public:
   /// @param local_of  per vertex -1; used for the group's own vertices.
-  RimGroup(const Neighbours& neighbours, const std::vector<Rim>& rims,
-           std::span<const RimReach> reaches, UnrolledLimbs& unrolled,
-           std::vector<int32_t>& local_of)
+  CollarGroup(const Neighbours& neighbours, const std::vector<Collar>& collars,
+              std::span<const CollarReach> reaches, UnrolledLimbs& unrolled,
+              std::vector<int32_t>& local_of)
       : neighbours_(neighbours), reaches_(reaches), unrolled_(unrolled), local_of_(local_of) {
-    for (size_t j = 0; j < reaches.size(); ++j) add_rim(rims[reaches[j].junction], j);
-    rim_count_ = nodes_.size();
-    for (size_t j = 0; j < reaches.size(); ++j) add_free(rims[reaches[j].junction], j);
+    for (size_t j = 0; j < reaches.size(); ++j) add_collar(collars[reaches[j].junction], j);
+    collar_count_ = nodes_.size();
+    for (size_t j = 0; j < reaches.size(); ++j) add_free(collars[reaches[j].junction], j);
   }
 
   void move() {
@@ -139,7 +140,7 @@ class RimGroup {
     for (size_t i = 0; i < nodes_.size(); ++i) {
       const Node& node = nodes_[i];
       unrolled_.places[node.vertex] = places[i];
-      if (i < rim_count_) unrolled_.shares[node.vertex] = gone(node, node.share);
+      if (i < collar_count_) unrolled_.shares[node.vertex] = gone(node, node.share);
       local_of_[node.vertex] = -1;
     }
   }
@@ -147,7 +148,7 @@ class RimGroup {
  private:
   struct Node {
     int32_t vertex = -1;
-    /// Its own or nearest rim: an index into reaches_.
+    /// Its own or nearest collar: an index into reaches_.
     size_t reach = 0;
     /// Displacement to the solution, and the fraction of it that is kept.
     glm::dvec2 way{0.0};
@@ -159,8 +160,8 @@ class RimGroup {
     return nodes_.emplace_back(Node{vertex, reach});
   }
 
-  void add_rim(const Rim& rim, size_t reach) {
-    for (const RimPoint& point : rim) {
+  void add_collar(const Collar& collar, size_t reach) {
+    for (const CollarPoint& point : collar) {
       const glm::dvec2 way = difference(unrolled_.places[point.vertex], point.target);
       const int32_t known = local_of_[point.vertex];
       // Halfway, between two holes without a part of the parent between them.
@@ -169,10 +170,10 @@ class RimGroup {
     }
   }
 
-  void add_free(const Rim& rim, size_t number) {
-    const RimReach& reach = reaches_[number];
+  void add_free(const Collar& collar, size_t number) {
+    const CollarReach& reach = reaches_[number];
     std::vector<int32_t> queue;
-    for (const RimPoint& point : rim) queue.push_back(point.vertex);
+    for (const CollarPoint& point : collar) queue.push_back(point.vertex);
     for (size_t i = 0; i < queue.size(); ++i) {
       for (const int32_t v : neighbours_.of(queue[i])) {
         if (local_of_[v] >= 0 || unrolled_.fixed[v] != 0 ||
@@ -185,7 +186,7 @@ class RimGroup {
     }
   }
 
-  /// Solves Laplace's equation: a free vertex beside a rim lies at the weighted mean of its
+  /// Solves Laplace's equation: a free vertex beside a collar lies at the weighted mean of its
   /// neighbours and of its own start; farther away it is displaced by the mean displacement of its
   /// neighbours. Both coordinates, around the limb and along it, are solved at once by conjugate
   /// gradients.
@@ -198,13 +199,13 @@ class RimGroup {
     std::vector<size_t> first{0};
     std::vector<double> diagonal;
     std::vector<glm::dvec2> residual;
-    for (size_t i = rim_count_; i < nodes_.size(); ++i) {
+    for (size_t i = collar_count_; i < nodes_.size(); ++i) {
       const Node& node = nodes_[i];
-      const RimReach& reach = reaches_[node.reach];
+      const CollarReach& reach = reaches_[node.reach];
       const TubePlace& place = unrolled_.places[node.vertex];
       const double away = std::min(reach.from_centre(place) / reach.radius, 1.0);
-      // Beside the rim the neighbours' places count, farther away only their displacements, so that
-      // rows keep their lengths.
+      // Beside the collar the neighbours' places count, farther away only their displacements, so
+      // that rows keep their lengths.
       const double near = 1.0 - away;
       double sum = 0.0;
       glm::dvec2 force(0.0);
@@ -218,8 +219,9 @@ class RimGroup {
         const int32_t other = local_of_[v];
         if (other < 0) continue;
         const auto at = static_cast<size_t>(other);
-        if (at < rim_count_) force += weight * nodes_[at].way;
-        if (at >= rim_count_) links.push_back({static_cast<int32_t>(at - rim_count_), weight});
+        if (at < collar_count_) force += weight * nodes_[at].way;
+        if (at >= collar_count_)
+          links.push_back({static_cast<int32_t>(at - collar_count_), weight});
       }
       first.push_back(links.size());
       diagonal.push_back(sum);
@@ -252,13 +254,13 @@ class RimGroup {
       }
       const glm::dvec2 step = size / glm::max(along, 1e-300);
       for (size_t i = 0; i < count; ++i) {
-        nodes_[rim_count_ + i].way += direction[i] * step;
+        nodes_[collar_count_ + i].way += direction[i] * step;
         residual[i] -= product[i] * step;
       }
     }
   }
 
-  /// Fraction of a rim's whole way after `share` of the part that was left.
+  /// Fraction of a collar's whole way after `share` of the part that was left.
   double gone(const Node& node, double share) const {
     const double before = unrolled_.shares[node.vertex];
     return before + (1.0 - before) * share;
@@ -325,14 +327,14 @@ class RimGroup {
     return least_area(after) < std::min(area, kMinArea * area);
   }
 
-  /// Limits the lead of every rim's points over its slowest one.
+  /// Limits the lead of every collar's points over its slowest one.
   void limit_lead(std::vector<double>& shares) const {
     std::vector<double> slowest(reaches_.size(), 1.0);
-    for (size_t i = 0; i < rim_count_; ++i) {
+    for (size_t i = 0; i < collar_count_; ++i) {
       double& least = slowest[nodes_[i].reach];
       least = std::min(least, gone(nodes_[i], shares[i]));
     }
-    for (size_t i = 0; i < rim_count_; ++i) {
+    for (size_t i = 0; i < collar_count_; ++i) {
       const double before = unrolled_.shares[nodes_[i].vertex];
       const double most = slowest[nodes_[i].reach] + reaches_[nodes_[i].reach].lead;
       if (gone(nodes_[i], shares[i]) > most) {
@@ -342,32 +344,32 @@ class RimGroup {
   }
 
   const Neighbours& neighbours_;
-  std::span<const RimReach> reaches_;
+  std::span<const CollarReach> reaches_;
   UnrolledLimbs& unrolled_;
   /// Per vertex: its node, or -1.
   std::vector<int32_t>& local_of_;
-  /// The vertices of rims come first.
+  /// The vertices of collars come first.
   std::vector<Node> nodes_;
-  size_t rim_count_ = 0;
+  size_t collar_count_ = 0;
 };
 
 }  // namespace
 
-void move_rims(const std::vector<Rim>& rims, const std::vector<Fork>& forks, const LimbTubes& tubes,
-               int threads, UnrolledLimbs& unrolled) {
+void move_collars(const std::vector<Collar>& collars, const std::vector<Fork>& forks,
+                  const LimbTubes& tubes, int threads, UnrolledLimbs& unrolled) {
   const Neighbours neighbours(unrolled.quads, unrolled.places.size());
   std::vector<std::pair<int32_t, int32_t>> by_chain;
   for (size_t j = 0; j < forks.size(); ++j) {
     if (forks[j].blends) by_chain.emplace_back(forks[j].parent_chain, static_cast<int32_t>(j));
   }
   std::sort(by_chain.begin(), by_chain.end());
-  std::vector<RimReach> reaches;
+  std::vector<CollarReach> reaches;
   std::vector<size_t> first;
   for (size_t i = 0; i < by_chain.size(); ++i) {
     const auto [chain, j] = by_chain[i];
     if (i == 0 || chain != by_chain[i - 1].first) first.push_back(i);
-    reaches.push_back(rim_reach(j, rims[j], forks[j], tubes));
-    for (const RimPoint& point : rims[j]) unrolled.fixed[point.vertex] = 1;
+    reaches.push_back(collar_reach(j, collars[j], forks[j], tubes));
+    for (const CollarPoint& point : collars[j]) unrolled.fixed[point.vertex] = 1;
   }
   first.push_back(by_chain.size());
   unrolled.shares.assign(unrolled.places.size(), 0.0);
@@ -375,16 +377,17 @@ void move_rims(const std::vector<Rim>& rims, const std::vector<Fork>& forks, con
   std::vector<int32_t> local_of(unrolled.places.size(), -1);
   base::parallel_for(first.size() - 1, kBlock, {threads, {}}, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      std::vector<RimReach> behind(reaches.begin() + first[i], reaches.begin() + first[i + 1]);
+      std::vector<CollarReach> behind(reaches.begin() + first[i], reaches.begin() + first[i + 1]);
       for (int attempt = 0; attempt < kAttempts && !behind.empty(); ++attempt) {
-        for (const std::span<const RimReach> rims_beside : apart(behind)) {
-          RimGroup(neighbours, rims, rims_beside, unrolled, local_of).move();
+        for (const std::span<const CollarReach> collars_beside : apart(behind)) {
+          CollarGroup(neighbours, collars, collars_beside, unrolled, local_of).move();
         }
-        std::erase_if(behind, [&](RimReach& reach) {
+        std::erase_if(behind, [&](CollarReach& reach) {
           double least = 1.0, sum = 0.0;
-          for (const RimPoint& point : rims[reach.junction]) {
+          for (const CollarPoint& point : collars[reach.junction]) {
             least = std::min(least, unrolled.shares[point.vertex]);
-            sum += unrolled.shares[point.vertex] / static_cast<double>(rims[reach.junction].size());
+            sum +=
+                unrolled.shares[point.vertex] / static_cast<double>(collars[reach.junction].size());
           }
           const double step = sum - std::exchange(reach.gone, sum);
           return least >= 1.0 || step < kMinStep;

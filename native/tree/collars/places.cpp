@@ -1,4 +1,4 @@
-#include "tree/rims/places.h"
+#include "tree/collars/places.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "base/parallel_for.h"
-#include "tree/rims/rims.h"
-#include "tree/rims/unrolled_limbs.h"
+#include "tree/collars/collars.h"
+#include "tree/collars/unrolled_limbs.h"
 
 namespace snowbough::tree {
 namespace {
@@ -21,16 +21,16 @@ namespace {
 constexpr double kDrawn = 0.9;
 constexpr double kNarrowest = 0.4;
 constexpr double kWideMargin = 0.375;
-/// Maximum extent of a rim along the limb's first row.
+/// Maximum extent of a collar along the limb's first row.
 constexpr double kSlant = 0.85;
 /// Fraction of a fork's reach within which a limb becomes round.
 constexpr double kForkShare = 0.9;
 
-/// Where a child's side begins on the finished rim.
+/// Where a child's side begins on the finished collar.
 struct SideBegin {
   double quarter = 0.0;
   /// Rotation of its beginning around the child, arc length along it, and offset from its own
-  /// surface there to the rim.
+  /// surface there to the collar.
   double turned = 0.0;
   double length = 0.0;
   glm::dvec3 off{0.0};
@@ -61,13 +61,13 @@ class Placer {
 
   std::vector<glm::dvec3> place() {
     unroll();
-    base::parallel_for(rims_.size(), kForkBlock, {threads_, {}}, [&](size_t begin, size_t end) {
+    base::parallel_for(collars_.size(), kForkBlock, {threads_, {}}, [&](size_t begin, size_t end) {
       for (size_t j = begin; j < end; ++j) {
-        if (forks_[j].blends) meet_limbs(forks_[j], tubes_, kSlant * first_row(j), rims_[j]);
+        if (forks_[j].blends) meet_limbs(forks_[j], tubes_, kSlant * first_row(j), collars_[j]);
       }
     });
-    move_rims(rims_, forks_, tubes_, threads_, unrolled_);
-    place_rims();
+    move_collars(collars_, forks_, tubes_, threads_, unrolled_);
+    place_collars();
     place_others();
     return std::move(positions_);
   }
@@ -90,13 +90,13 @@ class Placer {
     return origin.part == FacePart::kWall && origin.row == 0 && hole_of_[origin.branch] >= 0;
   }
 
-  /// Computes the rims, and every vertex' place on its limb.
+  /// Computes the collars, and every vertex' place on its limb.
   void unroll() {
     const size_t count = fine_.vertices.size();
     unrolled_.chain.assign(count, -1);
     unrolled_.places.resize(count);
     unrolled_.fixed.assign(count, 0);
-    rims_.resize(surface_.junctions.size());
+    collars_.resize(surface_.junctions.size());
     for (size_t f = 0; f < fine_.quads.size(); ++f) {
       const int32_t face = fine_.face[f];
       const FaceOrigin& origin = surface_.origins[face];
@@ -106,18 +106,18 @@ class Placer {
         continue;
       }
       const bool leaves = leaves_hole(origin);
-      bool at_rim = false;
+      bool at_collar = false;
       for (int k = 0; k < 4; ++k) {
         const glm::dvec2& at = fine_.corners[f][k];
         if (leaves && at.y <= 0.0) {
-          at_rim = true;
-          add_to_rim(hole_of_[origin.branch], quad[k], origin.side, at.x);
+          at_collar = true;
+          add_to_collar(hole_of_[origin.branch], quad[k], origin.side, at.x);
         } else {
           unrolled_.chain[quad[k]] = tubes_.chain(origin.branch);
           unrolled_.places[quad[k]] = place_of(face, at.x, at.y);
         }
       }
-      if (at_rim) {
+      if (at_collar) {
         for (int k = 0; k < 4; ++k) {
           if (fine_.corners[f][k].y > 0.0) unrolled_.fixed[quad[k]] = 1;
         }
@@ -125,27 +125,29 @@ class Placer {
         unrolled_.quads.push_back(quad);
       }
     }
-    for (Rim& rim : rims_) {
-      const auto by_quarter = [](const RimPoint& a, const RimPoint& b) {
+    for (Collar& collar : collars_) {
+      const auto by_quarter = [](const CollarPoint& a, const CollarPoint& b) {
         return a.quarter != b.quarter ? a.quarter < b.quarter : a.vertex < b.vertex;
       };
-      std::sort(rim.begin(), rim.end(), by_quarter);
-      const auto same = [](const RimPoint& a, const RimPoint& b) { return a.vertex == b.vertex; };
-      rim.erase(std::unique(rim.begin(), rim.end(), same), rim.end());
-      for (const RimPoint& point : rim) unrolled_.places[point.vertex] = point.base;
+      std::sort(collar.begin(), collar.end(), by_quarter);
+      const auto same = [](const CollarPoint& a, const CollarPoint& b) {
+        return a.vertex == b.vertex;
+      };
+      collar.erase(std::unique(collar.begin(), collar.end(), same), collar.end());
+      for (const CollarPoint& point : collar) unrolled_.places[point.vertex] = point.base;
     }
   }
 
-  void add_to_rim(int32_t junction, int32_t vertex, int side, double u) {
+  void add_to_collar(int32_t junction, int32_t vertex, int side, double u) {
     const HolePlace& hole = holes_[junction];
     const glm::dvec2 p = hole.corners[side] * (1.0 - u) + hole.corners[(side + 1) % 4] * u;
-    RimPoint point;
+    CollarPoint point;
     point.vertex = vertex;
     point.base = on_side(hole.parent, hole.row, hole.side, p);
-    // The last point of a rim is the first.
+    // The last point of a collar is the first.
     point.quarter = side + u >= 4.0 ? 0.0 : side + u;
     unrolled_.chain[vertex] = tubes_.chain(hole.parent);
-    rims_[junction].push_back(point);
+    collars_[junction].push_back(point);
   }
 
   TubePlace on_side(int32_t limb, int32_t row, int side, const glm::dvec2& p) const {
@@ -192,12 +194,12 @@ class Placer {
     return at < std::floor(end) ? at - kDrawn * std::sin(2.0 * M_PI * at) / (2.0 * M_PI) : at;
   }
 
-  void place_rims() {
-    begins_.resize(rims_.size());
-    for (size_t j = 0; j < rims_.size(); ++j) {
+  void place_collars() {
+    begins_.resize(collars_.size());
+    for (size_t j = 0; j < collars_.size(); ++j) {
       const Fork& fork = forks_[j];
       const double farthest = kSlant * first_row(j);
-      for (const RimPoint& point : rims_[j]) {
+      for (const CollarPoint& point : collars_[j]) {
         const TubePlace& place = unrolled_.places[point.vertex];
         const double share = unrolled_.shares[point.vertex];
         const glm::dvec3 met = point.position - tubes_.at(fork.parent_chain, point.target);
@@ -216,7 +218,7 @@ class Placer {
     }
   }
 
-  /// The beginning of a child's side, between two of its rim's vertices.
+  /// The beginning of a child's side, between two of its collar's vertices.
   SideBegin side_begin(size_t junction, double quarter) const {
     const std::vector<SideBegin>& begins = begins_[junction];
     const auto above =
@@ -233,13 +235,13 @@ class Placer {
 
   void place_others() {
     // A vertex may belong to several faces: its place is the same for all.
-    std::vector<uint8_t> is_rim(positions_.size(), 0);
-    for (const Rim& rim : rims_) {
-      for (const RimPoint& point : rim) is_rim[point.vertex] = 1;
+    std::vector<uint8_t> is_collar(positions_.size(), 0);
+    for (const Collar& collar : collars_) {
+      for (const CollarPoint& point : collar) is_collar[point.vertex] = 1;
     }
     base::parallel_for(positions_.size(), kBlock, {threads_, {}}, [&](size_t begin, size_t end) {
       for (size_t v = begin; v < end; ++v) {
-        if (is_rim[v] != 0) continue;
+        if (is_collar[v] != 0) continue;
         const FinePlace& at = fine_.vertices[v];
         const FaceOrigin& origin = surface_.origins[at.face];
         if (unrolled_.chain[v] < 0) {
@@ -253,7 +255,7 @@ class Placer {
     });
   }
 
-  /// Between a rim and the child's first own ring.
+  /// Between a collar and the child's first own ring.
   glm::dvec3 beside_hole(size_t junction, const TubePlace& place) const {
     const Fork& fork = forks_[junction];
     const double row = first_row(junction);
@@ -267,7 +269,7 @@ class Placer {
            begin.off * left;
   }
 
-  /// The child of an inset's hole: its corners 2 and 3 are on the rim.
+  /// The child of an inset's hole: its corners 2 and 3 are on the collar.
   int32_t child_of(int32_t face) const {
     const FaceOrigin& origin = surface_.origins[face];
     const std::array<int32_t, 3> at = {origin.branch, origin.row, origin.side};
@@ -304,9 +306,9 @@ class Placer {
   int threads_;
   /// Per branch: its junction, or -1.
   std::vector<int32_t> hole_of_;
-  /// Per junction: its hole, the rim around it, and the beginnings of the child's sides.
+  /// Per junction: its hole, the collar around it, and the beginnings of the child's sides.
   std::vector<HolePlace> holes_;
-  std::vector<Rim> rims_;
+  std::vector<Collar> collars_;
   std::vector<std::vector<SideBegin>> begins_;
   /// By parent, row and side.
   std::vector<const Junction*> insets_;

@@ -10,7 +10,7 @@ INFLUENCES = 4
 
 
 @dataclass
-class Surface:
+class TriangleMesh:
     """A mesh with UVs at its corners. Metres, Z up, UV origin bottom-left.
 
     points float32 (V, 3); joints int32 and weights float32 (V, 4), unused weights are 0, the others sum to 1;
@@ -36,9 +36,9 @@ class Surface:
 
 
 def from_quads(points, quads, corner_uvs, joints, weights, material, level):
-    """The Surface of a native tree mesh: quads int (F, 4); corner_uvs: (F, 4, 2) each; material int (F,)."""
+    """The TriangleMesh of a native tree mesh: quads int (F, 4); corner_uvs: (F, 4, 2) each; material int (F,)."""
     corners = np.arange(len(quads) * 4, dtype=np.int32).reshape(-1, 4)
-    return Surface(
+    return TriangleMesh(
         points=np.asarray(points, dtype=np.float32),
         joints=np.asarray(joints),
         weights=np.asarray(weights),
@@ -52,7 +52,7 @@ def from_quads(points, quads, corner_uvs, joints, weights, material, level):
 
 
 def transformed(surface, linear):
-    """The Surface with its points multiplied by a (3, 3) matrix. If the matrix mirrors, the triangles are flipped."""
+    """The TriangleMesh with its points multiplied by a (3, 3) matrix. A matrix that mirrors flips the triangles."""
     linear = np.asarray(linear, dtype=np.float64)
 
     def moved(vectors):

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "native/tree/built_surface.h"
+#include "tree/collars/fork_field.h"
 #include "tree/mesh/edges.h"
-#include "tree/rims/fork_field.h"
 #include "tree/tubes/cuts.h"
 #include "tree/tubes/limb_shape.h"
 #include "tree/tubes/limb_tubes.h"
@@ -15,7 +15,7 @@ namespace snowbough::tree {
 /// A skeleton's limbs as round tubes at Film, and its forks.
 struct BuiltTubes {
   Built built;
-  SurfaceCuts cuts;
+  BaseCuts cuts;
   LimbTubes tubes;
   std::vector<Fork> forks;
 
@@ -31,8 +31,8 @@ struct BuiltTubes {
   BuiltTubes(const Built& surface, const std::vector<int32_t>& parents,
              const std::vector<LimbShape>& shapes)
       : built(surface),
-        cuts(cut_surface(built.surface, Edges(built.surface.quads, built.surface.vertices.size()),
-                         shapes, built.scale.height, detail_settings(Detail::kFilm))),
+        cuts(cut_base(built.surface, Edges(built.surface.quads, built.surface.vertices.size()),
+                      shapes, built.scale.height, detail_settings(Detail::kFilm))),
         tubes(built.surface, shapes, cuts, limb_chains(built.surface, parents)),
         forks(collect_forks(built.surface, tubes)) {}
 

@@ -1,4 +1,4 @@
-#include "tree/rims/cones.h"
+#include "tree/collars/cones.h"
 
 #include <algorithm>
 #include <cmath>

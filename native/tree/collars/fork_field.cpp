@@ -1,4 +1,4 @@
-#include "tree/rims/fork_field.h"
+#include "tree/collars/fork_field.h"
 
 #include <algorithm>
 #include <array>
