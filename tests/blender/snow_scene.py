@@ -106,6 +106,17 @@ def bake_part(addon, first=None, last=None, objects=(), resume=False, on_frame=N
     return running
 
 
+def bake_twice(addon, folder, last):
+    """The files of a whole bake, which one that stopped after frame `last` and was resumed has, too."""
+    bake()
+    whole = files_of(folder / "whole")
+    bpy.context.scene.snowbough.cache_directory = str(folder / "parts")
+    bake_part(addon, last=last)
+    bake(resume=True)
+    assert files_of(folder / "parts") == whole
+    return whole
+
+
 def warnings(addon, depsgraph=None):
     """The warnings that a bake on the command line prints."""
     scene, depsgraph = bpy.context.scene, depsgraph or bpy.context.evaluated_depsgraph_get()

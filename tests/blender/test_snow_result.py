@@ -7,6 +7,7 @@ import json
 import bpy
 import numpy as np
 import pytest
+import snow_scene as s
 
 SIZE = 64
 FIRST, LAST = 5, 8
@@ -38,15 +39,8 @@ def write_bake(addon, tmp_path):
 @pytest.fixture
 def ground():
     """A 2 m square whose UV map `snow` fills the whole map, as the scene's only receiver."""
-    mesh = bpy.data.meshes.new("Ground")
-    mesh.from_pydata([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [], [(0, 1, 2, 3)])
-    layer = mesh.uv_layers.new(name="snow")
-    for corner, uv in zip(layer.data, [(0, 0), (1, 0), (1, 1), (0, 1)]):
-        corner.uv = uv
-    obj = bpy.data.objects.new("Ground", mesh)
-    bpy.context.scene.collection.objects.link(obj)
     receiver = bpy.context.scene.snowbough.receivers.add()
-    receiver.object = obj
+    receiver.object = s.square("Ground")
     return receiver
 
 

@@ -68,12 +68,7 @@ def test_a_thaw_that_was_stopped_goes_on_to_the_same_bytes(addon, tmp_path):
     s.receive(s.square("Ground"))
     own = thawing(tmp_path / "whole", (1, 6), wet=True, unevenness=0.3, checkpoint_interval=2)
     own.sun = sun(0.5)
-    s.bake()
-    whole = s.files_of(tmp_path / "whole")
-    own.cache_directory = str(tmp_path / "parts")
-    s.bake_part(addon, last=3)
-    s.bake(resume=True)
-    assert s.files_of(tmp_path / "parts") == whole
+    whole = s.bake_twice(addon, tmp_path, last=3)
     assert any(name.endswith("wet_0006.exr") for name in whole)
 
 

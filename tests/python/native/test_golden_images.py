@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import snowbough_native as native
+from snow_fall import fallen
 from snow_meshes import box, smooth, sphere
 
 TESTS = Path(__file__).resolve().parents[2]
@@ -21,18 +22,9 @@ LIGHT = {
 }
 
 
-def fallen(name, positions, triangles, uv, resolution=128):
-    """A map after a fall of DEPTH."""
-    with native.SnowSimulation(pixel_size=0.02, blur_radius=0.02, engine="CPU") as snow:
-        snow.add_object(name, triangles, uv, resolution=resolution)
-        for step in range(8):
-            snow.step({name: positions} if step == 0 else {}, DEPTH / 8)
-        return snow.output(name, normal=False)["height"]
-
-
 def add_snowy_mesh(renderer, mesh, shading, **style):
     positions, triangles, uv = mesh
-    height = fallen("it", *mesh)
+    height = fallen(mesh, DEPTH)
     surface = native.SnowSurface(triangles, uv, positions, height, height, DEPTH, shading=shading)
     if style:
         surface.set_style(**style)
@@ -73,7 +65,7 @@ def test_a_snowy_tree():
     places = np.concatenate([uv[:, [0, 1, 2]], uv[:, [0, 2, 3]]]).astype(np.float32)
     with native.Renderer() as renderer:
         renderer.add_tree("maple", mesh)
-        height = fallen("maple", mesh.vertices.astype(np.float32), triangles, places, 512)
+        height = fallen((mesh.vertices.astype(np.float32), triangles, places), DEPTH, "maple", 512)
         renderer.set_snow("maple", height, DEPTH)
         golden.assert_looks_like("maple", picture(renderer, (0.6, -1.5, 2.0), (0, 0, 1.5)))
 

@@ -6,8 +6,9 @@ import math
 import numpy as np
 import pytest
 import snowbough_native as native
+from snow_fall import DOWN, fall
 from snow_meshes import box
-from test_snow_repose import DOWN, assert_balanced, come_to_rest, fall, tube
+from test_snow_repose import assert_balanced, come_to_rest, tube
 
 FRESH = math.radians(65.0)
 

@@ -1,40 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Snow at the edges of real geometry: it joins what lies a step lower, and closes narrow gaps."""
 
-import math
-
 import numpy as np
 import pytest
-import snowbough_native as native
-from snow_meshes import bevelled_box, cylinder, grid, sphere, wind
+from snow_fall import DOWN, FRAME, fall, sheet, snow_over
+from snow_meshes import bevelled_box, cylinder, sphere, wind
 from snow_pieces import bevelled_slats, paving, pieces, slab, slats, tile_courses, top_chart
-
-DOWN = (0.0, 0.0, -1.0)
-FRAME = 1.0 / 24.0
-
-
-def ground(size=2.0, z=0.0):
-    positions, triangles, uv = grid(size, size)
-    return positions + np.float32([0.0, 0.0, z]), triangles, uv, 256
-
-
-def simulation(meshes, shade=(), **settings):
-    sim = native.SnowSimulation(
-        pixel_size=0.01, max_depth=1.0, repose=math.radians(65.0), cohesion=0.005, engine="CPU", **settings
-    )
-    for name, (_, triangles, uv, resolution) in meshes.items():
-        sim.add_object(name, triangles, uv, resolution=resolution, receive=name not in shade)
-    return sim
-
-
-def fall(sim, meshes, depth=0.2, steps=32, direction=DOWN):
-    for step in range(steps):
-        positions = {name: mesh[0] for name, mesh in meshes.items()} if step == 0 else {}
-        sim.step(positions, depth / steps, direction, FRAME)
 
 
 def snow_on(meshes, depth=0.2, steps=32, shade=()):
-    sim = simulation(meshes, shade)
+    sim = snow_over(meshes, shade, cohesion=0.005)
     fall(sim, meshes, depth, steps)
     return sim
 
@@ -51,7 +26,7 @@ def test_tile_courses_hold_as_much_as_one_slab():
 
 def test_snow_closes_the_joints_of_paving():
     stones = pieces(paving())
-    sim = snow_on({"bed": ground(2.0, -0.04), "stones": stones})
+    sim = snow_on({"bed": sheet(2.0, -0.04), "stones": stones})
     middle = top_chart(stones, 4, sim.height("stones"))
     # The outer end of the bed is 25 cm away.
     assert middle.mean() > 0.99 * 0.2
@@ -64,7 +39,7 @@ PLACES = [(i - 2) * (0.06 + GAP) for i in range(5)]
 
 def on_the_middle_slat(places, depth=0.2, steps=32):
     mesh = pieces(slats(places))
-    sim = snow_on({"ground": ground(), "slats": mesh}, depth, steps)
+    sim = snow_on({"ground": sheet(), "slats": mesh}, depth, steps)
     return top_chart(mesh, places.index(0.0), sim.height("slats"))[:, 30:70]
 
 
@@ -205,7 +180,7 @@ def test_a_shot_is_the_same_again_while_its_texels_are_joined():
 
 def test_gaps_between_objects_close_too():
     places = {f"slat {i}": pieces(slats([y])) for i, y in enumerate(PLACES)}
-    sim = snow_on({"ground": ground()} | places)
+    sim = snow_on({"ground": sheet()} | places)
     assert top_chart(places["slat 2"], 0, sim.height("slat 2"))[:, 30:70].mean() > 0.75 * 0.2
 
 
@@ -219,8 +194,8 @@ def test_gaps_between_objects_close_too():
     ids=["pickets", "a rail"],
 )
 def test_thin_things_hold_snow_in_a_wind_too(least, boxes, angle):
-    meshes = {"ground": ground(), "fence": pieces(boxes)}
-    sim = simulation(meshes)
+    meshes = {"ground": sheet(), "fence": pieces(boxes)}
+    sim = snow_over(meshes, cohesion=0.005)
     fall(sim, meshes, direction=wind(angle))
     tops = [top_chart(meshes["fence"], piece, sim.height("fence")) for piece in range(len(boxes))]
     assert min(top.mean() for top in tops) > least
@@ -228,7 +203,7 @@ def test_thin_things_hold_snow_in_a_wind_too(least, boxes, angle):
 
 def test_without_landing_neighbours_make_no_difference():
     def second(meshes, landing):
-        sim = simulation(meshes, landing=landing)
+        sim = snow_over(meshes, cohesion=0.005, landing=landing)
         fall(sim, meshes)
         return sim.height("slat 2")
 
@@ -240,7 +215,7 @@ def test_without_landing_neighbours_make_no_difference():
 
 def test_snow_falls_when_its_neighbour_moves_away():
     meshes = {f"slat {i}": pieces(slats([y])) for i, y in enumerate(PLACES)}
-    meshes["ground"] = ground()
+    meshes["ground"] = sheet()
     sim = snow_on(meshes)
     before = held(sim, "slat 2")
     away = {
@@ -255,7 +230,7 @@ def test_snow_falls_when_its_neighbour_moves_away():
 
 def test_snow_on_the_ground_does_not_flow_into_a_body():
     body = pieces([((0.0, 0.0, 0.5), (0.8, 0.8, 1.0), 0.0)])
-    sim = snow_on({"body": body, "ground": ground()}, shade=["body"])
+    sim = snow_on({"body": body, "ground": sheet()}, shade=["body"])
     heights = sim.height("ground")
     inside = heights[96:160, 96:160]
     assert inside.shape == (64, 64) and inside.max() == 0.0
@@ -266,8 +241,8 @@ def test_snow_on_the_ground_does_not_flow_into_a_body():
 def test_snow_flows_under_a_table_as_far_as_there_is_room():
     table = pieces([((0.0, 0.0, 0.75), (0.8, 0.8, 0.04), 0.0)])
     low = pieces([((0.0, 0.0, 0.04), (0.8, 0.8, 0.04), 0.0)])
-    high = snow_on({"ground": ground(), "table": table}, shade=["table"]).height("ground")
-    under = snow_on({"ground": ground(), "table": low}, shade=["table"]).height("ground")
+    high = snow_on({"ground": sheet(), "table": table}, shade=["table"]).height("ground")
+    under = snow_on({"ground": sheet(), "table": low}, shade=["table"]).height("ground")
     # The table begins at column 78.4; texels are 8 mm wide.
     assert high[128, 82] > 0.035
     assert 0.015 < under[128, 79:90].max() < 0.03
@@ -284,6 +259,6 @@ def test_a_ledge_that_ends_in_a_wall_sheds_nothing_there():
 
 
 def test_the_same_fall_gives_the_same_bytes():
-    meshes = {"bed": ground(2.0, -0.04), "stones": pieces(paving())}
+    meshes = {"bed": sheet(2.0, -0.04), "stones": pieces(paving())}
     once, again = (snow_on(meshes).height("stones") for _ in range(2))
     assert np.array_equal(once, again)

@@ -3,8 +3,9 @@
 
 import numpy as np
 import pytest
+from snow_fall import FRAME, fall, snow_over
 from snow_meshes import rotated
-from test_snow_landing import FRAME, fall, shelf_over_ground, simulation, wait
+from test_snow_landing import shelf_over_ground, wait
 from test_snow_pressing import DEPTH, block, plough, ploughed
 
 GRAVITY = 9.81
@@ -21,7 +22,7 @@ def lands(points):
 def tipped(**settings):
     """A board 2 m over the ground loses its snow; the points of the step, and the volume that slid."""
     meshes = shelf_over_ground(2.0)
-    sim = simulation(meshes, **settings)
+    sim = snow_over(meshes, **settings)
     fall(sim, meshes, 0.05, 4)
     wait(sim, 2)
     before = sim.statistics()["objects"]["shelf"]["total"]["slid_volume"]

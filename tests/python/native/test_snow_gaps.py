@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import snowbough_native as native
 from shown_snow import faces_of, map_of, shown_over
+from snow_fall import fall, snow_over
 from snow_meshes import bevelled_box, box, lathe, unfolded
 from snow_rays import first_hits
 
@@ -134,13 +135,9 @@ def loose_tiles(random, rows=5, columns=5, slope=38.0):
 def fallen(mesh, resolution, depth):
     """The map of a mesh after a fall of that depth."""
     positions, triangles, uv = mesh
-    sim = native.SnowSimulation(
-        pixel_size=0.01, max_depth=1.0, repose=math.radians(65.0), cohesion=0.005, engine="CPU"
-    )
-    sim.add_object("mesh", triangles, uv, resolution=resolution)
-    for step in range(32):
-        pose = {"mesh": positions.astype(np.float32)} if step == 0 else {}
-        sim.step(pose, depth / 32, (0.0, 0.0, -1.0), 1.0 / 24.0)
+    meshes = {"mesh": (positions.astype(np.float32), triangles, uv, resolution)}
+    sim = snow_over(meshes, cohesion=0.005)
+    fall(sim, meshes, depth)
     return sim.height("mesh").astype(np.float32)
 
 

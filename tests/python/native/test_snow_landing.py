@@ -8,39 +8,13 @@ import numpy as np
 import pytest
 import snowbough_native as native
 from checkpoints import restore, save
+from snow_fall import DOWN, FRAME, fall, sheet, snow_over
 from snow_meshes import cylinder, grid, rotated, smooth, unfolded
 from snow_pieces import pieces, slab, slats
 
-DOWN = (0.0, 0.0, -1.0)
-FRAME = 1.0 / 24.0
 GRAVITY = 9.81
 
 both_engines = pytest.mark.parametrize("engine", ["CPU", "GL"])
-
-
-def sheet(size, z=0.0, resolution=256):
-    positions, triangles, uv = grid(size, size)
-    return positions + np.float32([0.0, 0.0, z]), triangles, uv, resolution
-
-
-def simulation(meshes, shade=(), **settings):
-    settings = {
-        "pixel_size": 0.01,
-        "max_depth": 1.0,
-        "repose": math.radians(65.0),
-        "engine": "CPU",
-        **settings,
-    }
-    sim = native.SnowSimulation(**settings)
-    for name, (_, triangles, uv, resolution) in meshes.items():
-        sim.add_object(name, triangles, uv, resolution=resolution, receive=name not in shade)
-    return sim
-
-
-def fall(sim, meshes, depth, steps, begin=0):
-    for step in range(begin, begin + steps):
-        positions = {name: mesh[0] for name, mesh in meshes.items()} if step == 0 else {}
-        sim.step(positions, depth / steps, DOWN, FRAME)
 
 
 def wait(sim, steps=40):
@@ -66,7 +40,7 @@ def shelf_over_ground(height=1.0):
 @both_engines
 def test_what_falls_off_a_shelf_lies_below_its_edge(engine):
     meshes = shelf_over_ground()
-    sim = simulation(meshes, engine=engine, throw_speed=0.0)
+    sim = snow_over(meshes, engine=engine, throw_speed=0.0)
     fall(sim, meshes, 0.2, 32)
     wait(sim)
     now = assert_nothing_is_lost(sim)
@@ -90,7 +64,7 @@ def test_a_sheet_drops_what_lies_on_its_back_under_its_lower_edge(pitch):
     landed = []
     for faces, corners in ((triangles, uv), (triangles[:, ::-1], uv[:, ::-1])):
         meshes = {"ground": sheet(4.0), "sheet": (positions, faces.copy(), corners.copy(), 128)}
-        sim = simulation(meshes, max_depth=0.02, slide_half_life=0.05, throw_speed=0.0)
+        sim = snow_over(meshes, max_depth=0.02, slide_half_life=0.05, throw_speed=0.0)
         fall(sim, meshes, 0.1, 32)
         wait(sim)
         assert_nothing_is_lost(sim)
@@ -108,7 +82,7 @@ def test_what_lands_on_a_ground_that_faces_down_lies_on_its_back(engine, before)
     ground = sheet(0.5, resolution=64)
     shelf = sheet(0.6, 1.0, 64)
     meshes = {"ground": (ground[0], ground[1][:, ::-1], *ground[2:]), "shelf": shelf}
-    sim = simulation(meshes, engine=engine, throw_speed=0.0, slide_half_life=0.05, flutter=0.0)
+    sim = snow_over(meshes, engine=engine, throw_speed=0.0, slide_half_life=0.05, flutter=0.0)
     away = np.float32([5.0, 0.0, 0.0])
     if before:
         sim.step({"ground": ground[0], "shelf": shelf[0] + away}, before, DOWN, FRAME)
@@ -127,7 +101,7 @@ def test_what_lands_on_a_ground_that_faces_down_lies_on_its_back(engine, before)
 def test_snow_takes_its_time_to_fall():
     """After the snowfall a board tips over."""
     meshes = shelf_over_ground(2.0)
-    sim = simulation(meshes)
+    sim = snow_over(meshes)
     fall(sim, meshes, 0.05, 4)
     wait(sim, 2)
     before = sim.statistics()["objects"]["ground"]["total"]["landed_volume"]
@@ -143,13 +117,13 @@ def test_snow_takes_its_time_to_fall():
 
 def test_while_it_snows_a_fall_takes_no_longer_than_a_centimetre_of_snow():
     meshes = shelf_over_ground(2.0)
-    sim = simulation(meshes)
+    sim = snow_over(meshes)
     positions = {name: mesh[0] for name, mesh in meshes.items()}
     sim.step(positions, 0.02, DOWN, FRAME)
     wait(sim, 1)
     assert sim.statistics()["air_volume"] == 0.0
     # In steps of 1 mm it takes ten; the slats let go in the first ones.
-    slow = simulation(meshes, max_depth=0.0005)
+    slow = snow_over(meshes, max_depth=0.0005)
     for _ in range(10):
         slow.step(positions, 0.001, DOWN, FRAME)
     assert slow.statistics()["objects"]["ground"]["total"]["landed_volume"] == 0.0
@@ -160,7 +134,7 @@ def test_while_it_snows_a_fall_takes_no_longer_than_a_centimetre_of_snow():
 
 def test_without_fall_time_snow_lands_in_the_next_step():
     meshes = shelf_over_ground(2.0)
-    at_once = simulation(meshes, fall_time=False)
+    at_once = snow_over(meshes, fall_time=False)
     at_once.step({name: mesh[0] for name, mesh in meshes.items()}, 0.2, DOWN, FRAME)
     at_once.step({}, 0.0, DOWN, FRAME)
     assert at_once.statistics()["objects"]["ground"]["total"]["landed_volume"] > 0.0
@@ -172,7 +146,7 @@ def test_a_roof_that_sheds_makes_a_berm_outside_its_eave(speed):
     positions, triangles, uv, resolution = pieces(slab(count=10, width=1.5, pitch=40.0))
     roof = positions + np.float32([0.0, 1.0, eave]), triangles, uv, resolution
     meshes = {"roof": roof, "yard": sheet(6.0, resolution=512)}
-    sim = simulation(meshes, max_depth=0.12, slide_half_life=0.5, pixel_size=0.02, throw_speed=speed)
+    sim = snow_over(meshes, max_depth=0.12, slide_half_life=0.5, pixel_size=0.02, throw_speed=speed)
     fall(sim, meshes, 0.3, 48)
     wait(sim)
     assert_nothing_is_lost(sim)
@@ -195,7 +169,7 @@ def below_a_tilted_roof(height=4.0, **settings):
     air."""
     roof = sheet(1.0, resolution=64)
     meshes = {"yard": sheet(8.0, -height, 256), "roof": (rotated(roof[0], "x", 50.0), *roof[1:])}
-    sim = simulation(meshes, max_depth=0.02, slide_half_life=0.05, throw_speed=0.3, **settings)
+    sim = snow_over(meshes, max_depth=0.02, slide_half_life=0.05, throw_speed=0.3, **settings)
     fall(sim, meshes, 0.05, 8)
     air = native.simulation_state(sim)["landing"]["air"]
     wait(sim)
@@ -220,7 +194,7 @@ def test_a_smaller_heap_grain_makes_more_heaps():
 
 def test_steps_without_duration_land_nothing():
     meshes = shelf_over_ground(2.0)
-    sim = simulation(meshes)
+    sim = snow_over(meshes)
     sim.step({name: mesh[0] for name, mesh in meshes.items()}, 0.2, DOWN, FRAME)
     for _ in range(100):
         sim.step({}, 0.0, DOWN, 0.0)
@@ -234,7 +208,7 @@ def test_falling_snow_is_counted_in_whole_units():
     """From 8 m each heap falls along six rays, which share its units."""
     roof = sheet(1.0, resolution=64)
     meshes = {"ground": sheet(6.0, -8.0, 128), "roof": (rotated(roof[0], "x", 50.0), *roof[1:])}
-    sim = simulation(meshes, max_depth=0.02, slide_half_life=0.5)
+    sim = snow_over(meshes, max_depth=0.02, slide_half_life=0.5)
     fall(sim, meshes, 0.02, 1)
     state = native.simulation_state(sim)["landing"]
     in_air = sum(snow[4] for snow in state["air"])
@@ -248,7 +222,7 @@ def test_snow_that_is_thrown_against_a_wall_falls_to_its_foot():
     uv = np.full((2, 3, 2), 0.5, np.float32)
     wall = corners, np.int32([(0, 1, 2), (0, 2, 3)]), uv, 16
     meshes = {**shelf_over_ground(2.0), "wall": wall}
-    sim = simulation(meshes, shade=["wall"], throw_speed=2.0)
+    sim = snow_over(meshes, shade=["wall"], throw_speed=2.0)
     fall(sim, meshes, 0.2, 16)
     wait(sim)
     now = assert_nothing_is_lost(sim)
@@ -280,7 +254,7 @@ def test_snow_lands_beside_a_wall_and_not_on_it():
     trough = folded([(-0.25, 1.0), (-0.25, 0.5), (0.25, 0.5), (0.25, 1.0)], 2.0, 128)
     shelf = pieces([((0.0, 0.0, 0.9), (0.38, 1.0, 0.04), 0.0)])
     meshes = {"shelf": shelf, "trough": trough}
-    sim = simulation(meshes, throw_speed=0.0)
+    sim = snow_over(meshes, throw_speed=0.0)
     fall(sim, meshes, 0.1, 8)
     wait(sim)
     objects = assert_nothing_is_lost(sim)["objects"]
@@ -296,7 +270,7 @@ def test_what_lands_on_the_treads_of_a_wall_falls_on():
     wall = folded([(x - 0.1, z) for x, z in steps], 3.0, 64)
     shelf = pieces([((0.1, 0.0, 4.0), (0.3, 0.6, 0.04), 0.0)])
     meshes = {"ground": sheet(3.0, resolution=128), "shelf": shelf, "wall": wall}
-    sim = simulation(meshes, throw_speed=0.0)
+    sim = snow_over(meshes, throw_speed=0.0)
     fall(sim, meshes, 0.2, 16)
     wait(sim)
     now = assert_nothing_is_lost(sim)
@@ -308,7 +282,7 @@ def test_snow_that_has_nowhere_to_slide_to_stays():
     positions, triangles, uv = grid(1.0, 1.0, cells=16)
     positions[:, 2] = np.maximum(np.abs(positions[:, 0]), np.abs(positions[:, 1]))
     meshes = {"pit": (positions, triangles, uv, 65)}
-    sim = simulation(meshes, max_depth=0.02, slide_half_life=0.01)
+    sim = snow_over(meshes, max_depth=0.02, slide_half_life=0.01)
     fall(sim, meshes, 0.1, 4)
     assert_nothing_is_lost(sim)
     assert abs(sim.statistics()["total"]["stretched_volume"]) < 1e-6
@@ -316,7 +290,7 @@ def test_snow_that_has_nowhere_to_slide_to_stays():
 
 def test_objects_without_a_map_keep_what_falls_on_them():
     meshes = shelf_over_ground()
-    sim = simulation(meshes, shade=["ground"])
+    sim = snow_over(meshes, shade=["ground"])
     fall(sim, meshes, 0.2, 16)
     now = assert_nothing_is_lost(sim)
     assert now["floor_volume"] > 0.01
@@ -326,7 +300,7 @@ def test_objects_without_a_map_keep_what_falls_on_them():
 def test_a_leaf_that_turns_over_drops_its_snow():
     leaf = sheet(0.4, 0.5, 64)
     meshes = {"ground": sheet(2.0), "leaf": leaf}
-    sim = simulation(meshes, slide_half_life=0.05)
+    sim = snow_over(meshes, slide_half_life=0.05)
     fall(sim, meshes, 0.05, 8)
     before = sim.statistics()["objects"]["ground"]["held_volume"]
     held = sim.statistics()["objects"]["leaf"]["held_volume"]
@@ -342,13 +316,13 @@ def test_a_leaf_that_turns_over_drops_its_snow():
 
 def test_a_stopped_simulation_goes_on_to_the_same_bytes(tmp_path):
     meshes = shelf_over_ground(2.0)
-    whole = simulation(meshes)
+    whole = snow_over(meshes)
     fall(whole, meshes, 0.2, 32)
-    first = simulation(meshes)
+    first = snow_over(meshes)
     fall(first, meshes, 0.1, 16)
     assert first.statistics()["air_volume"] > 0.0
     save(first, tmp_path / "state")
-    second = simulation(meshes)
+    second = snow_over(meshes)
     restore(second, tmp_path / "state")
     second.step({name: mesh[0] for name, mesh in meshes.items()}, 0.1 / 16, DOWN, FRAME)
     fall(second, meshes, 0.1 / 16 * 15, 15, begin=17)
@@ -400,7 +374,7 @@ def test_what_moves_goes_on_to_the_same_bytes():
 
 def test_snow_in_the_air_outside_of_a_map_is_refused():
     meshes = shelf_over_ground()
-    sim = simulation(meshes)
+    sim = snow_over(meshes)
     fall(sim, meshes, 0.1, 2)
     state = native.simulation_state(sim)
     state["landing"]["air"] = [(5, "ground", 256 * 256, False, 1)]
@@ -410,7 +384,7 @@ def test_snow_in_the_air_outside_of_a_map_is_refused():
 
 def test_a_receiver_that_no_snow_reaches_stays_bare():
     meshes = {"cellar": sheet(0.5, -1.0, 64), "ground": sheet(2.0)}
-    sim = simulation(meshes)
+    sim = snow_over(meshes)
     fall(sim, meshes, 0.1, 4)
     assert sim.height("cellar").max() == 0.0
     assert_nothing_is_lost(sim)
@@ -429,7 +403,7 @@ def test_nothing_towers_on_the_butts_of_tiles_on_which_snow_lands():
         for (x, z), (to_x, to_z) in pairwise(line):
             faces.append(np.array([(x, -0.6, z), (to_x, -0.6, to_z), (to_x, 0.6, to_z), (x, 0.6, z)]))
     roof = unfolded(faces, 0.01)
-    with simulation({"roof": roof}, cohesion=0.005, flutter=math.radians(10.0)) as sim:
+    with snow_over({"roof": roof}, cohesion=0.005, flutter=math.radians(10.0)) as sim:
         for step in range(4):
             sim.step({"roof": roof[0]} if step == 0 else {}, 0.0125, DOWN, FRAME)
             assert np.abs(sim.height("roof")).max() < 0.1
@@ -453,7 +427,7 @@ def test_a_limb_keeps_no_more_than_without_landing():
 
 def test_without_landing_it_is_gone():
     meshes = shelf_over_ground()
-    sim = simulation(meshes, landing=False)
+    sim = snow_over(meshes, landing=False)
     fall(sim, meshes, 0.2, 16)
     now = sim.statistics()
     assert now["total"]["landed_volume"] == 0.0

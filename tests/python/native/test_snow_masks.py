@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 import snowbough_native as native
-from checkpoints import restore, save
+from checkpoints import assert_resumes
 from child import in_child
 from snow_meshes import STAYS, grid, turned_over
 
@@ -170,16 +170,7 @@ def test_a_masked_simulation_resumes_byte_for_byte(tmp_path, engine):
             sim.set_mask("ground", halves(mesh, 1.0 - step / 12.0, 0.9))
             sim.step({"ground": mesh[0]} if step == begin else {}, 0.01, DOWN, FRAME)
 
-    whole = simulation(mesh, engine, repose=1.0)
-    run(whole, 0, 12)
-    first = simulation(mesh, engine, repose=1.0)
-    run(first, 0, 5)
-    save(first, tmp_path / "state")
-    second = simulation(mesh, engine, repose=1.0)
-    restore(second, tmp_path / "state")
-    run(second, 5, 12)
-    assert second.height("ground").tobytes() == whole.height("ground").tobytes()
-    assert second.statistics() == whole.statistics()
+    assert_resumes(lambda: simulation(mesh, engine, repose=1.0), run, 5, 12, tmp_path / "state")
 
 
 def test_masks_that_do_not_fit_are_refused_with_a_reason():

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 import snowbough_native as native
-from checkpoints import restore, save
+from checkpoints import assert_resumes, restore, save
 from child import in_child
 from snow_meshes import STAYS, box, grid, rotated, sphere, turned_over
 
@@ -390,15 +390,7 @@ def test_pressing_resumes_byte_for_byte(tmp_path, engine):
         world.add("tool", mesh)
         return world
 
-    whole, first, second = new(), new(), new()
-    run(whole, 0, 13)
-    run(first, 0, 6)
-    save(first.sim, tmp_path / "state")
-    restore(second.sim, tmp_path / "state")
-    run(second, 6, 13)
-    assert second.height().tobytes() == whole.height().tobytes()
-    assert second.sim.statistics() == whole.sim.statistics()
-    whole.balance()
+    assert_resumes(new, run, 6, 13, tmp_path / "state").balance()
 
 
 def test_a_track_on_a_plank_that_bends_stays_on_it():
@@ -479,15 +471,7 @@ def test_a_fine_map_resumes_byte_for_byte(tmp_path, tool):
         for i in range(begin, end):
             world.step({"tool": poses[i]}, DEPTH if i == 0 else 0.004)
 
-    whole, first, second = (fine_world(tool) for _ in range(3))
-    run(whole, 0, 8)
-    run(first, 0, 4)
-    save(first.sim, tmp_path / "state")
-    restore(second.sim, tmp_path / "state")
-    run(second, 4, 8)
-    assert second.height().tobytes() == whole.height().tobytes()
-    assert second.sim.statistics() == whole.sim.statistics()
-    whole.balance()
+    assert_resumes(lambda: fine_world(tool), run, 4, 8, tmp_path / "state").balance()
 
 
 def test_the_number_of_threads_changes_no_byte():

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import snowbough_native as native
+from snow_fall import fallen
 from snow_meshes import box, grid, smooth, sphere
 from test_renderer import closed
 
@@ -38,21 +39,11 @@ def surface_of(mesh, heights, depth=DEPTH, **settings):
     return made.points(heights, depth), np.concatenate(fans).astype(np.int32)
 
 
-def fallen(mesh):
-    """A map after a fall of DEPTH."""
-    positions, triangles, uv = mesh
-    with native.SnowSimulation(pixel_size=0.02, blur_radius=0.02, repose=np.pi / 2, engine="CPU") as snow:
-        snow.add_object("it", triangles, uv, resolution=128)
-        for step in range(8):
-            snow.step({"it": positions} if step == 0 else {}, DEPTH / 8)
-        return snow.output("it", normal=False)["height"]
-
-
 @pytest.fixture(scope="module", params=["box", "ball"])
 def heap(request):
     mesh = box() if request.param == "box" else sphere(0.5)
     shading = None if request.param == "box" else smooth(*mesh[:2])
-    return surface_of(mesh, fallen(mesh), shading=shading)
+    return surface_of(mesh, fallen(mesh, DEPTH, repose=np.pi / 2), shading=shading)
 
 
 @pytest.mark.parametrize("seen", ["front", "back"])

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 import snowbough_native as native
 from checkpoints import restore, save
+from snow_fall import DOWN, FRAME, fall
 from snow_meshes import STAYS, box, chart_of_box, grid, rotated, sphere
 
 FRESH = math.radians(65.0)
-FRAME = 1.0 / 24.0
-DOWN = (0.0, 0.0, -1.0)
 
 
 def simulation(meshes, repose=FRESH, resolution=128, engine="CPU", only_shade=(), **settings):
@@ -23,12 +22,6 @@ def simulation(meshes, repose=FRESH, resolution=128, engine="CPU", only_shade=()
 
 
 both_engines = pytest.mark.parametrize("engine", ["CPU", "GL"])
-
-
-def fall(sim, meshes, depth, steps, direction=DOWN):
-    for step in range(steps):
-        positions = {name: mesh[0] for name, mesh in meshes.items()} if step == 0 else {}
-        sim.step(positions, depth / steps, direction, FRAME)
 
 
 def come_to_rest(sim, steps=4, seconds=4.0):

@@ -4,10 +4,8 @@
 import numpy as np
 import pytest
 import snowbough_native as native
-from snow_fall import new_simulation
+from snow_fall import DOWN, new_simulation, volume
 from snow_meshes import STAYS, box, chart_of_box, grid, rotated, smooth, sphere, wind
-
-DOWN = (0.0, 0.0, -1.0)
 
 
 def snow_on(
@@ -20,10 +18,6 @@ def snow_on(
         for _ in range(steps):
             sim.step({"it": positions}, 0.05 / steps, direction, dt)
         return sim.height("it") / 0.05, sim.texel_area("it"), sim.statistics()
-
-
-def volume(height, area):
-    return float((height.astype(np.float64) * area).sum())
 
 
 def latitudes(resolution=256):
