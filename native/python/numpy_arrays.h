@@ -16,14 +16,6 @@ namespace snowbough::python {
 template <typename Scalar>
 using InputArray = pybind11::array_t<Scalar, pybind11::array::c_style | pybind11::array::forcecast>;
 
-/// A numpy array of `shape` over `data`; the array keeps `owner` alive.
-template <typename Scalar, typename Owner>
-pybind11::array_t<Scalar> owned_numpy(std::unique_ptr<Owner> owner, Scalar* data,
-                                      std::vector<pybind11::ssize_t> shape) {
-  pybind11::capsule capsule(owner.release(), [](void* p) { delete static_cast<Owner*>(p); });
-  return pybind11::array_t<Scalar>(std::move(shape), data, std::move(capsule));
-}
-
 /// A numpy array with a copy of `count` values. Use this instead of array_t's constructor with a
 /// count, and sizeof instead of nbytes and itemsize: with pybind11 before 2.12 and NumPy 2, they
 /// take the size of an element for 0.
@@ -39,9 +31,11 @@ template <typename Scalar, typename Element>
 pybind11::array_t<Scalar> to_numpy(std::vector<Element>&& values,
                                    std::vector<pybind11::ssize_t> shape) {
   static_assert(sizeof(Element) % sizeof(Scalar) == 0);
-  auto owner = std::make_unique<std::vector<Element>>(std::move(values));
+  using Owner = std::vector<Element>;
+  auto owner = std::make_unique<Owner>(std::move(values));
   auto* data = reinterpret_cast<Scalar*>(owner->data());
-  return owned_numpy(std::move(owner), data, std::move(shape));
+  pybind11::capsule capsule(owner.release(), [](void* p) { delete static_cast<Owner*>(p); });
+  return pybind11::array_t<Scalar>(std::move(shape), data, std::move(capsule));
 }
 
 /// A read-only view of a vector that `owner` keeps alive.

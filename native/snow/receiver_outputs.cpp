@@ -61,7 +61,6 @@ OutputSnapshot ReceiverOutputs::snapshot(const std::shared_ptr<SceneObject>& rec
     snapshot.pose_.metrics = surface_metrics(topology, positions);
   }
   snapshot.stored_ = std::move(stored);
-  snapshot.memory_ = map_memory_;
   return snapshot;
 }
 

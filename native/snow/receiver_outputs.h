@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "snow/output/map_memory.h"
 #include "snow/output/map_output.h"
 #include "snow/output/output_filter.h"
 #include "snow/scene/scene_object.h"
@@ -19,8 +18,6 @@ class OutputSnapshot {
   int32_t resolution() const { return resolution_; }
   /// See SnowSimulation::output. @throws std::runtime_error on a second call.
   MapOutput output();
-  /// Pool to which the memory of the output's heights is returned; may be null.
-  const std::shared_ptr<MapMemory>& memory() const { return memory_; }
 
  private:
   friend class ReceiverOutputs;
@@ -28,11 +25,10 @@ class OutputSnapshot {
   std::vector<float> stored_;
   OutputPose pose_;
   std::shared_ptr<OutputFilter> filter_;
-  std::shared_ptr<MapMemory> memory_;
 };
 
-/// What the receivers' output needs beside their heights: blur, filters, memory. For one thread at
-/// a time.
+/// What the receivers' output needs beside their heights: blur and filters. For one thread at a
+/// time.
 class ReceiverOutputs {
  public:
   /// `blur_radius` in metres, of receivers without their own.
@@ -45,10 +41,9 @@ class ReceiverOutputs {
   /// its rest pose.
   void prepare(const std::shared_ptr<SceneObject>& receiver);
   const SeamTable& seams(const std::shared_ptr<SceneObject>& receiver);
-  /// `stored`: the heights, from `map_memory`; `wet`: see OutputPose.
+  /// `stored`: the heights; `wet`: see OutputPose.
   OutputSnapshot snapshot(const std::shared_ptr<SceneObject>& receiver, const MapRequest& maps,
                           std::vector<float> stored, std::vector<float> wet = {});
-  MapMemory& map_memory() { return *map_memory_; }
   /// Call it when a receiver is replaced.
   void forget(const std::string& name) { filters_.forget(name); }
   void clear() { filters_.clear(); }
@@ -56,7 +51,6 @@ class ReceiverOutputs {
  private:
   double blur_radius_;
   OutputFilterCache filters_;
-  std::shared_ptr<MapMemory> map_memory_ = std::make_shared<MapMemory>();
 };
 
 }  // namespace snowbough::snow

@@ -251,7 +251,7 @@ int32_t SnowSimulation::resolution(const std::string& name) const {
 
 std::vector<float> SnowSimulation::stored_height(const std::string& name) {
   const auto edge = static_cast<size_t>(objects_.receiver(name)->description.topology.resolution);
-  std::vector<float> heights = outputs_.map_memory().acquire(edge * edge);
+  std::vector<float> heights(edge * edge);
   scene().read_height(name, heights);
   return heights;
 }

@@ -205,29 +205,13 @@ snow::OutputSnapshot snapshot(SnowSimulation& simulation, const std::string& nam
   return simulation.snapshot(name, request);
 }
 
-/// A map in use by numpy, whose memory returns to the pool afterwards.
-struct PooledArray {
-  PooledArray(std::vector<float>&& map, std::shared_ptr<snow::MapMemory> pool)
-      : heights(std::move(map)), memory(std::move(pool)) {}
-  ~PooledArray() {
-    if (memory != nullptr) memory->release(std::move(heights));
-  }
-  PooledArray(const PooledArray&) = delete;
-  PooledArray& operator=(const PooledArray&) = delete;
-
-  std::vector<float> heights;
-  std::shared_ptr<snow::MapMemory> memory;
-};
-
 py::dict snapshot_output(snow::OutputSnapshot& snapshot) {
   // Moved while the GIL is held, so that only one of two concurrent callers gets the map.
   snow::OutputSnapshot taken = std::move(snapshot);
   snow::MapOutput result = without_gil([&] { return taken.output(); });
   const int32_t resolution = taken.resolution();
   py::dict dict;
-  auto map = std::make_unique<PooledArray>(std::move(result.height), taken.memory());
-  float* const heights = map->heights.data();
-  dict["height"] = owned_numpy(std::move(map), heights, {resolution, resolution});
+  dict["height"] = to_numpy<float>(std::move(result.height), {resolution, resolution});
   put_maps(dict, result, resolution);
   return dict;
 }
