@@ -44,9 +44,8 @@ struct RoundedEdge {
   MapPoint inland;
 };
 
-/// What lies beyond the outlets of a scene's receivers, found with rays in the current pose, when
-/// it is first needed, and kept until something near moves (gain: 16 % of the processor's time of a
-/// bake of nine paving stones). Snow above an outlet is bounded by the top of the snow beyond, instead of by
+/// What lies beyond the outlets of a scene's receivers, found with rays when first needed in a pose
+/// (gain: 16 % of a bake). Snow above an outlet is bounded by the top of the snow beyond, not by
 /// the end of its own surface: it joins what lies a step lower, and closes narrow gaps.
 class OutletTargets {
  public:

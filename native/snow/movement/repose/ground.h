@@ -46,8 +46,7 @@ struct ReposeGround {
   /// Rays against pose.positions().
   ObjectRays own_rays;
   /// Call bare_texels before using these. By texel: the last texel of its way down the bare
-  /// surface, and -1 - the outlet to which it leads, or the last texel again. Gain: 28 % of
-  /// the processor's time of a bake of a turning monkey at 1024.
+  /// surface, and -1 - the outlet to which it leads, or the last texel again. Gain: 28 % of a bake.
   bool has_bare = false;
   BareTexels bare;
   std::vector<int32_t> way_last, way_end;
