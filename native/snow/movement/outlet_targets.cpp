@@ -39,6 +39,8 @@ constexpr float kRoundings = 1.0f / 3.0f;
 constexpr float kLowest = 0.05f;
 constexpr float kFallsInland = 0.1f;
 constexpr float kBends = 0.1f;
+/// Tangent of the steepest surface inland.
+constexpr double kSteepestInland = 2.5;
 /// Roundings whose curvature is known end within this many of its radii: twigs are narrower.
 constexpr float kRadii = 2.0f;
 /// Factor between the ways that are searched. The middle of each is compared with its end.
@@ -154,21 +156,32 @@ void OutletTargets::find_gap(const Outlet& outlet, float widest, OutletTarget& t
 /// depend on where earlier searches ended.
 void OutletTargets::find_edge(const Outlet& outlet, float curvature, float widest,
                               RoundedEdge& edge) const {
+  const auto outlet_z = static_cast<float>(outlet.point.z);
+  // Beyond the rounding nothing is steep, so that a ray that meets nothing is not within the body.
+  const double most = curvature > 0.0f ? 1.0 : std::numeric_limits<double>::infinity();
+  bool is_steep = false;
   const auto inland = [&](float distance) {
-    bool is_closed = false;
-    return below(outlet.point - glm::dvec3(outlet.outwards * static_cast<double>(distance), 0.0),
-                 kOverBevel * static_cast<double>(distance), is_closed);
+    const double way = static_cast<double>(distance);
+    const double over = kSteepestInland * way;
+    const glm::dvec3 from = outlet.point + glm::dvec3(-way * outlet.outwards, over);
+    const SurfaceHit hit = rays_.first_along(from, glm::dvec3(0.0, 0.0, -1.0), 0.0, most * over);
+    is_steep = is_steep || hit.is_inside(true);
+    const bool is_there = hit.object >= 0 && holds_snow(hit) && hit.distance < over;
+    return is_there ? map_point(*rays_.objects()[static_cast<size_t>(hit.object)], hit,
+                                from.z - hit.distance)
+                    : MapPoint{};
   };
   if (edge.searched == 0.0f) {
     const auto reach = static_cast<float>(outlet.reach);
     edge.searched = curvature * reach > 0.0f ? std::max(reach, kRadii / curvature) : reach;
   }
-  const auto outlet_z = static_cast<float>(outlet.point.z);
   while (edge.height == 0.0f && kNextInland * edge.searched <= widest) {
     edge.searched *= kNextInland;
+    is_steep = false;
     const MapPoint far = inland(edge.searched);
-    const bool is_there = far.object >= 0 && far.z > outlet_z;
-    const MapPoint near = is_there ? inland(0.5f * edge.searched) : MapPoint{};
+    const MapPoint near = far.object >= 0 ? inland(0.5f * edge.searched) : far;
+    // Rays from within the body.
+    if (is_steep) continue;
     const float rise = far.z - near.z;
     if (near.object < 0 || rise < -kFallsInland * edge.searched) {
       edge.searched = std::numeric_limits<float>::infinity();
