@@ -329,9 +329,8 @@ glm::vec2 CoarseMap::slope_at(int32_t place) const {
   return slope;
 }
 
-/// A texel of a square: its place and area, the upward part of its normal (of the area on which
-/// snow can lie: a face of it may be a wall), and by how much the
-/// snow's slope lifts it above the square's middle, in metres.
+/// A texel of a square: its place and area, the upward part of its normal, as in TileGround, and by
+/// how much the snow's slope lifts it above the square's middle, in metres.
 struct CoarseMap::Part {
   size_t place = 0;
   double area = 0.0;

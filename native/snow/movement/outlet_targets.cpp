@@ -30,23 +30,23 @@ constexpr double kHighestTop = 1.0;
 constexpr double kDeepestStep = 1.0;
 /// Raises an outlet above all snow.
 constexpr float kClosed = 1e6f;
-/// Cells whose surface is less steep than this, by its upward part, end in a sharp edge.
+/// Cells that are less steep than this, by the upward part of their normals, end in a sharp edge.
 constexpr float kLevel = 0.98f;
-/// The rounding of an edge is lower than this part of the way inland to the surface that goes on
-/// there, higher than the next one, and falls by less than that part of the way and hardly bends
-/// (as a tangent). A ball has no such surface.
-constexpr float kRoundings = 1.0f / 3.0f;
-constexpr float kLowest = 0.05f;
+/// The height of a rounding is between these parts of the way from the outlet to the surface inland
+/// of it, which falls inland by less than a part of the way, and whose slope changes by less than a
+/// tangent. Balls and logs have no such surface.
+constexpr float kLeastRounding = 0.05f;
+constexpr float kMostRounding = 1.0f / 3.0f;
 constexpr float kFallsInland = 0.1f;
 constexpr float kBends = 0.1f;
 /// Tangent of the steepest surface inland.
 constexpr double kSteepestInland = 2.5;
-/// Roundings whose curvature is known end within this many of its radii: twigs are narrower.
+/// A rounding whose curvature is known ends within this many of its radii; a twig is narrower.
 constexpr float kRadii = 2.0f;
 /// Factor between the ways that are searched. The middle of each is compared with its end.
 constexpr float kNextInland = std::numbers::sqrt2_v<float>;
-/// An edge is as good as sharp below snow this many times as deep as its rounding is high; below
-/// snow that is less deep by the rounding's height it is not.
+/// Snow this many times as deep as a rounding is high lies over it as over a sharp edge; snow that
+/// is less deep by the rounding's height lies on it.
 constexpr float kDepthsOfRounding = 3.0f;
 /// Rays start this fraction of the reach above the outlet, so that a surface as high as the outlet
 /// is below them.
@@ -191,7 +191,8 @@ void OutletTargets::find_edge(const Outlet& outlet, float curvature, float wides
     const float height = near.z - std::max(rise, 0.0f) - outlet_z;
     const float slope = shared::bare_slope(1.0f / std::max(far.column, 1.0f));
     const bool goes_on = std::abs(2.0f * std::abs(rise) / edge.searched - slope) < kBends;
-    if (goes_on && height > kLowest * edge.searched && height < kRoundings * edge.searched) {
+    if (goes_on && height > kLeastRounding * edge.searched &&
+        height < kMostRounding * edge.searched) {
       edge.height = height;
       edge.inland = far;
     }
@@ -205,7 +206,7 @@ void OutletTargets::raise_edges(const ReposeGround& ground, float deepest, int32
                                 const std::vector<const std::vector<float>*>& heights,
                                 std::map<int32_t, RoundedEdge>& known) const {
   const ReposeTile& tile = *map.tiles[static_cast<size_t>(block)];
-  const float widest = deepest / (kRoundings * (kDepthsOfRounding - 1.0f));
+  const float widest = deepest / (kMostRounding * (kDepthsOfRounding - 1.0f));
   int32_t cell = -1;
   float top = 0.0f;
   for (RimLink& rim : map.rims[static_cast<size_t>(block)]) {
