@@ -7,6 +7,7 @@
 
 #include "base/parallel_for.h"
 #include "shaders/lib/texel_repose.h"
+#include "snow/movement/repose/rounded_edges.h"
 
 namespace snowbough::snow {
 namespace {
@@ -30,24 +31,6 @@ constexpr double kHighestTop = 1.0;
 constexpr double kDeepestStep = 1.0;
 /// Raises an outlet above all snow.
 constexpr float kClosed = 1e6f;
-/// Cells that are less steep than this, by the upward part of their normals, end in a sharp edge.
-constexpr float kLevel = 0.98f;
-/// The height of a rounding is between these parts of the way from the outlet to the surface inland
-/// of it, which falls inland by less than a part of the way, and whose slope changes by less than a
-/// tangent. Balls and logs have no such surface.
-constexpr float kLeastRounding = 0.05f;
-constexpr float kMostRounding = 1.0f / 3.0f;
-constexpr float kFallsInland = 0.1f;
-constexpr float kBends = 0.1f;
-/// Tangent of the steepest surface inland.
-constexpr double kSteepestInland = 2.5;
-/// A rounding whose curvature is known ends within this many of its radii; a twig is narrower.
-constexpr float kRadii = 2.0f;
-/// Factor between the ways that are searched. The middle of each is compared with its end.
-constexpr float kNextInland = std::numbers::sqrt2_v<float>;
-/// Snow this many times as deep as a rounding is high lies over it as over a sharp edge; snow that
-/// is less deep by the rounding's height lies on it.
-constexpr float kDepthsOfRounding = 3.0f;
 /// Rays start this fraction of the reach above the outlet, so that a surface as high as the outlet
 /// is below them.
 constexpr double kAbove = 0.5;
@@ -64,7 +47,7 @@ float top_at(const MapPoint& point, const std::vector<const std::vector<float>*>
 void OutletTargets::lay_out(const std::vector<const SceneObject*>& objects) {
   rays_.lay_out(objects);
   bounds_.assign(objects.size(), {});
-  known_.assign(objects.size(), {});
+  targets_.assign(objects.size(), {});
 }
 
 /// Whether rays from an object's outlets may meet something in `moved`, or could before it moved.
@@ -152,85 +135,6 @@ void OutletTargets::find_gap(const Outlet& outlet, float widest, OutletTarget& t
   target.before = beyond(-width, kOverBevel * width, is_closed);
 }
 
-/// Searches on for the surface inland of a rounding, up to `widest` metres. The distances do not
-/// depend on where earlier searches ended.
-void OutletTargets::find_edge(const Outlet& outlet, float curvature, float widest,
-                              RoundedEdge& edge) const {
-  const auto outlet_z = static_cast<float>(outlet.point.z);
-  // Beyond the rounding nothing is steep, so that a ray that meets nothing is not within the body.
-  const double most = curvature > 0.0f ? 1.0 : std::numeric_limits<double>::infinity();
-  bool is_steep = false;
-  const auto inland = [&](float distance) {
-    const double way = static_cast<double>(distance);
-    const double over = kSteepestInland * way;
-    const glm::dvec3 from = outlet.point + glm::dvec3(-way * outlet.outwards, over);
-    const SurfaceHit hit = rays_.first_along(from, glm::dvec3(0.0, 0.0, -1.0), 0.0, most * over);
-    is_steep = is_steep || hit.is_inside(true);
-    const bool is_there = hit.object >= 0 && holds_snow(hit) && hit.distance < over;
-    return is_there ? map_point(*rays_.objects()[static_cast<size_t>(hit.object)], hit,
-                                from.z - hit.distance)
-                    : MapPoint{};
-  };
-  if (edge.searched == 0.0f) {
-    const auto reach = static_cast<float>(outlet.reach);
-    edge.searched = curvature * reach > 0.0f ? std::max(reach, kRadii / curvature) : reach;
-  }
-  while (edge.height == 0.0f && kNextInland * edge.searched <= widest) {
-    edge.searched *= kNextInland;
-    is_steep = false;
-    const MapPoint far = inland(edge.searched);
-    const MapPoint near = far.object >= 0 ? inland(0.5f * edge.searched) : far;
-    // Rays from within the body.
-    if (is_steep) continue;
-    const float rise = far.z - near.z;
-    if (near.object < 0 || rise < -kFallsInland * edge.searched) {
-      edge.searched = std::numeric_limits<float>::infinity();
-      return;
-    }
-    // Where the surface would end if it went on outwards as it does from one to the other.
-    const float height = near.z - std::max(rise, 0.0f) - outlet_z;
-    const float slope = shared::bare_slope(1.0f / std::max(far.column, 1.0f));
-    const bool goes_on = std::abs(2.0f * std::abs(rise) / edge.searched - slope) < kBends;
-    if (goes_on && height > kLeastRounding * edge.searched &&
-        height < kMostRounding * edge.searched) {
-      edge.height = height;
-      edge.inland = far;
-    }
-  }
-}
-
-/// Raises a block's outlets below bevels and roundings that are low against the snow: it lies over
-/// them as over sharp edges.
-void OutletTargets::raise_edges(const ReposeGround& ground, float deepest, int32_t block,
-                                ReposeBlocks& map,
-                                const std::vector<const std::vector<float>*>& heights,
-                                std::map<int32_t, RoundedEdge>& known) const {
-  const ReposeTile& tile = *map.tiles[static_cast<size_t>(block)];
-  const float widest = deepest / (kMostRounding * (kDepthsOfRounding - 1.0f));
-  int32_t cell = -1;
-  float top = 0.0f;
-  for (RimLink& rim : map.rims[static_cast<size_t>(block)]) {
-    // Sheets end in rims without walls below.
-    const bool is_at_wall = rim.number < static_cast<int32_t>(ground.links->across.size());
-    const float up = std::abs(tile.ground.up[static_cast<size_t>(rim.cell)]);
-    if (!(rim.limit < kNoLink) || !is_at_wall || up > kLevel) continue;
-    if (rim.cell != cell) {
-      cell = rim.cell;
-      top = -shared::kUnbounded;
-      RoundedEdge& edge = known[cell];
-      if (edge.height == 0.0f && kNextInland * edge.searched <= widest) {
-        find_edge(outlet_of(ground, rim), tile.ground.curvature[static_cast<size_t>(cell)], widest,
-                  edge);
-      }
-      if (edge.height == 0.0f || edge.searched > widest) continue;
-      const float depth = top_at(edge.inland, heights) - edge.inland.z;
-      const float part = std::clamp(depth / edge.height - (kDepthsOfRounding - 1.0f), 0.0f, 1.0f);
-      if (part > 0.0f) top = rim.bare + rim.rise + part * edge.height;
-    }
-    rim.top = std::max(rim.top, top);
-  }
-}
-
 OutletTarget OutletTargets::find(const Outlet& outlet) const {
   OutletTarget target;
   target.z = static_cast<float>(outlet.point.z);
@@ -263,18 +167,19 @@ bool OutletTargets::is_anything_across(const Outlet& outlet) const {
 void OutletTargets::raise(size_t object, Repose& repose,
                           const std::vector<const std::vector<float>*>& heights) {
   if (repose.choice().chosen.empty()) return;
-  std::vector<Known>& known_by_block = known_[object][repose.table().resolution];
-  known_by_block.resize(repose.blocks().tiles.size());
+  std::vector<std::map<int32_t, OutletTarget>>& targets =
+      targets_[object][repose.table().resolution];
+  targets.resize(repose.blocks().tiles.size());
   const std::vector<int32_t>& blocks = repose.choice().chosen;
-  const ReposeGround& ground = repose.ground();
+  ReposeGround& ground = repose.ground();
   ReposeBlocks& map = repose.blocks();
   const std::vector<float>& highest = repose.choice().highest;
   const float deepest = *std::max_element(highest.begin(), highest.end());
+  ground.edges.resize(repose.blocks().tiles.size());
   base::for_each_item(blocks.size(), 1, [&](size_t i) {
     const float widest = kDepthsOfGap * highest_near(*ground.links, repose.choice(), blocks[i]);
     if (widest == 0.0f) return;
-    Known& of_block = known_by_block[static_cast<size_t>(blocks[i])];
-    std::map<int32_t, OutletTarget>& known = of_block.targets;
+    std::map<int32_t, OutletTarget>& known = targets[static_cast<size_t>(blocks[i])];
     for (RimLink& rim : map.rims[static_cast<size_t>(blocks[i])]) {
       // Of an earlier step, in which snow lay here.
       rim.top = rim.bare;
@@ -295,7 +200,7 @@ void OutletTargets::raise(size_t object, Repose& repose,
         rim.top = rim.bare + rim.rise + above;
       }
     }
-    raise_edges(ground, deepest, blocks[i], map, heights, of_block.edges);
+    raise_rounded_edges(ground, deepest, blocks[i], *heights[object], map);
   });
 }
 

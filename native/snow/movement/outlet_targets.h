@@ -34,16 +34,6 @@ struct OutletTarget {
   MapPoint far, farther, before;
 };
 
-/// The edge that the surface before an outlet would end in without its bevel or rounding.
-struct RoundedEdge {
-  /// Distance in metres from the outlet within which it has been searched; infinite if it is not to
-  /// be searched further.
-  float searched = 0.0f;
-  /// Height in metres over the outlet; 0: not found yet. And the surface inland of the rounding.
-  float height = 0.0f;
-  MapPoint inland;
-};
-
 /// What lies beyond the outlets of a scene's receivers, found with rays when first needed in a pose
 /// (gain: 16 % of a bake). Snow above an outlet is bounded by the top of the snow beyond, not by
 /// the end of its own surface: it joins what lies a step lower, and closes narrow gaps.
@@ -63,7 +53,7 @@ class OutletTargets {
     if (!moved.receive && !moved.occlude) return;
     for (size_t i = 0; i < bounds_.size(); ++i) {
       if (i != object && !is_near(i, before) && !is_near(i, bounds_[object])) continue;
-      known_[i].clear();
+      targets_[i].clear();
       forget(i);
     }
   }
@@ -82,21 +72,12 @@ class OutletTargets {
   static float rise_of(const OutletTarget& target, float widest, float near, float slope,
                        const std::vector<const std::vector<float>*>& heights);
   void find_gap(const Outlet& outlet, float widest, OutletTarget& target) const;
-  void find_edge(const Outlet& outlet, float curvature, float widest, RoundedEdge& edge) const;
-  void raise_edges(const ReposeGround& ground, float deepest, int32_t block, ReposeBlocks& map,
-                   const std::vector<const std::vector<float>*>& heights,
-                   std::map<int32_t, RoundedEdge>& known) const;
 
   SceneRays rays_;
   /// By object: its bounds when its targets were last forgotten.
   std::vector<Bounds> bounds_;
-  /// Of a block's outlets, by RimLink::number, and of edges, by cell.
-  struct Known {
-    std::map<int32_t, OutletTarget> targets;
-    std::map<int32_t, RoundedEdge> edges;
-  };
-  /// By object, resolution of its map, and block.
-  std::vector<std::map<int32_t, std::vector<Known>>> known_;
+  /// By object, resolution of its map, and block, of outlets by RimLink::number.
+  std::vector<std::map<int32_t, std::vector<std::map<int32_t, OutletTarget>>>> targets_;
 };
 
 }  // namespace snowbough::snow

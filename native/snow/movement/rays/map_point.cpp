@@ -97,7 +97,7 @@ const TexelsNow::Triangle& TexelsNow::triangle(int32_t number) {
   const int32_t* const corners =
       &object_.description.topology.triangles[3 * static_cast<size_t>(number)];
   const auto corner = [&](int k) {
-    return glm::dvec3(object_.positions[static_cast<size_t>(corners[k])]);
+    return glm::dvec3(positions_[static_cast<size_t>(corners[k])]);
   };
   last_.number = number;
   last_.first = corner(0);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <vector>
 
 #include "snow/movement/rays/scene_rays.h"
 #include "snow/scene/scene_object.h"
@@ -45,7 +46,12 @@ struct TexelNow {
 /// the same triangle, which is measured once.
 class TexelsNow {
  public:
-  TexelsNow(const SceneObject& object, const TexelTable& table) : object_(object), table_(table) {}
+  TexelsNow(const SceneObject& object, const TexelTable& table)
+      : TexelsNow(object, table, object.positions) {}
+  /// The same, if the object's vertices are at `positions`.
+  TexelsNow(const SceneObject& object, const TexelTable& table,
+            const std::vector<glm::vec3>& positions)
+      : object_(object), table_(table), positions_(positions) {}
 
   /// `texel`: index in the table.
   TexelNow at(int32_t texel);
@@ -62,6 +68,7 @@ class TexelsNow {
 
   const SceneObject& object_;
   const TexelTable& table_;
+  const std::vector<glm::vec3>& positions_;
   Triangle last_;
 };
 

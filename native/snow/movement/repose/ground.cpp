@@ -11,14 +11,15 @@ namespace snowbough::snow {
 namespace {
 
 /// The outlet above a wall: at its upper end.
-Outlet wall_outlet(const ReposeGround& ground, const RimLink& rim) {
-  const TexelNow wall =
-      texel_now(*ground.object, ground.table(), texel_at(ground.table(), -1 - rim.number));
+Outlet wall_outlet(const ReposeGround& ground, const RimLink& rim,
+                   const std::vector<glm::vec3>& positions) {
+  const TexelNow wall = TexelsNow(*ground.object, ground.table(), positions)
+                            .at(texel_at(ground.table(), -1 - rim.number));
   Outlet outlet;
   outlet.point = wall.point;
   // Poses differ by a turn about the vertical and a translation.
   outlet.point.z = static_cast<double>(ground.surface.anchor().z + rim.bare + rim.rise) +
-                   static_cast<double>(ground.object->positions.front().z) -
+                   static_cast<double>(positions.front().z) -
                    static_cast<double>(ground.pose.positions().front().z);
   outlet.outwards = glm::dvec2(wall.normal);
   const double length = glm::length(outlet.outwards);
@@ -46,6 +47,7 @@ bool update_ground(ReposeGround& ground, bool curved) {
   ground.surface.set_pose(object, ground.table(), ground.pose.positions(), curved);
   ground.own_rays.set_pose(ground.pose.positions());
   ground.has_bare = false;
+  ground.edges.clear();
   return true;
 }
 
@@ -67,14 +69,22 @@ glm::dvec3 world_point(const ReposeGround& ground, int32_t texel) {
 }
 
 Outlet outlet_of(const ReposeGround& ground, const RimLink& rim) {
-  if (rim.number < 0) return wall_outlet(ground, rim);
+  return outlet_of(ground, rim, ground.object->positions);
+}
+
+Outlet outlet_of(const ReposeGround& ground, const RimLink& rim,
+                 const std::vector<glm::vec3>& positions) {
+  if (rim.number < 0) return wall_outlet(ground, rim, positions);
   const auto link = static_cast<size_t>(rim.number);
   const ReposeLinks::Point& at = link >= ground.links->across.size()
                                      ? ground.links->rims[link - ground.links->across.size()].point
                                      : ground.links->across[link].seam;
   Outlet outlet;
-  outlet.point = point_on(ground, at, ground.object->positions);
-  const glm::dvec3 inwards = world_point(ground, rim.texel) - outlet.point;
+  outlet.point = point_on(ground, at, positions);
+  const auto own = static_cast<size_t>(rim.texel);
+  const glm::dvec3 inwards =
+      point_on(ground, {ground.table().triangle[own], ground.table().barycentric[own]}, positions) -
+      outlet.point;
   // The point lies on the side of its triangle that is opposite to the corner without weight.
   const std::array<float, 3> weights{1.0f - at.weights.x - at.weights.y, at.weights.x,
                                      at.weights.y};
@@ -83,7 +93,7 @@ Outlet outlet_of(const ReposeGround& ground, const RimLink& rim) {
     const auto number = 3 * static_cast<ptrdiff_t>(at.triangle) + (least + k) % 3;
     const int32_t vertex =
         ground.object->description.topology.triangles[static_cast<size_t>(number)];
-    return glm::dvec3(ground.object->positions[static_cast<size_t>(vertex)]);
+    return glm::dvec3(positions[static_cast<size_t>(vertex)]);
   };
   const glm::dvec3 side = corner(2) - corner(1);
   glm::dvec2 outwards(side.y, -side.x);

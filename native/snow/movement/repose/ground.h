@@ -3,10 +3,12 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
 
+#include "snow/movement/rays/map_point.h"
 #include "snow/movement/rays/object_rays.h"
 #include "snow/movement/repose/links.h"
 #include "snow/movement/repose/pose.h"
@@ -24,6 +26,16 @@ struct BareTexels {
   std::vector<float> x, y, z, up, area;
   /// Of all texels, in m2.
   double whole_area = 0.0;
+};
+
+/// The edge that the surface before an outlet would end in without its bevel or rounding.
+struct RoundedEdge {
+  /// Distance in metres from the outlet within which it has been searched; infinite if it is not to
+  /// be searched further.
+  float searched = 0.0f;
+  /// Height in metres over the outlet; 0: not found yet. And the surface inland of the rounding.
+  float height = 0.0f;
+  MapPoint inland;
 };
 
 /// What a receiver's snow lies on: the links of its texels, and its surface in the current pose.
@@ -50,6 +62,9 @@ struct ReposeGround {
   bool has_bare = false;
   BareTexels bare;
   std::vector<int32_t> way_last, way_end;
+
+  /// By block and cell: see raise_rounded_edges.
+  std::vector<std::map<int32_t, RoundedEdge>> edges;
 
   const std::shared_ptr<const TexelTable>& shared_table() const {
     return coarse != nullptr ? coarse : object->table;
@@ -80,6 +95,9 @@ struct Outlet {
   bool is_wall = false;
 };
 Outlet outlet_of(const ReposeGround& ground, const RimLink& rim);
+/// The same, if the object's vertices are at `positions`.
+Outlet outlet_of(const ReposeGround& ground, const RimLink& rim,
+                 const std::vector<glm::vec3>& positions);
 
 /// Snow that left the map.
 struct Release {
