@@ -96,7 +96,9 @@ def test_snow_on_the_earth_of_a_pot_is_a_dome(shading, has_fan):
         return np.clip(0.42 + 2.14 * (0.27 - np.linalg.norm(points[:, :2], axis=1)), 0.0, 0.72)
 
     snow = map_of(
-        mesh, resolution, lambda points, up: np.maximum(dome(points) - points[:, 2], 0.0) * np.maximum(up, 0.0)
+        mesh,
+        resolution,
+        lambda points, up: np.maximum(dome(points) - points[:, 2], 0.0) * np.maximum(up, 0.0),
     )
     around, out = np.meshgrid(np.linspace(0.1, 6.3, 24), np.linspace(0.04, 0.16, 7))
     places = np.stack([out * np.cos(around), out * np.sin(around)], axis=2).reshape(-1, 2)
