@@ -8,8 +8,8 @@ namespace snowbough::tree {
 
 /// A binary tree over runs of consecutive segments of a polyline, for searches in less than linear
 /// time. Gain: an aspen is built in 0.077 s of the processor's time, instead of 0.093 s if each
-/// segment is looked at. Each node bounds its run by the chord from the run's first point to its last and the
-/// largest distance of the run's points from it.
+/// segment is looked at. Each node bounds its run by the chord from the run's first point to its
+/// last and the largest distance of the run's points from it.
 ///
 /// Source: D. H. Ballard, "Strip trees: a hierarchical representation for curves", Communications
 /// of the ACM 24, 1981.
