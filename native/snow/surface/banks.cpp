@@ -93,7 +93,8 @@ std::vector<Bank> find_banks(const SurfacePoints& points, const SurfaceMesh& rec
     const glm::vec3 foot = at + away * (level * depth) - glm::vec3(0.0f, 0.0f, above);
     const auto own = static_cast<int32_t>(p);
     Bank& bank = found[p];
-    bank.level = lying.at(foot + away * ((in_hollow ? kOffBank : kOffLowBank) * depth), own, depth, false);
+    bank.level =
+        lying.at(foot + away * ((in_hollow ? kOffBank : kOffLowBank) * depth), own, depth, false);
     bank.above = above;
     bank.point = bank.level.point[0] == own ? -1 : own;
     const float steep = eased(up, kFlattest, kSteep);

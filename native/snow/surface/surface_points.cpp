@@ -27,8 +27,8 @@ float kept_lean(const SurfaceMesh& mesh, size_t triangle, float depth) {
   float together = 0.0f;
   for (int k = 0; k < 3; ++k) {
     const int next = (k + 1) % 3;
-    const glm::vec3 apart = mesh.position[mesh.triangle[triangle][next]] -
-                            mesh.position[mesh.triangle[triangle][k]];
+    const glm::vec3 apart =
+        mesh.position[mesh.triangle[triangle][next]] - mesh.position[mesh.triangle[triangle][k]];
     const glm::vec3 bend = mesh.normal[triangle][next] - mesh.normal[triangle][k];
     const float squared = glm::dot(apart, apart);
     if (squared > 0.0f) together = std::max(together, -depth * glm::dot(bend, apart) / squared);
