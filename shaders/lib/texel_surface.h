@@ -13,8 +13,7 @@ KERNEL_VIEW_RGBA32UI(triangle_points);
 KERNEL_VIEW_RGBA32F(smooth_points);
 
 bool is_smooth(uint triangle) {
-  return KERNEL_IS_BOUND(triangle_points) &&
-         texelFetch(triangle_points, int(triangle)).x != kNowhere;
+  return KERNEL_IS_BOUND(triangle_points) && texelFetch(triangle_points, int(triangle)).x != kNowhere;
 }
 
 /// Smooth-point data of a triangle: at its first corner, and the differences to the others.
@@ -39,8 +38,8 @@ float between(float corner, float edge_b, float edge_c, float weight_b, float we
   return corner + weight_b * edge_b + weight_c * edge_c;
 }
 
-/// Sums over a texel's fragments, of areas and of areas times upward parts; `upper` and
-/// `back_upper` only include parts that face up.
+/// Sums over a texel's fragments, of areas and of areas times upward parts; `upper` and `back_upper` only include parts
+/// that face up.
 struct FragmentSums {
   float area;
   float up;
@@ -53,16 +52,15 @@ struct FragmentSums {
 FragmentSums with_fragment(FragmentSums sums, float area, float up, bool two_sided) {
   const float own_up = area * up;
   const float own_back_up = two_sided ? -own_up : 0.0f;
-  return KERNEL_MAKE5(FragmentSums, sums.area + area, sums.up + own_up,
-                      sums.upper + max(own_up, 0.0f), sums.back_up + own_back_up,
-                      sums.back_upper + max(own_back_up, 0.0f));
+  return KERNEL_MAKE5(FragmentSums, sums.area + area, sums.up + own_up, sums.upper + max(own_up, 0.0f),
+                      sums.back_up + own_back_up, sums.back_upper + max(own_back_up, 0.0f));
 }
 
 struct TexelSurface {
   /// In m2.
   float area;
-  /// Upward part of the normal, 1 on level ground, for the capacity. A texel that wraps a twig
-  /// holds snow on its parts that face up; without any, the mean of its parts is past vertical.
+  /// Upward part of the normal, 1 on level ground, for the capacity. A texel that wraps a twig holds snow on its parts
+  /// that face up; without any, the mean of its parts is past vertical.
   float up;
   /// The same of its back, from its two-sided parts; 0 without any.
   float back_up;
@@ -72,7 +70,6 @@ TexelSurface surface_of_sums(FragmentSums sums) {
   if (!(sums.area > 0.0f)) {
     return KERNEL_MAKE3(TexelSurface, sums.area, 0.0f, 0.0f);
   }
-  return KERNEL_MAKE3(TexelSurface, sums.area,
-                      (sums.upper > 0.0f ? sums.upper : sums.up) / sums.area,
+  return KERNEL_MAKE3(TexelSurface, sums.area, (sums.upper > 0.0f ? sums.upper : sums.up) / sums.area,
                       (sums.back_upper > 0.0f ? sums.back_upper : sums.back_up) / sums.area);
 }

@@ -50,7 +50,7 @@ def test_the_places_of_snow_on_a_trees_base_are_those_of_its_bark(scene, addon, 
     assert len(barks) == (4 if detail == "chain" else 1)
     trees = addon("realtime.trees")
     for bark in barks:
-        surface, _print = trees.Surfaces().of(trees.rig_of(bark, "VIEWPORT"))
+        surface, _print = trees.Bases().of(trees.rig_of(bark, "VIEWPORT"))
         uvs = trees.SnowUvs(bark.data, surface)
         assert uvs.uv("bark") is None
         assert uvs.uv("snow").shape == (len(surface["quads"]), 4, 2)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import snowbough_native as native
-from snowbough.gltf import snow_maps, surface, tree_data, tree_file
+from snowbough.gltf import snow_maps, tree_data, tree_file, triangle_mesh
 
 pytest.importorskip("moderngl", reason="moderngl draws the files (package python3-moderngl)")
 pytest.importorskip("PIL.Image", reason="Pillow reads the images (package python3-pil)")
@@ -94,8 +94,10 @@ def exported(folder, heights, limb_widths=True):
     base = native.build_tree_mesh(native.read_tree(str(MAPLE)), snow_resolution=RESOLUTION)
     vertices, quads, uvs, _radii = round_limbs(base, 2)
     count = len(vertices)
-    follows = surface.strongest(np.zeros((count, 1), int), np.ones((count, 1)))
-    bark = surface.from_quads(vertices, quads, uvs, *follows, np.zeros(len(quads)), np.zeros(count, int))
+    follows = triangle_mesh.strongest(np.zeros((count, 1), int), np.ones((count, 1)))
+    bark = triangle_mesh.from_quads(
+        vertices, quads, uvs, *follows, np.zeros(len(quads)), np.zeros(count, int)
+    )
     bark = replace(bark, smooth=np.repeat(np.asarray(base.face_part) < 2, 2 * 4**2))
     samples, scale, offset = snow_maps.quantised(heights)
     native.write_png(str(folder / "heights.png"), samples)

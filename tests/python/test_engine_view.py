@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import snowbough_native as native
-from snowbough.gltf import snow_maps, surface, tree_data, tree_file
+from snowbough.gltf import snow_maps, tree_data, tree_file, triangle_mesh
 
 pytest.importorskip("moderngl", reason="moderngl draws the files (package python3-moderngl)")
 pytest.importorskip("PIL.Image", reason="Pillow reads the images (package python3-pil)")
@@ -40,8 +40,8 @@ def card(side=1.0, level=0, points=((-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 
     """A square standing in Blender's XZ plane that faces -Y, which is +Z in the file; snow's UVs fill the map."""
     points = np.array(points, np.float32) * side / 2
     uv = np.array([[(0, 0), (1, 0), (1, 1), (0, 1)]], np.float32)
-    joints, weights = surface.strongest(np.zeros((4, 1), int), np.ones((4, 1)))
-    return surface.from_quads(
+    joints, weights = triangle_mesh.strongest(np.zeros((4, 1), int), np.ones((4, 1)))
+    return triangle_mesh.from_quads(
         points, np.array([[0, 1, 2, 3]]), [uv, uv], joints, weights, [0], np.full(4, level)
     )
 
@@ -177,10 +177,10 @@ def test_no_crack_opens_in_a_tessellated_tree(tmp_path, metres):
     all of it."""
     mesh = native.build_tree_mesh(native.read_tree(str(MAPLE)))
     count = len(mesh.vertices)
-    influences = surface.strongest(np.zeros((count, 1), int), np.ones((count, 1)))
+    influences = triangle_mesh.strongest(np.zeros((count, 1), int), np.ones((count, 1)))
     uvs = [np.asarray(mesh.uv_bark), np.asarray(mesh.uv_snow)]
     quads = np.asarray(mesh.quads)
-    one = surface.from_quads(
+    one = triangle_mesh.from_quads(
         mesh.vertices, quads, uvs, *influences, np.zeros(len(quads)), np.zeros(count, int)
     )
     read, node = write(tmp_path, one)

@@ -66,7 +66,10 @@ std::vector<Bank> find_banks(const SurfacePoints& points, const SurfaceMesh& rec
       return triangle < 0 ? 0.0f : unit(triangle_cross(receiver, static_cast<size_t>(triangle))).z;
     };
     // Smoothed normals at the brink of a slope are less steep than it.
-    const float up = std::clamp(up_of(points.triangle[p]), kSteepest, normal.z);
+    const auto face =
+        std::lower_bound(receiver.base.begin(), receiver.base.end(), points.triangle[p]);
+    const float up =
+        std::clamp(up_of(static_cast<int32_t>(face - receiver.base.begin())), kSteepest, normal.z);
     // In a hollow, another slope stands opposite, higher than half of the snow.
     const glm::dvec3 over = at + glm::vec3(0.0f, 0.0f, kHollow * depth);
     const bool in_hollow = tree.first_along(0, over, away, 0.0, kAcross * depth).triangle >= 0;

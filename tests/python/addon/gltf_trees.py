@@ -3,8 +3,8 @@
 
 import numpy as np
 from snowbough.gltf import (
-    surface,
     tree_data,
+    triangle_mesh,
 )
 
 # A grey PNG of one pixel.
@@ -27,8 +27,8 @@ def leaves_surface(count):
     points = (corner + np.arange(count)[:, None, None] * (3, 0, 0)).reshape(-1, 3).astype(np.float32)
     quads = np.arange(4 * count).reshape(-1, 4)
     uv = np.zeros((count, 4, 2), np.float32)
-    joints, weights = surface.strongest(np.zeros((4 * count, 1), int), np.ones((4 * count, 1)))
-    return surface.from_quads(points, quads, [uv, uv], joints, weights, np.zeros(count), None)
+    joints, weights = triangle_mesh.strongest(np.zeros((4 * count, 1), int), np.ones((4 * count, 1)))
+    return triangle_mesh.from_quads(points, quads, [uv, uv], joints, weights, np.zeros(count), None)
 
 
 def cube(uv_seam=False):
@@ -38,9 +38,11 @@ def cube(uv_seam=False):
     uv = np.zeros((6, 4, 2), np.float32)
     if uv_seam:
         uv += np.arange(6, dtype=np.float32)[:, None, None] / 10
-    joints, weights = surface.strongest(np.array([[0, 1]] * 8), np.array([[0.5, 0.5]] * 8))
+    joints, weights = triangle_mesh.strongest(np.array([[0, 1]] * 8), np.array([[0.5, 0.5]] * 8))
     level = np.array([0] * 4 + [1] * 4)
-    return surface.from_quads(corners - 0.5, np.array(quads), [uv, uv], joints, weights, np.zeros(6), level)
+    return triangle_mesh.from_quads(
+        corners - 0.5, np.array(quads), [uv, uv], joints, weights, np.zeros(6), level
+    )
 
 
 def some_tree(**material):

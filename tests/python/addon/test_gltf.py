@@ -13,31 +13,31 @@ from gltf_trees import PNG, TOWER, cube, leaves_surface, some_tree
 from snowbough.gltf import (
     compression,
     quantise,
-    surface,
     tangents,
     tree_data,
     tree_file,
+    triangle_mesh,
 )
 
 # -- surfaces -------------------------------------------------------------------------------------------
 
 
 def test_the_four_strongest_influences_sum_to_one():
-    joints, weights = surface.strongest([[7, 8, 9, 10, 11]], [[0.1, 0.4, 0.0, 0.3, 0.2]])
+    joints, weights = triangle_mesh.strongest([[7, 8, 9, 10, 11]], [[0.1, 0.4, 0.0, 0.3, 0.2]])
     assert joints.tolist() == [[8, 10, 11, 7]]
     assert weights[0] == pytest.approx([0.4, 0.3, 0.2, 0.1])
-    joints, weights = surface.strongest([[3, 5]], [[0.0, 2.0]])
+    joints, weights = triangle_mesh.strongest([[3, 5]], [[0.0, 2.0]])
     assert joints.tolist() == [[5, 0, 0, 0]] and weights.tolist() == [[1, 0, 0, 0]]
 
 
 def test_points_are_split_where_uvs_differ_and_only_there():
-    assert len(surface.split(cube(), np.ones(12, bool)).point) == 8
-    assert len(surface.split(cube(uv_seam=True), np.ones(12, bool)).point) == 24
+    assert len(triangle_mesh.split(cube(), np.ones(12, bool)).point) == 8
+    assert len(triangle_mesh.split(cube(uv_seam=True), np.ones(12, bool)).point) == 24
 
 
 def test_smooth_normals_point_from_the_middle_of_a_cube():
     given = cube()
-    vertices = surface.split(given, np.ones(12, bool))
+    vertices = triangle_mesh.split(given, np.ones(12, bool))
     outwards = given.points[vertices.point] / np.sqrt(0.75)
     assert np.abs(vertices.normals - outwards).max() < 1e-6
 
@@ -45,12 +45,12 @@ def test_smooth_normals_point_from_the_middle_of_a_cube():
 def test_flat_faces_have_their_own_normals():
     given = cube()
     given.smooth[:] = False
-    vertices = surface.split(given, np.ones(12, bool))
+    vertices = triangle_mesh.split(given, np.ones(12, bool))
     assert len(vertices.point) == 24 and np.abs(vertices.normals).max(axis=1) == pytest.approx(1.0)
 
 
 def test_a_mirrored_surface_stays_outside_out():
-    mirrored = surface.transformed(cube(), np.diag((-2.0, 1.0, 1.0)))
+    mirrored = triangle_mesh.transformed(cube(), np.diag((-2.0, 1.0, 1.0)))
     triangles = mirrored.corner_point[mirrored.triangles].astype(np.int64)
     assert glb.volume(mirrored.points, triangles) == pytest.approx(2.0)
 
@@ -58,8 +58,8 @@ def test_a_mirrored_surface_stays_outside_out():
 def test_custom_normals_replace_those_of_faces_and_turn_with_them():
     given = cube()
     given.normals = np.tile(np.float32((0, 0.6, 0.8)), (24, 1))
-    stretched = surface.transformed(given, np.diag((-1.0, 2.0, 1.0)))
-    found = surface.split(stretched, np.ones(12, bool)).normals
+    stretched = triangle_mesh.transformed(given, np.diag((-1.0, 2.0, 1.0)))
+    found = triangle_mesh.split(stretched, np.ones(12, bool)).normals
     across = np.array((0, 0.3, 0.8)) / np.hypot(0.3, 0.8)  # still at right angles to its plane
     assert np.abs(found - across).max() < 1e-6
 
@@ -69,15 +69,15 @@ def bent_sheet():
     points = np.array([(x, y, max(x - 1, 0)) for x in (0, 1, 2) for y in (0, 1)], np.float32)
     quads = np.array([(0, 2, 3, 1), (2, 4, 5, 3)])
     uv = np.float32([[(0, 0), (1, 0), (1, 1), (0, 1)], [(1, 0), (0, 0), (0, 1), (1, 1)]])
-    joints, weights = surface.strongest(np.zeros((6, 1), int), np.ones((6, 1)))
-    return surface.from_quads(points, quads, [uv, uv], joints, weights, np.zeros(2), np.zeros(6, int))
+    joints, weights = triangle_mesh.strongest(np.zeros((6, 1), int), np.ones((6, 1)))
+    return triangle_mesh.from_quads(points, quads, [uv, uv], joints, weights, np.zeros(2), np.zeros(6, int))
 
 
 def test_tangents_follow_u_and_tell_a_mirrored_texture():
     given = bent_sheet()
     signs = tangents.orientations(given.corner_uvs[0][given.triangles])
     assert signs.tolist() == [1, 1, -1, -1]
-    vertices = surface.split(given, np.ones(4, bool), signs)
+    vertices = triangle_mesh.split(given, np.ones(4, bool), signs)
     assert len(vertices.point) == 8  # the two points of the fold twice
     points = given.points[vertices.point]
     made = tangents.tangents(points, vertices.normals, vertices.uvs[0], vertices.triangles)
@@ -113,10 +113,10 @@ def test_the_width_of_a_limb_is_that_of_a_circle_with_its_circumference(scale):
     turns = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], np.float32) / 4  # once around the walls: 4 m
     uv = turns + np.array([(k / 4, 0) for k in range(4)], np.float32)[:, None]
     given = cube()
-    walls = surface.from_quads(
+    walls = triangle_mesh.from_quads(
         given.points, TOWER[:4], [uv, uv], given.joints, given.weights, np.zeros(4), given.level
     )
-    widths = surface.limb_widths(surface.transformed(walls, scale * np.eye(3)))
+    widths = triangle_mesh.limb_widths(triangle_mesh.transformed(walls, scale * np.eye(3)))
     assert widths == pytest.approx(np.full(8, scale * 4 / np.pi), rel=1e-6)
 
 
@@ -133,7 +133,7 @@ def test_what_wind_needs_is_scaled_and_turned_with_the_surface():
     pivot, axis = np.full((8, 3), 1.0, np.float32), np.tile(np.float32((0, 1, 0)), (8, 1))
     given.wind = (pivot, axis, np.full(8, 0.5, np.float32), np.full(8, 0.25, np.float32))
     turned = np.array([(0, -2, 0), (2, 0, 0), (0, 0, 2)])  # a quarter round Z, twice as large
-    pivot, axis, length, phase = surface.transformed(given, turned).wind
+    pivot, axis, length, phase = triangle_mesh.transformed(given, turned).wind
     assert pivot[0].tolist() == [-2, 2, 2] and axis[0].tolist() == [-1, 0, 0]
     assert (length[0], phase[0]) == (1.0, 0.25)
 

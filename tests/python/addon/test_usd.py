@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from snowbough.gltf import surface, tree_data
+from snowbough.gltf import tree_data, triangle_mesh
 from snowbough.usd import instances, stage, wind_json
 
 # A grey PNG of one pixel.
@@ -41,9 +41,9 @@ def quads_surface(points, level=None, joint=2):
     """A Surface of separate quads, points (N, 4, 3), that follow one joint."""
     count = len(points)
     uv = np.tile(np.float32([(0, 0), (1, 0), (1, 1), (0, 1)]), (count, 1, 1))
-    joints, weights = surface.strongest(np.full((4 * count, 1), joint), np.ones((4 * count, 1)))
+    joints, weights = triangle_mesh.strongest(np.full((4 * count, 1), joint), np.ones((4 * count, 1)))
     quads, material = np.arange(4 * count).reshape(-1, 4), np.zeros(count)
-    return surface.from_quads(points.reshape(-1, 3), quads, [uv, uv], joints, weights, material, level)
+    return triangle_mesh.from_quads(points.reshape(-1, 3), quads, [uv, uv], joints, weights, material, level)
 
 
 def leaves(count, shape=LEAF, seed=1):
@@ -96,7 +96,7 @@ def lit(points, normals):
 def test_leaves_lit_as_one_ball_are_no_instances():
     points = leaves(40)
     middle = points.mean(axis=(0, 1))
-    outwards = surface.unit(points.mean(axis=1) - middle)
+    outwards = triangle_mesh.unit(points.mean(axis=1) - middle)
     kinds, left = instances.kinds_of(lit(points, outwards), JOINTS)
     assert kinds == [] and left.all()
 
@@ -104,7 +104,7 @@ def test_leaves_lit_as_one_ball_are_no_instances():
 def test_normals_that_turn_with_their_leaves_keep_the_instances():
     points = leaves(40)
     across = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
-    (kind,), left = instances.kinds_of(lit(points, surface.unit(across)), JOINTS)
+    (kind,), left = instances.kinds_of(lit(points, triangle_mesh.unit(across)), JOINTS)
     assert len(kind.scales) == 40 and not left.any()
 
 
