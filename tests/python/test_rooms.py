@@ -41,7 +41,7 @@ LINES = {
     "native/image": 850,
     "native/python": 3450,
     "native/render": 5150,
-    "native/tree": 23250,
+    "native/tree": 23450,
     "native/snow/movement": 12200,
     "native/snow/output": 1850,
     "native/snow/scene": 1850,
@@ -66,7 +66,7 @@ LINES = {
     "addon/snowbough/usd": 600,
     "shaders": 5050,
     "benchmarks": 6100,
-    "tests": 58450,
+    "tests": 58550,
 }
 SOURCES = {".h", ".cpp", ".glsl", ".py"}
 

@@ -33,6 +33,11 @@ constexpr float kLargest = 1e6f;
 constexpr int kTurns = 8;
 /// Corners of a face's two triangles.
 constexpr int kTriangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
+/// As kClear, for the area spanned by two edges, relative to the squared size of the face.
+constexpr float kClearArea = 1e-5f;
+/// Maximum number of faces around a spread vertex. Angles under 180 degrees between successive
+/// edges of a closed fan are a multiple of 360 degrees in all: with four faces or less, one turn.
+constexpr size_t kMaxAround = 4;
 constexpr float kUnbounded = std::numeric_limits<float>::infinity();
 
 using Corners = std::array<glm::dvec3, 4>;
@@ -104,6 +109,45 @@ bool turn_until_separated(const Seen& f, const Seen& g, glm::vec3 normal, float 
   }
 }
 
+/// Per corner of a quad the vector area spanned by the edges there: a Float4 for each axis.
+struct CornerAreas {
+  Float4 x, y, z;
+};
+
+CornerAreas corner_areas(const CrossingFace& face) {
+  const Float4 ax = rotated(face.x) - face.x, bx = rotated(rotated(rotated(ax)));
+  const Float4 ay = rotated(face.y) - face.y, by = rotated(rotated(rotated(ay)));
+  const Float4 az = rotated(face.z) - face.z, bz = rotated(rotated(rotated(az)));
+  return {by * az - bz * ay, bz * ax - bx * az, bx * ay - by * ax};
+}
+
+/// Whether the faces with these corners (4 face + corner) at one vertex form a closed fan of quads
+/// that are convex, seen along their mean normal: then each is within the angle between its edges
+/// at the vertex, and these angles do not overlap.
+bool is_spread(std::span<const CrossingFace> faces, std::span<const CornerAreas> areas,
+               std::span<const int32_t> corners) {
+  std::array<int32_t, kMaxAround> next{}, before{};
+  glm::vec3 normal(0.0f);
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const CrossingFace& face = faces[corners[i] / 4];
+    const int k = corners[i] % 4;
+    next[i] = face.corners[(k + 1) & 3];
+    before[i] = face.corners[(k + 3) & 3];
+    const CornerAreas& own = areas[corners[i] / 4];
+    normal += glm::vec3(own.x[k], own.y[k], own.z[k]);
+  }
+  const float components = std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const float size = faces[corners[i] / 4].size;
+    const CornerAreas& own = areas[corners[i] / 4];
+    const Float4 seen = normal.x * own.x + normal.y * own.y + normal.z * own.z;
+    // Not for NaN either.
+    if (!(smallest(seen) > kClearArea * size * size * components)) return false;
+  }
+  const auto count = static_cast<std::ptrdiff_t>(corners.size());
+  return std::is_permutation(next.begin(), next.begin() + count, before.begin());
+}
+
 /// Whether a plane through the shared corners proves that two faces have nothing else in common;
 /// false leaves it to the exact test.
 bool separated(const CrossingFace& f, const CrossingFace& g) {
@@ -128,6 +172,7 @@ bool separated(const CrossingFace& f, const CrossingFace& g) {
   shared_g |= rotated(same);
 
   const uint32_t set = bits(shared_f);
+  if ((set & f.spread) != 0) return true;
   const int first = set != 0 ? std::countr_zero(set) : 0;
   const uint32_t rest = set & (set - 1);
   const glm::vec3 base = corner(f, first);
@@ -234,6 +279,30 @@ CrossingFace make_crossing_face(std::span<const glm::dvec3> vertices, std::span<
   const glm::vec3 extent = face.high - face.low;
   face.size = extent.x + extent.y + extent.z;
   return face;
+}
+
+void find_spread_corners(size_t vertex_count, std::span<CrossingFace> faces) {
+  /// The faces with a corner at a vertex, as 4 face + corner, and their number.
+  struct Around {
+    std::array<int32_t, kMaxAround> corners;
+    size_t count = 0;
+  };
+  std::vector<Around> around(vertex_count);
+  std::vector<CornerAreas> areas(faces.size());
+  for (size_t f = 0; f < faces.size(); ++f) {
+    areas[f] = corner_areas(faces[f]);
+    for (int k = 0; k < 4; ++k) {
+      Around& own = around[faces[f].corners[k]];
+      if (own.count < kMaxAround) own.corners[own.count] = static_cast<int32_t>(4 * f) + k;
+      ++own.count;
+    }
+  }
+  for (const Around& own : around) {
+    if (own.count < 3 || own.count > kMaxAround) continue;
+    const std::span<const int32_t> corners(own.corners.data(), own.count);
+    if (!is_spread(faces, areas, corners)) continue;
+    for (const int32_t corner : corners) faces[corner / 4].spread |= 1u << (corner % 4);
+  }
 }
 
 bool faces_cross(const CrossingFace& f, const CrossingFace& g) {
