@@ -82,6 +82,15 @@ def test_a_sequence_has_the_size_of_its_files_and_reads_none_for_it(addon, write
     assert not sequence.image.has_data
 
 
+def test_a_map_beside_the_blend_is_loaded_once(addon, write_bake):
+    """Its path has no folder."""
+    path = write_bake() / "height_0005.exr"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path.parent / "shot.blend"))
+    load = addon("result.baked_images")._load
+    assert load(path, "height", "Non-Color") == load(path, "height", "Non-Color")
+    assert len(bpy.data.images) == 1
+
+
 def test_cycles_displacement_is_in_metres_from_the_surface(ground, write_bake):
     bpy.context.scene.unit_settings.scale_length = 0.5
     ground.folder = str(write_bake())

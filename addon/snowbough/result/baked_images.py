@@ -53,10 +53,10 @@ def frames_on_disk(folder, kind):
 def _load(path, name, color_space):
     """The image of a file; it is reloaded if it was loaded before."""
     path = Path(path)
-    ending = "/".join(path.parts[-2:])
+    endings = ("/".join(path.parts[-2:]), f"//{path.name}")
     for image in bpy.data.images:
         # Paths of thousands of images take long to compare.
-        may_be = image.library is None and image.filepath.replace("\\", "/").endswith(ending)
+        may_be = image.library is None and image.filepath.replace("\\", "/").endswith(endings)
         if may_be and Path(bpy.path.abspath(image.filepath)) == path:
             image.reload()
             break

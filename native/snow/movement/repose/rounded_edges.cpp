@@ -13,8 +13,8 @@ namespace {
 /// Cells that are less steep than this, by the upward part of their normals, end in a sharp edge.
 constexpr float kLevel = 0.98f;
 /// The height of a rounding is between these parts of the way from the outlet to the surface inland
-/// of it, which falls inland by less than a part of the way, and whose slope changes by less than a
-/// tangent. Balls and logs have no such surface.
+/// of it. That surface falls inland by less than the third part of the way, and the tangent of its
+/// slope changes by less than the fourth. Balls and logs have no such surface.
 constexpr float kLeastRounding = 0.05f;
 constexpr float kMostRounding = 1.0f / 3.0f;
 constexpr float kFallsInland = 0.1f;
