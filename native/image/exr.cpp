@@ -1,10 +1,8 @@
 #include "image/exr.h"
 
 #include <ImfChannelList.h>
-#include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfIO.h>
-#include <ImfInputFile.h>
 #include <ImfStringAttribute.h>
 #include <ImfVersion.h>
 #include <half.h>
@@ -12,6 +10,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <glm/vec2.hpp>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -54,33 +53,33 @@ void check_layout(const ExrLayout& layout) {
   }
 }
 
-/// Channels of an interleaved array whose row 0 is the file's last scanline: the base points at the
-/// array's last row, with a negative stride. The file's first pixel is at min_x, min_y.
-Imf::FrameBuffer flipped_frame_buffer(const ExrLayout& layout, int32_t min_x, int32_t min_y,
-                                      float* pixels) {
-  const auto pixel_stride = static_cast<ptrdiff_t>(sizeof(float) * layout.channels.size());
-  const ptrdiff_t row_stride = pixel_stride * layout.width;
-  Imf::FrameBuffer frame;
-  for (size_t c = 0; c < layout.channels.size(); ++c) {
-    char* base = reinterpret_cast<char*>(pixels + c);
-    base += row_stride * (layout.height - 1 + min_y) - pixel_stride * min_x;
-    frame.insert(layout.channels[c].c_str(),
-                 Imf::Slice(Imf::FLOAT, base, static_cast<size_t>(pixel_stride),
-                            static_cast<size_t>(-row_stride)));
-  }
-  return frame;
-}
-
 /// @throws std::runtime_error with OpenEXR's words if `result` is no success.
 void require(exr_result_t result) {
   if (result == EXR_ERR_SUCCESS) return;
   if (result == EXR_ERR_OUT_OF_MEMORY) throw std::bad_alloc();
-  throw std::runtime_error(std::string("cannot encode an EXR image: ") +
-                           exr_get_default_error_message(result));
+  throw std::runtime_error(std::string("OpenEXR says: ") + exr_get_default_error_message(result));
+}
+
+/// Lets one of a chunk's channels be read or written as `Scalar`s of interleaved pixels in rows of
+/// `width`.
+template <typename Scalar>
+void set_user_layout(const ExrLayout& layout, exr_pixel_type_t type,
+                     exr_coding_channel_info_t& channel) {
+  channel.user_data_type = static_cast<uint16_t>(type);
+  channel.user_bytes_per_element = sizeof(Scalar);
+  channel.user_pixel_stride = static_cast<int32_t>(sizeof(Scalar) * layout.channels.size());
+  channel.user_line_stride = channel.user_pixel_stride * layout.width;
+}
+
+/// The place of a chunk's channel in a pixel: OpenEXR sorts the channels by name.
+ptrdiff_t place_of(const ExrLayout& layout, const exr_coding_channel_info_t& channel) {
+  return std::find(layout.channels.begin(), layout.channels.end(),
+                   std::string_view(channel.channel_name)) -
+         layout.channels.begin();
 }
 
 /// An EXR file in memory, so that only atomic_write writes to the disk. OpenEXR's C interface
-/// compresses on the calling thread; that of C++ hands each line to its own threads, and within
+/// works on the calling thread; that of C++ hands each line to its own threads, and within
 /// Blender takes 4 times as long.
 class MemoryFile {
  public:
@@ -115,17 +114,11 @@ class MemoryFile {
                      : exr_encoding_update(context_, kPart, &chunk, &line_));
       const size_t row = static_cast<size_t>(layout.height - 1 - y);
       const Scalar* const first = pixels + row * static_cast<size_t>(layout.width) * channels;
-      // OpenEXR sorts the channels by name.
       for (int16_t c = 0; c < line_.channel_count; ++c) {
         exr_coding_channel_info_t& channel = line_.channels[c];
-        const auto own = std::find(layout.channels.begin(), layout.channels.end(),
-                                   std::string_view(channel.channel_name));
-        channel.user_data_type = static_cast<uint16_t>(type);
-        channel.user_bytes_per_element = sizeof(Scalar);
-        channel.user_pixel_stride = static_cast<int32_t>(sizeof(Scalar) * channels);
-        channel.user_line_stride = channel.user_pixel_stride * layout.width;
+        set_user_layout<Scalar>(layout, type, channel);
         channel.encode_from_ptr =
-            reinterpret_cast<const uint8_t*>(first + (own - layout.channels.begin()));
+            reinterpret_cast<const uint8_t*>(first + place_of(layout, channel));
       }
       if (y == 0) require(exr_encoding_choose_default_routines(context_, kPart, &line_));
       require(exr_encoding_run(context_, kPart, &line_));
@@ -200,8 +193,103 @@ std::string encode(const ExrLayout& layout, const float* pixels) {
   return file.take();
 }
 
+/// Reads the pixels of an EXR file in memory on the calling thread, as MemoryFile writes them.
+class PixelReader {
+ public:
+  /// `table`: where the table of the chunks' places begins.
+  PixelReader(const std::string& bytes, size_t table) : bytes_(bytes), table_(table) {
+    exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    settings.error_handler_fn = [](exr_const_context_t, exr_result_t, const char*) {};
+    settings.user_data = this;
+    settings.read_fn = &read;
+    settings.size_fn = &size;
+    require(exr_start_read(&context_, "memory", &settings));
+  }
+  ~PixelReader() {
+    exr_decoding_destroy(context_, &chunk_);
+    exr_finish(&context_);
+  }
+  PixelReader(const PixelReader&) = delete;
+  PixelReader& operator=(const PixelReader&) = delete;
+
+  /// `pixels`: channels of a pixel one after another, the file's first line first.
+  void read_lines(const ExrLayout& layout, int32_t first_line, float* pixels) {
+    exr_chunk_info_t chunk;
+    for (int32_t y = 0; y < layout.height; y += chunk.height) {
+      require(exr_read_scanline_chunk_info(context_, kPart, first_line + y, &chunk));
+      if (chunk.height < 1 || chunk.height > layout.height - y || chunk.width != layout.width)
+        throw std::runtime_error("it has lines of another size");
+      read_chunk(layout, chunk, {0, y}, pixels);
+    }
+  }
+
+  /// The same for the largest level of a tiled file.
+  void read_tiles(const ExrLayout& layout, const glm::ivec2& tile, float* pixels) {
+    exr_chunk_info_t chunk;
+    for (int32_t y = 0; y < layout.height; y += tile.y) {
+      for (int32_t x = 0; x < layout.width; x += tile.x) {
+        require(exr_read_tile_chunk_info(context_, kPart, x / tile.x, y / tile.y, 0, 0, &chunk));
+        if (chunk.width < 1 || chunk.width > layout.width - x || chunk.height < 1 ||
+            chunk.height > layout.height - y)
+          throw std::runtime_error("it has tiles of another size");
+        read_chunk(layout, chunk, {x, y}, pixels);
+      }
+    }
+  }
+
+ private:
+  static constexpr int kPart = 0;
+
+  static int64_t read(exr_const_context_t, void* reader, void* to, uint64_t count,
+                      uint64_t position, exr_stream_error_func_ptr_t) {
+    const std::string& bytes = static_cast<const PixelReader*>(reader)->bytes_;
+    if (position > bytes.size()) return -1;
+    const uint64_t there = std::min<uint64_t>(count, bytes.size() - position);
+    std::memcpy(to, bytes.data() + position, there);
+    return static_cast<int64_t>(there);
+  }
+  static int64_t size(exr_const_context_t, void* reader) {
+    return static_cast<int64_t>(static_cast<const PixelReader*>(reader)->bytes_.size());
+  }
+
+  /// OpenEXR searches for chunks whose places are damaged: their pixels may be, too.
+  void require_place(int32_t chunk) const {
+    uint64_t place = 0;
+    const size_t at = table_ + sizeof place * static_cast<size_t>(chunk);
+    if (at + sizeof place <= bytes_.size()) std::memcpy(&place, &bytes_[at], sizeof place);
+    if (place < at || place >= bytes_.size()) {
+      throw std::runtime_error("the place of a line is damaged");
+    }
+  }
+
+  void read_chunk(const ExrLayout& layout, const exr_chunk_info_t& chunk, const glm::ivec2& at,
+                  float* pixels) {
+    require_place(chunk.idx);
+    const bool is_first = chunk_.context == nullptr;
+    require(is_first ? exr_decoding_initialize(context_, kPart, &chunk, &chunk_)
+                     : exr_decoding_update(context_, kPart, &chunk, &chunk_));
+    const ptrdiff_t pixel = ptrdiff_t{at.y} * layout.width + at.x;
+    float* const first = pixels + pixel * static_cast<ptrdiff_t>(layout.channels.size());
+    for (int16_t c = 0; c < chunk_.channel_count; ++c) {
+      exr_coding_channel_info_t& channel = chunk_.channels[c];
+      set_user_layout<float>(layout, EXR_PIXEL_FLOAT, channel);
+      channel.decode_to_ptr = reinterpret_cast<uint8_t*>(first + place_of(layout, channel));
+    }
+    if (is_first) require(exr_decoding_choose_default_routines(context_, kPart, &chunk_));
+    require(exr_decoding_run(context_, kPart, &chunk_));
+  }
+
+  const std::string& bytes_;
+  size_t table_;
+  exr_context_t context_ = nullptr;
+  exr_decode_pipeline_t chunk_{};
+};
+
 /// Best compression ratio of all supported methods (zlib's): pixel bytes per file byte.
 constexpr uint64_t kBestRatio = 1100;
+
+/// OpenEXR counts channels in 16 bits.
+constexpr size_t kMostChannels = 1024;
 
 /// A position in a file's header. @throws std::runtime_error beyond the end of the file.
 struct HeaderCursor {
@@ -260,8 +348,14 @@ void secure_attributes(std::string& bytes) {
   }
 }
 
+struct CheckedHeader {
+  Imf::Header header;
+  /// Where the table of the chunks' places begins.
+  size_t table = 0;
+};
+
 /// Secures the header and compares the declared size with the file's length and kLargestExr.
-void check_header(const std::string& path, std::string& bytes) {
+CheckedHeader checked_header(const std::string& path, std::string& bytes) {
   MemoryReader stream(path, bytes);
   int32_t start[2];
   stream.read(reinterpret_cast<char*>(start), sizeof start);
@@ -294,13 +388,11 @@ void check_header(const std::string& path, std::string& bytes) {
     throw std::runtime_error(std::to_string(bytes.size()) + " bytes cannot hold its " +
                              std::to_string(width) + " x " + std::to_string(height) + " pixels");
   }
+  return {header, stream.tellg()};
 }
 
 ExrImage decode(const std::string& path, std::string& bytes) {
-  check_header(path, bytes);
-  MemoryReader stream(path, bytes);
-  Imf::InputFile file(stream, 0);
-  const Imf::Header& header = file.header();
+  const auto [header, table] = checked_header(path, bytes);
   const Imath::Box2i window = header.dataWindow();
 
   ExrImage image;
@@ -316,6 +408,10 @@ ExrImage decode(const std::string& path, std::string& bytes) {
     all_half = all_half && channel.channel().type == Imf::HALF;
     layout.channels.emplace_back(channel.name());
   }
+  if (layout.channels.size() > kMostChannels) {
+    throw std::runtime_error("it has " + std::to_string(layout.channels.size()) +
+                             " channels; the maximum is " + std::to_string(kMostChannels));
+  }
   layout.type = all_half ? ExrPixelType::kHalf : ExrPixelType::kFloat;
   for (auto attribute = header.begin(); attribute != header.end(); ++attribute) {
     const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute.attribute());
@@ -326,9 +422,18 @@ ExrImage decode(const std::string& path, std::string& bytes) {
 
   image.pixels.resize(static_cast<size_t>(layout.width) * static_cast<size_t>(layout.height) *
                       layout.channels.size());
-  file.setFrameBuffer(
-      flipped_frame_buffer(layout, window.min.x, window.min.y, image.pixels.data()));
-  file.readPixels(window.min.y, window.max.y);
+  PixelReader reader(bytes, table);
+  if (header.hasTileDescription()) {
+    const Imf::TileDescription& tile = header.tileDescription();
+    reader.read_tiles(layout, {tile.xSize, tile.ySize}, image.pixels.data());
+  } else {
+    reader.read_lines(layout, window.min.y, image.pixels.data());
+  }
+  const ptrdiff_t row = static_cast<ptrdiff_t>(layout.channels.size()) * layout.width;
+  for (int32_t y = 0; y < layout.height / 2; ++y) {
+    const auto line = image.pixels.begin() + y * row;
+    std::swap_ranges(line, line + row, image.pixels.end() - (y + 1) * row);
+  }
   return image;
 }
 

@@ -29,8 +29,7 @@ struct ExrImage {
 
 /// Writes `pixels` (height x width x channels, row 0 = v 0) as a scanline file, atomically, packed
 /// with RLE: the last bits of smoothed heights are noise, which zlib packs hardly better. The same
-/// input gives the same bytes: no dates, and packing does not depend on threads. OpenEXR packs with
-/// its global pool, if the process has one.
+/// input gives the same bytes: no dates, and packing does not depend on threads.
 /// @throws std::invalid_argument for sizes below 1, missing, repeated or empty channel names, and
 /// attribute names that the format reserves; std::runtime_error as atomic_write.
 void write_exr(const std::string& path, const ExrLayout& layout, const float* pixels);
@@ -42,8 +41,8 @@ constexpr int32_t kLargestExr = 8192;
 /// however it is packed.
 /// Channels are in the file's order (by name).
 /// @throws std::runtime_error with path and reason if the file is missing, no EXR file, damaged,
-/// wider or higher than kLargestExr, or too short for its size; memory is allocated only
-/// afterwards.
+/// wider or higher than kLargestExr, of too many channels, or too short for its size; memory is
+/// allocated only afterwards.
 ExrImage read_exr(const std::string& path);
 
 }  // namespace snowbough::image

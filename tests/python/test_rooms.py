@@ -38,7 +38,7 @@ ROOMS = {
 LINES = {
     "native/base": 950,
     "native/gpu": 1850,
-    "native/image": 850,
+    "native/image": 950,
     "native/python": 3450,
     "native/render": 5150,
     "native/tree": 23450,
