@@ -319,6 +319,19 @@ def test_maps_are_as_large_as_the_receiver_says_but_no_larger_than_allowed(groun
         assert [own.resolution for own in preview().simulated.maps.values()] == [side]
 
 
+def test_thin_slats_beside_a_wide_ground_get_the_points_that_their_hems_need(ground, preview):
+    ground.scale = (10.0, 10.0, 1.0)
+    for i in range(8):
+        bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.0, 0.05 * i, 1.0), scale=(0.3, 0.02, 0.02))
+    bpy.ops.object.select_pattern(pattern="Cube*", extend=False)
+    bpy.ops.object.join()
+    bpy.ops.snowbough.add_receivers()
+    bpy.context.scene.frame_set(10)
+    running = preview()
+    (slats,) = [key for key in running.simulated.maps if key.startswith("Cube")]
+    assert len(running.surface(slats).shown[0]) > 4000
+
+
 def test_members_of_instanced_collections_are_there(ground, preview):
     empty = s.instanced(s.square("Inner", 0.5), name="Prop")
     empty.location.z = 1.0

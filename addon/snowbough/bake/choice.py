@@ -65,22 +65,27 @@ def choose_receivers(pose, request):
 def share_points(native, request, pose, receivers):
     """Gives each BakedReceiver its WantedPoints and the time that its surface takes. Computed from all receivers of the
     complete_pose, so that machines that bake some of them agree."""
-    depth = max(request.start_depth, request.end_depth, MIN_DEPTH)
-    thaws = request.end_depth < request.start_depth
-
-    def wanted_by(obj):
-        mesh = obj.topology
-        points = native.wanted_surface_points(mesh.triangles, obj.positions, depth, mesh.shading)
-        is_patchy = thaws or obj.receiver.mask is not None
-        return patchy_points(*points) if is_patchy else points
-
     shown = {key: obj for key, obj in pose.known.items() if obj.receives and obj.receiver.surface is not None}
-    shares = shared_out(dict(zip(shown, for_each(shown.values(), wanted_by))))
+    shares = wanted_points(native, shown, request.start_depth, request.end_depth)
     for receiver in receivers:
         if receiver.key in shares:
             receiver.wanted = shares[receiver.key]
             points = receiver.wanted.expected(receiver.spec.surface.detail)
             receiver.surface_seconds = expected_seconds(points, request.last - request.frame_start + 1)
+
+
+def wanted_points(native, objects, start_depth, end_depth):
+    """{key: WantedPoints} of the surfaces on the receivers {key: object of a Pose}. Depths in metres, on open ground at
+    the first and the last frame."""
+
+    def wanted_by(obj):
+        mesh = obj.topology
+        depth = max(start_depth, end_depth, MIN_DEPTH)
+        points = native.wanted_surface_points(mesh.triangles, obj.positions, depth, mesh.shading)
+        is_patchy = end_depth < start_depth or obj.receiver.mask is not None
+        return patchy_points(*points) if is_patchy else points
+
+    return shared_out(dict(zip(objects, for_each(objects.values(), wanted_by))))
 
 
 def _missing(pose, request):

@@ -10,6 +10,7 @@ import time
 
 import bpy
 
+from ..bake.choice import wanted_points
 from ..base import native, session, view_drawing
 from ..base.names import REALTIME_ENGINE
 from ..scene.pose import metres_per_unit
@@ -29,14 +30,15 @@ PAUSE = 0.4
 def make_surfaces(simulated, most_points, scale):
     """{key: ReceiverSurface} of a playback.Playback, without snow. most_points: maximum of all surfaces together;
     scale: factor on edge lengths."""
-    # Each surface gets points in proportion to its size.
-    extent = {key: own.texel * own.resolution for key, own in simulated.maps.items()}
-    surfaces = {}
-    for key in simulated.maps:
-        share = int(most_points * extent[key] / sum(extent.values()))
-        pose = simulated.pose.objects[key]
-        surfaces[key] = ReceiverSurface(native.load(), pose.topology, seed_of(pose.label), share, scale)
-    return surfaces
+    objects = {key: simulated.pose.objects[key] for key in simulated.maps}
+    snowfall = simulated.settings.snowfall
+    wanted = wanted_points(native.load(), objects, snowfall.preroll, snowfall.totals[-1])
+    return {
+        key: ReceiverSurface(
+            native.load(), own.topology, seed_of(own.label), wanted[key].most(scale, most_points), scale
+        )
+        for key, own in objects.items()
+    }
 
 
 class Preview:

@@ -22,7 +22,7 @@ from ..cache.shapes import Maybe, checksums, dict_of, either, flag, frame, numbe
 from . import neighbours
 from .mesh_file import FileMesh, read_mesh, write_mesh
 from .point_cache import PointCacheWriter, read_point_cache
-from .style import WantedPoints
+from .style import DETAILS, WantedPoints
 
 # Number of frames, besides the last, whose maps determine the snow-covered area. They are spread over the shot.
 LOOKED_AT = 8
@@ -176,7 +176,7 @@ class Surface:
             max(max(entry["depth"] for entry in inputs.frames), MIN_DEPTH),
             shading=inputs.mesh.smooth,
             scale=style.scale,
-            most_points=WantedPoints(*inputs.manifest.get("wanted", ())).most(style.detail),
+            most_points=WantedPoints(*inputs.manifest.get("wanted", ())).most(*DETAILS[style.detail]),
             seed=seed_of(inputs.label),
             wind=inputs.wind(),
             dents=dents,

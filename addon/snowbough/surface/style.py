@@ -24,10 +24,9 @@ class WantedPoints:
     all_hems: float = 1.0
     all_level: float = 0.0
 
-    def most(self, detail):
-        """Maximum number of points of the receiver: hems first, then level places in proportion. Points that no
-        receiver wants are handed out, too."""
-        scale, budget = DETAILS[detail]
+    def most(self, scale, budget):
+        """Maximum number of points of the receiver out of a `budget` for all, with edges `scale` times as long: hems
+        first, then level places in proportion. Points that no receiver wants are handed out, too."""
         left = budget * scale**2 - self.all_hems
         level = min(max(left / max(self.all_level, 1.0), 0.0), 1.0)
         part = (self.hems + level * self.level) / max(self.all_hems + level * self.all_level, 1.0)
@@ -35,7 +34,8 @@ class WantedPoints:
 
     def expected(self, detail):
         """The number of points that its surface will have, roughly."""
-        return min((self.hems + self.level) / DETAILS[detail][0] ** 2, self.most(detail))
+        scale, budget = DETAILS[detail]
+        return min((self.hems + self.level) / scale**2, self.most(scale, budget))
 
 
 def patchy_points(hems, level):

@@ -13,7 +13,7 @@ from cache_files import write_bake, written
 from snowbough.cache import files
 from snowbough.cache.errors import CacheError
 from snowbough.surface import compute, mesh_file, neighbours, point_cache, recording
-from snowbough.surface.style import SurfaceStyle, WantedPoints, patchy_points, shared_out
+from snowbough.surface.style import DETAILS, SurfaceStyle, WantedPoints, patchy_points, shared_out
 
 SIZE = 64
 DEPTHS = (0.02, 0.05, 0.1)
@@ -427,34 +427,34 @@ def test_every_file_of_a_surface_is_listed_by_the_bake(folder):
 
 def test_while_there_are_points_for_all_a_receiver_may_have_more_than_it_wants():
     shares = shared_out({"bench": (10_000.0, 0.0), "yard": (0.0, 90_000.0)})
-    assert shares["bench"].most("DEFAULT") == 25_000
-    assert shares["yard"].most("DEFAULT") == 225_000
+    assert shares["bench"].most(*DETAILS["DEFAULT"]) == 25_000
+    assert shares["yard"].most(*DETAILS["DEFAULT"]) == 225_000
 
 
 def test_hems_come_before_level_places():
     shares = shared_out({"bench": (200_000.0, 0.0), "yard": (0.0, 500_000.0)})
-    assert shares["bench"].most("DEFAULT") == 200_000
-    assert shares["yard"].most("DEFAULT") == 50_000
+    assert shares["bench"].most(*DETAILS["DEFAULT"]) == 200_000
+    assert shares["yard"].most(*DETAILS["DEFAULT"]) == 50_000
 
 
 def test_the_banks_of_a_mask_get_points_beside_a_large_ground():
     wanted = {"yard": (4_000.0, 2_000.0), "ground": (0.0, 270_000.0)}
-    bare = shared_out(wanted)["yard"].most("DEFAULT")
-    masked = shared_out({**wanted, "yard": patchy_points(*wanted["yard"])})["yard"].most("DEFAULT")
+    bare = shared_out(wanted)["yard"].most(*DETAILS["DEFAULT"])
+    masked = shared_out({**wanted, "yard": patchy_points(*wanted["yard"])})["yard"].most(*DETAILS["DEFAULT"])
     assert bare < 7_000 and masked > 20_000
     assert patchy_points(0.0, 1e6) == (40_000.0, 1e6)
 
 
 def test_with_too_few_points_for_hems_all_receivers_have_the_same_share_of_them():
     shares = shared_out({"bench": (300_000.0, 0.0), "yard": (100_000.0, 1_900_000.0)})
-    assert shares["bench"].most("DEFAULT") == 187_500
-    assert shares["yard"].most("DEFAULT") == 62_500
+    assert shares["bench"].most(*DETAILS["DEFAULT"]) == 187_500
+    assert shares["yard"].most(*DETAILS["DEFAULT"]) == 62_500
 
 
 def test_a_surface_has_as_many_points_as_it_wants_and_may_have():
     shares = shared_out({"bench": (10_000.0, 2_000.0), "yard": (0.0, 900_000.0)})
-    assert shares["bench"].expected("DEFAULT") == shares["bench"].most("DEFAULT") < 12_000
-    assert shares["yard"].expected("DEFAULT") == shares["yard"].most("DEFAULT") < 250_000
+    assert shares["bench"].expected("DEFAULT") == shares["bench"].most(*DETAILS["DEFAULT"]) < 12_000
+    assert shares["yard"].expected("DEFAULT") == shares["yard"].most(*DETAILS["DEFAULT"]) < 250_000
     assert shared_out({"bench": (10_000.0, 2_000.0)})["bench"].expected("FILM") == pytest.approx(
         12_000 / 0.36
     )
@@ -462,10 +462,10 @@ def test_a_surface_has_as_many_points_as_it_wants_and_may_have():
 
 def test_a_finer_detail_wants_more_points():
     shares = shared_out({"bench": (200_000.0, 0.0), "yard": (0.0, 1_000_000.0)})
-    assert shares["bench"].most("FILM") == pytest.approx(200_000 / 0.36, abs=1)
-    assert shares["bench"].most("FILM") + shares["yard"].most("FILM") <= 1_000_000
+    assert shares["bench"].most(*DETAILS["FILM"]) == pytest.approx(200_000 / 0.36, abs=1)
+    assert shares["bench"].most(*DETAILS["FILM"]) + shares["yard"].most(*DETAILS["FILM"]) <= 1_000_000
 
 
 def test_every_receiver_may_have_some_points():
-    assert WantedPoints(0.0, 0.0, 1e6, 1e6).most("DRAFT") == 400
-    assert WantedPoints().most("DRAFT") == 60_000
+    assert WantedPoints(0.0, 0.0, 1e6, 1e6).most(*DETAILS["DRAFT"]) == 400
+    assert WantedPoints().most(*DETAILS["DRAFT"]) == 60_000
