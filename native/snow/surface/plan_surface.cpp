@@ -24,6 +24,8 @@ constexpr float kWall = 0.1f;
 /// Length of the edges of needles for which their cushions need a point, as a fraction of the
 /// depth.
 constexpr float kCushions = 0.07f;
+/// Rounds in which folds are found: snow may fold beside those of the last one.
+constexpr int kFoldRounds = 8;
 /// The look that decides where snow ends.
 const shared::SnowStyle kUsualStyle = shared::usual_style();
 
@@ -242,8 +244,18 @@ SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& 
   const SurfaceFrame frame = frame_of(last, depth);
   const SurfaceHeightsNow heights = heights_now(surface, kUsualStyle, frame, up_of(points.normal));
   find_presence(surface.fronts, points, surface.samples, heights.thickness, heights.shown, depth);
+  std::vector<glm::vec3> drawn = surface_points(surface, kUsualStyle, frame);
+  std::vector<glm::vec3> out(points.count(), glm::vec3(0.0f));
+  for (size_t f = 0; f < surface.fronts.count(); ++f) {
+    out[surface.fronts.point[f]] = surface.fronts.front[f].level_out;
+  }
+  // Cushions cover needles.
+  for (int round = 0; !needles && round < kFoldRounds; ++round) {
+    if (!add_folds(surface.folds, points, drawn, heights.shown, out)) break;
+    drawn = surface_points(surface, kUsualStyle, frame);
+  }
   // The points stay fixed; the edges are flipped to follow the snow.
-  flip_edges(points.mesh, surface_points(surface, kUsualStyle, frame));
+  flip_edges(points.mesh, drawn);
   surface.samples = samples_of(points.mesh, source, smoothing, dented, depth);
   find_bumps(surface.looks, surface_points(surface, kUsualStyle, frame), shift, depth);
   if (needles) {

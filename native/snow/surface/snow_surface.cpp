@@ -85,6 +85,7 @@ std::vector<glm::vec3> offsets(const SnowSurface& surface, const SnowStyle& styl
     }
   });
   bury_banks(fronts.banks, heights.thickness, heights.shown, up, frame.open_depth, offsets);
+  even_out(surface.folds, points.normal, offsets);
   return offsets;
 }
 

@@ -8,6 +8,7 @@
 
 #include "shaders/lib/snow_surface.h"
 #include "snow/surface/cushions.h"
+#include "snow/surface/folds.h"
 #include "snow/surface/fronts.h"
 #include "snow/surface/height_samples.h"
 #include "snow/surface/kept_volume.h"
@@ -59,6 +60,7 @@ struct SnowSurface {
   KeptVolume volume, wide_volume;
   PointLooks looks;
   Fronts fronts;
+  Folds folds;
   Cushions cushions;
   SurfaceFaces faces;
   /// The receiver's triangles and, in the planned pose, its vertices.
