@@ -222,7 +222,7 @@ void Landing::trace(const Exit& cell, uint32_t step_number, const LandingSetting
       const glm::dvec2 aside = (is_last ? glm::dvec2(0.0) : velocity * (to - from)) + disc * drop;
       const glm::dvec3 move(aside, -drop);
       const double length = glm::length(move);
-      const SurfaceHit hit = first_ground(*rays_, at, move / length, length);
+      const RayHit hit = first_ground(*rays_, at, move / length, length);
       if (hit.object >= 0) {
         const double z = at.z + hit.distance / length * move.z;
         result.point = map_point(*rays_->objects()[static_cast<size_t>(hit.object)], hit, z);

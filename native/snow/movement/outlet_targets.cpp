@@ -63,7 +63,7 @@ bool OutletTargets::is_near(size_t object, const Bounds& moved) const {
 MapPoint OutletTargets::below(const glm::dvec3& from, double over, bool& is_closed) const {
   const glm::dvec3 start = from + glm::dvec3(0.0, 0.0, over);
   const glm::dvec3 down(0.0, 0.0, -1.0);
-  SurfaceHit hit = rays_.first_along(start, down, 0.0);
+  RayHit hit = rays_.first_along(start, down, 0.0);
   is_closed = hit.is_inside(true) && hit.up < -static_cast<double>(shared::kWallUp);
   if (is_closed) return {};
   // A ray that meets this many walls runs along one.
@@ -180,24 +180,24 @@ void OutletTargets::raise(size_t object, Repose& repose,
     const float widest = kDepthsOfGap * highest_near(*ground.links, repose.choice(), blocks[i]);
     if (widest == 0.0f) return;
     std::map<int32_t, OutletTarget>& known = targets[static_cast<size_t>(blocks[i])];
-    for (RimLink& rim : map.rims[static_cast<size_t>(blocks[i])]) {
+    for (OutletLink& outlet : map.outlet_links[static_cast<size_t>(blocks[i])]) {
       // Of an earlier step, in which snow lay here.
-      rim.top = rim.bare;
-      if (!(rim.limit < kNoLink)) continue;
-      auto target = known.find(rim.number);
+      outlet.top = outlet.bare;
+      if (!(outlet.limit < kNoLink)) continue;
+      auto target = known.find(outlet.number);
       const bool is_new = target == known.end();
       if (is_new) {
-        if (!is_below_snow(ground, repose.choice().limits, map, blocks[i], rim)) continue;
-        target = known.emplace(rim.number, find(outlet_of(ground, rim))).first;
+        if (!is_below_snow(ground, repose.choice().limits, map, blocks[i], outlet)) continue;
+        target = known.emplace(outlet.number, find(outlet_of(ground, outlet))).first;
       }
       if (target->second.searched < widest)
-        find_gap(outlet_of(ground, rim), widest, target->second);
-      const float above = rise_of(target->second, widest, top_over(map, blocks[i], rim),
+        find_gap(outlet_of(ground, outlet), widest, target->second);
+      const float above = rise_of(target->second, widest, top_over(map, blocks[i], outlet),
                                   repose.choice().limits.slope, heights);
       // What is known must not depend on earlier steps.
       if (above > 0.0f &&
-          (is_new || is_below_snow(ground, repose.choice().limits, map, blocks[i], rim))) {
-        rim.top = rim.bare + rim.rise + above;
+          (is_new || is_below_snow(ground, repose.choice().limits, map, blocks[i], outlet))) {
+        outlet.top = outlet.bare + outlet.rise + above;
       }
     }
     raise_rounded_edges(ground, deepest, blocks[i], *heights[object], map);

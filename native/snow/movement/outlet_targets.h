@@ -12,7 +12,7 @@
 
 namespace snowbough::snow {
 
-/// What lies beyond an outlet: a rim of the surface, or its end above a wall.
+/// What lies beyond an outlet: an open edge of the surface, or its end above a wall.
 struct OutletTarget {
   /// Height of the outlet in the world, in metres.
   float z = 0.0f;
@@ -76,7 +76,7 @@ class OutletTargets {
   SceneRays rays_;
   /// By object: its bounds when its targets were last forgotten.
   std::vector<Bounds> bounds_;
-  /// By object, resolution of its map, and block, of outlets by RimLink::number.
+  /// By object, resolution of its map, and block, of outlets by OutletLink::number.
   std::vector<std::map<int32_t, std::vector<std::map<int32_t, OutletTarget>>>> targets_;
 };
 

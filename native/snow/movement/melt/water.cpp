@@ -162,7 +162,7 @@ MapPoint Water::below(size_t object, int32_t from, int32_t texel, Repose& repose
     const TexelNow now = texel_now(own, *own.table, texel);
     point = now.point + now.normal * kDropsOutside;
   }
-  const SurfaceHit hit = first_ground(*rays_, point, {0.0, 0.0, -1.0}, 1e4);
+  const RayHit hit = first_ground(*rays_, point, {0.0, 0.0, -1.0}, 1e4);
   if (hit.object < 0) return {};
   return map_point(*rays_->objects()[static_cast<size_t>(hit.object)], hit, point.z - hit.distance);
 }

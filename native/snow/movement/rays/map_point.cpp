@@ -54,7 +54,7 @@ int32_t texel_at(const TexelTable& table, int32_t place) {
   return static_cast<int32_t>(found - table.texel.begin());
 }
 
-MapPoint map_point(const SceneObject& object, const SurfaceHit& hit, double z) {
+MapPoint map_point(const SceneObject& object, const RayHit& hit, double z) {
   MapPoint point;
   point.object = hit.object;
   point.z = static_cast<float>(z);
@@ -75,17 +75,17 @@ MapPoint map_point(const SceneObject& object, const SurfaceHit& hit, double z) {
   return point;
 }
 
-bool holds_snow(const SurfaceHit& hit) {
+bool holds_snow(const RayHit& hit) {
   return (hit.is_open ? std::abs(hit.up) : hit.up) >= static_cast<double>(shared::kWallUp);
 }
 
-SurfaceHit first_ground(const SceneRays& rays, const glm::dvec3& from, const glm::dvec3& direction,
-                        double length) {
+RayHit first_ground(const SceneRays& rays, const glm::dvec3& from, const glm::dvec3& direction,
+                    double length) {
   // A ray that meets this many walls runs along one.
   constexpr int kMaxWalls = 16;
   double least = 0.0;
   for (int passed = 0; passed < kMaxWalls; ++passed) {
-    const SurfaceHit hit = rays.first_along(from, direction, least, length);
+    const RayHit hit = rays.first_along(from, direction, least, length);
     if (hit.object < 0 || holds_snow(hit)) return hit;
     least = hit.distance;
   }

@@ -24,14 +24,14 @@ struct MapPoint {
 };
 
 /// The texel under a hit on `object`, at world height `z`.
-MapPoint map_point(const SceneObject& object, const SurfaceHit& hit, double z);
+MapPoint map_point(const SceneObject& object, const RayHit& hit, double z);
 
 /// Whether snow comes to lie on a surface: it is no wall and no underside.
-bool holds_snow(const SurfaceHit& hit);
+bool holds_snow(const RayHit& hit);
 
 /// The first surface that holds snow, within `length` metres from a point along a unit vector.
-SurfaceHit first_ground(const SceneRays& rays, const glm::dvec3& from, const glm::dvec3& direction,
-                        double length);
+RayHit first_ground(const SceneRays& rays, const glm::dvec3& from, const glm::dvec3& direction,
+                    double length);
 
 /// A texel in the current pose, flat.
 struct TexelNow {

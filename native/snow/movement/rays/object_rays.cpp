@@ -32,8 +32,8 @@ base::TriangleTree::Hit ObjectRays::first_along(const glm::dvec3& from, const gl
   return tree_->first_along(0, from, direction, least, most);
 }
 
-SurfaceHit ObjectRays::surface_at(const base::TriangleTree::Hit& hit, int32_t object,
-                                  const glm::dvec3& from, const glm::dvec3& direction) const {
+RayHit ObjectRays::hit_at(const base::TriangleTree::Hit& hit, int32_t object,
+                          const glm::dvec3& from, const glm::dvec3& direction) const {
   if (hit.triangle < 0) return {};
   const auto triangle = static_cast<size_t>(hit.triangle);
   const auto corner = [&](size_t k) {
@@ -44,16 +44,16 @@ SurfaceHit ObjectRays::surface_at(const base::TriangleTree::Hit& hit, int32_t ob
   const glm::dvec3 normal = glm::cross(b, c);
   const double square = glm::dot(normal, normal);
   const glm::dvec3 at = from + hit.distance * direction - corner(0);
-  SurfaceHit surface;
-  surface.object = object;
-  surface.triangle = hit.triangle;
-  surface.distance = hit.distance;
-  surface.is_open = is_open_[triangle] != 0;
-  if (!(square > 0.0)) return surface;
-  surface.up = normal.z / std::sqrt(square);
-  surface.weights = glm::vec2(glm::dot(glm::cross(at, c), normal) / square,
-                              glm::dot(glm::cross(b, at), normal) / square);
-  return surface;
+  RayHit met;
+  met.object = object;
+  met.triangle = hit.triangle;
+  met.distance = hit.distance;
+  met.is_open = is_open_[triangle] != 0;
+  if (!(square > 0.0)) return met;
+  met.up = normal.z / std::sqrt(square);
+  met.weights = glm::vec2(glm::dot(glm::cross(at, c), normal) / square,
+                          glm::dot(glm::cross(b, at), normal) / square);
+  return met;
 }
 
 }  // namespace snowbough::snow

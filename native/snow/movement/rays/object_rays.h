@@ -16,7 +16,7 @@
 namespace snowbough::snow {
 
 /// The first surface on a ray.
-struct SurfaceHit {
+struct RayHit {
   /// Index of the object, sorted by name; -1: the ray hits nothing.
   int32_t object = -1;
   int32_t triangle = -1;
@@ -51,8 +51,8 @@ class ObjectRays {
   base::TriangleTree::Hit first_along(const glm::dvec3& from, const glm::dvec3& direction,
                                       double least, double most);
   /// What a ray meets at a triangle of the last pose; `object`: the index to set.
-  SurfaceHit surface_at(const base::TriangleTree::Hit& hit, int32_t object, const glm::dvec3& from,
-                        const glm::dvec3& direction) const;
+  RayHit hit_at(const base::TriangleTree::Hit& hit, int32_t object, const glm::dvec3& from,
+                const glm::dvec3& direction) const;
 
  private:
   void update();

@@ -96,8 +96,8 @@ void SceneRays::forget_pose(size_t object) {
   while ((node /= 2) > 0) join(node);
 }
 
-SurfaceHit SceneRays::first_along(const glm::dvec3& from, const glm::dvec3& direction, double least,
-                                  double most, const SceneObject* except) const {
+RayHit SceneRays::first_along(const glm::dvec3& from, const glm::dvec3& direction, double least,
+                              double most, const SceneObject* except) const {
   base::TriangleTree::Hit hit;
   hit.distance = most;
   size_t object = objects_.size();
@@ -125,7 +125,7 @@ SurfaceHit SceneRays::first_along(const glm::dvec3& from, const glm::dvec3& dire
     object = i;
   }
   if (hit.triangle < 0) return {};
-  return items_[object]->surface_at(hit, static_cast<int32_t>(object), from, direction);
+  return items_[object]->hit_at(hit, static_cast<int32_t>(object), from, direction);
 }
 
 }  // namespace snowbough::snow

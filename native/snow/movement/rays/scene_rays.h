@@ -22,9 +22,9 @@ class SceneRays {
 
   /// The first surface at a distance over `least` and under `most` metres from `from` along the
   /// unit vector `direction`, except one object's. Callable from several threads.
-  SurfaceHit first_along(const glm::dvec3& from, const glm::dvec3& direction, double least,
-                         double most = std::numeric_limits<double>::infinity(),
-                         const SceneObject* except = nullptr) const;
+  RayHit first_along(const glm::dvec3& from, const glm::dvec3& direction, double least,
+                     double most = std::numeric_limits<double>::infinity(),
+                     const SceneObject* except = nullptr) const;
 
   const std::vector<const SceneObject*>& objects() const { return objects_; }
 

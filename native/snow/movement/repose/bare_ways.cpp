@@ -101,9 +101,9 @@ int32_t next_down(const ReposeGround& ground, int32_t texel, bool over_walls) {
        end != last && end->texel == texel; ++end) {
     const auto link = static_cast<size_t>(end->link);
     if (link >= ground.links->across.size()) {
-      const glm::vec3 rim =
-          ground.surface.point(ground.links->rims[link - ground.links->across.size()].point);
-      consider(rim.x, rim.y, rim.z, -1 - end->link);
+      const glm::vec3 edge =
+          ground.surface.point(ground.links->open_edges[link - ground.links->across.size()].point);
+      consider(edge.x, edge.y, edge.z, -1 - end->link);
       continue;
     }
     const ReposeLinks::Across& across = ground.links->across[link];

@@ -1,4 +1,4 @@
-// Bounds on snow above the outlets of a surface, its rims and walls: lower_tile_bounds.
+// Bounds on snow above the outlets of a surface, its open edges and walls: lower_tile_bounds.
 #include <algorithm>
 #include <cmath>
 
@@ -219,10 +219,10 @@ class BoundSweep {
     columns_.falls_from = 1;
   }
 
-  TileBounds run(const std::vector<RimLink>& rims) {
-    for (const RimLink& rim : rims) {
-      const int32_t row = rim.cell / kReposeBlock;
-      lower(row, rim.cell % kReposeBlock, rim.top + shared::kCuts * rim.limit);
+  TileBounds run(const std::vector<OutletLink>& outlet_links) {
+    for (const OutletLink& outlet : outlet_links) {
+      const int32_t row = outlet.cell / kReposeBlock;
+      lower(row, outlet.cell % kReposeBlock, outlet.top + shared::kCuts * outlet.limit);
     }
     uint64_t rows = rows_to_pass();
     for (bool is_first = true; rows != 0; is_first = false) {
@@ -382,8 +382,8 @@ class BoundSweep {
 };
 
 SNOWBOUGH_SWEEP TileBounds sweep_bounds(const TilesAround& around,
-                                        const std::vector<RimLink>& rims) {
-  return BoundSweep(around).run(rims);
+                                        const std::vector<OutletLink>& outlet_links) {
+  return BoundSweep(around).run(outlet_links);
 }
 
 /// Whether any cell of a block's window has a bound.
@@ -400,10 +400,10 @@ bool has_bounds(const TilesAround& around) {
 }  // namespace
 
 TileBounds lower_tile_bounds(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
-                             const std::vector<RimLink>& rims) {
+                             const std::vector<OutletLink>& outlet_links) {
   const TilesAround around(tiles, blocks_a_side, block);
-  if (rims.empty() && !has_bounds(around)) return {};
-  return sweep_bounds(around, rims);
+  if (outlet_links.empty() && !has_bounds(around)) return {};
+  return sweep_bounds(around, outlet_links);
 }
 
 }  // namespace snowbough::snow

@@ -11,14 +11,14 @@ namespace snowbough::snow {
 namespace {
 
 /// The outlet above a wall: at its upper end.
-Outlet wall_outlet(const ReposeGround& ground, const RimLink& rim,
+Outlet wall_outlet(const ReposeGround& ground, const OutletLink& link,
                    const std::vector<glm::vec3>& positions) {
   const TexelNow wall = TexelsNow(*ground.object, ground.table(), positions)
-                            .at(texel_at(ground.table(), -1 - rim.number));
+                            .at(texel_at(ground.table(), -1 - link.number));
   Outlet outlet;
   outlet.point = wall.point;
   // Poses differ by a turn about the vertical and a translation.
-  outlet.point.z = static_cast<double>(ground.surface.anchor().z + rim.bare + rim.rise) +
+  outlet.point.z = static_cast<double>(ground.surface.anchor().z + link.bare + link.rise) +
                    static_cast<double>(positions.front().z) -
                    static_cast<double>(ground.pose.positions().front().z);
   outlet.outwards = glm::dvec2(wall.normal);
@@ -68,20 +68,21 @@ glm::dvec3 world_point(const ReposeGround& ground, int32_t texel) {
                   ground.object->positions);
 }
 
-Outlet outlet_of(const ReposeGround& ground, const RimLink& rim) {
-  return outlet_of(ground, rim, ground.object->positions);
+Outlet outlet_of(const ReposeGround& ground, const OutletLink& link) {
+  return outlet_of(ground, link, ground.object->positions);
 }
 
-Outlet outlet_of(const ReposeGround& ground, const RimLink& rim,
+Outlet outlet_of(const ReposeGround& ground, const OutletLink& link,
                  const std::vector<glm::vec3>& positions) {
-  if (rim.number < 0) return wall_outlet(ground, rim, positions);
-  const auto link = static_cast<size_t>(rim.number);
-  const ReposeLinks::Point& at = link >= ground.links->across.size()
-                                     ? ground.links->rims[link - ground.links->across.size()].point
-                                     : ground.links->across[link].seam;
+  if (link.number < 0) return wall_outlet(ground, link, positions);
+  const auto number = static_cast<size_t>(link.number);
+  const ReposeLinks& links = *ground.links;
+  const ReposeLinks::Point& at = number >= links.across.size()
+                                     ? links.open_edges[number - links.across.size()].point
+                                     : links.across[number].seam;
   Outlet outlet;
   outlet.point = point_on(ground, at, positions);
-  const auto own = static_cast<size_t>(rim.texel);
+  const auto own = static_cast<size_t>(link.texel);
   const glm::dvec3 inwards =
       point_on(ground, {ground.table().triangle[own], ground.table().barycentric[own]}, positions) -
       outlet.point;
@@ -105,7 +106,7 @@ Outlet outlet_of(const ReposeGround& ground, const RimLink& rim,
   }
   if (length > 0.0) outlet.outwards = outwards / length;
   if (glm::dot(outlet.outwards, glm::dvec2(inwards)) > 0.0) outlet.outwards *= -1.0;
-  const ReposeSurface::Texel texel = ground.surface.texel(rim.texel);
+  const ReposeSurface::Texel texel = ground.surface.texel(link.texel);
   outlet.reach = 0.5 * std::sqrt(static_cast<double>(texel.area));
   return outlet;
 }

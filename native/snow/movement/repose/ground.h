@@ -71,8 +71,8 @@ struct ReposeGround {
   }
   /// The texels of its map.
   const TexelTable& table() const { return *shared_table(); }
-  /// The number of outlets that do not depend on the pose: RimLink::number from 0 on.
-  size_t outlet_count() const { return links->across.size() + links->rims.size(); }
+  /// The number of outlets that do not depend on the pose: OutletLink::number from 0 on.
+  size_t outlet_count() const { return links->across.size() + links->open_edges.size(); }
 };
 
 /// Evaluates the current pose. `curved`: see ReposeSurface::set_pose. Returns whether it differs
@@ -94,9 +94,9 @@ struct Outlet {
   /// Whether it is above a wall in the same chart.
   bool is_wall = false;
 };
-Outlet outlet_of(const ReposeGround& ground, const RimLink& rim);
+Outlet outlet_of(const ReposeGround& ground, const OutletLink& link);
 /// The same, if the object's vertices are at `positions`.
-Outlet outlet_of(const ReposeGround& ground, const RimLink& rim,
+Outlet outlet_of(const ReposeGround& ground, const OutletLink& link,
                  const std::vector<glm::vec3>& positions);
 
 /// Snow that left the map.
@@ -104,8 +104,8 @@ struct Release {
   static constexpr int32_t kOffWall = -1;
   static constexpr int32_t kInHollow = -2;
   static constexpr int32_t kThrough = -3;
-  /// The outlet over which it fell, see RimLink::number; or one of these: it fell off a wall, found
-  /// no way out of a hollow, or falls through the surface that let it go.
+  /// The outlet over which it fell, see OutletLink::number; or one of these: it fell off a wall,
+  /// found no way out of a hollow, or falls through the surface that let it go.
   int32_t outlet = kOffWall;
   /// The outlet's texel, the wall's, or the hollow's lowest.
   int32_t texel = 0;

@@ -32,8 +32,8 @@ struct alignas(64) BareWindow {
 };
 
 /// The limits of the links from a row of a block to the forward neighbours: shared::link_limit, in
-/// metres; kNoLink where there is none. Nothing moves on walls, onto which RimLinks lead; snow at
-/// the foot of a wall leans against it. `forward`: ReposeLinks::forward of the row; `limit`: the
+/// metres; kNoLink where there is none. Nothing moves on walls, onto which OutletLinks lead; snow
+/// at the foot of a wall leans against it. `forward`: ReposeLinks::forward of the row; `limit`: the
 /// row's first in each of kForwardLinks arrays.
 void find_link_limits(const BareWindow& bare, int32_t row, const uint8_t* forward,
                       const ReposeLimits& limits, float* const* limit);

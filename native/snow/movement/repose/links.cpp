@@ -14,7 +14,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// Samples per texel along a seam or a rim.
+/// Samples per texel along a seam or an open edge.
 constexpr double kSamplesATexel = 2.0;
 
 class LinkFinder {
@@ -37,7 +37,7 @@ class LinkFinder {
     find_runs();
     link_neighbours();
     link_seams();
-    find_rims();
+    find_open_edges();
     sort_ends();
     find_near_blocks();
     set_forward();
@@ -219,18 +219,18 @@ class LinkFinder {
   }
 
   /// Collects open edges where a single surface ends; snow stays where several meet.
-  void find_rims() {
+  void find_open_edges() {
     std::vector<std::pair<int32_t, int32_t>> all;
     for (const TriangleEdge& edge : charts_.open_edges) all.push_back(vertices(edge));
     std::sort(all.begin(), all.end());
     for (const TriangleEdge& edge : charts_.open_edges) {
       const auto [first, last] = std::equal_range(all.begin(), all.end(), vertices(edge));
-      if (last - first == 1) add_rims(edge);
+      if (last - first == 1) add_open_edge(edge);
     }
   }
 
-  /// Adds one rim per texel along the edge, in the middle of its samples.
-  void add_rims(TriangleEdge edge) {
+  /// Adds one point per texel along the edge, in the middle of its samples.
+  void add_open_edge(TriangleEdge edge) {
     std::vector<std::pair<int32_t, double>> beside;
     const int32_t samples = sample_count(length(edge));
     for (int32_t k = 0; k < samples; ++k) {
@@ -245,7 +245,7 @@ class LinkFinder {
         sum += beside[end].second;
       }
       const double part = sum / static_cast<double>(end - begin);
-      links_.rims.push_back({beside[begin].first, point_of(edge, part)});
+      links_.open_edges.push_back({beside[begin].first, point_of(edge, part)});
     }
   }
 
@@ -268,8 +268,8 @@ class LinkFinder {
       ends.push_back({link.a, links_.across_cells.back()[0], k, -1, 0});
       ends.push_back({link.b, links_.across_cells.back()[1], k, 1, 0});
     }
-    for (size_t k = 0; k < links_.rims.size(); ++k) {
-      ends.push_back({links_.rims[k].texel, links_.cell_of(place(links_.rims[k].texel)),
+    for (size_t k = 0; k < links_.open_edges.size(); ++k) {
+      ends.push_back({links_.open_edges[k].texel, links_.cell_of(place(links_.open_edges[k].texel)),
                       across + static_cast<int32_t>(k), -1, 0});
     }
     std::sort(ends.begin(), ends.end(), [](const auto& a, const auto& b) {

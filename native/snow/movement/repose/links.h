@@ -42,8 +42,8 @@ void for_each_place(const TexelTable& table, const Visit& visit) {
 }
 
 /// The texels that are neighbours on the surface, between which snow may move: texels side by side
-/// or diagonal in one chart, texels that meet at a seam of the layout, and texels at a rim of the
-/// surface, over which snow falls into the air. Texels are indices into the TexelTable.
+/// or diagonal in one chart, texels that meet at a seam of the layout, and texels at an open edge,
+/// over which snow falls into the air. Texels are indices into the TexelTable.
 struct ReposeLinks {
   int32_t resolution = 0;
   int32_t blocks_a_side = 0;
@@ -66,21 +66,21 @@ struct ReposeLinks {
     std::pair<int32_t, int32_t> ends() const { return {a, b}; }
   };
   std::vector<Across> across;
-  /// A texel at a rim, and the rim's nearest point.
-  struct Rim {
+  /// A texel at an open edge, and the edge's nearest point.
+  struct OpenEdge {
     int32_t texel = 0;
     Point point;
   };
-  std::vector<Rim> rims;
+  std::vector<OpenEdge> open_edges;
 
-  /// One end of a link across a seam or over a rim, at a texel.
+  /// One end of a link across a seam or over an open edge, at a texel.
   struct End {
     int32_t texel = 0;
     /// See cell_of.
     int32_t cell = 0;
-    /// Index in `across`, or across.size() + index in `rims`.
+    /// Index in `across`, or across.size() + index in `open_edges`.
     int32_t link = 0;
-    /// The flow's sign at this end: -1 at `a` and at rims, 1 at `b`.
+    /// The flow's sign at this end: -1 at `a` and at open edges, 1 at `b`.
     int32_t sign = 0;
     /// Number of the texel's links of all kinds.
     int32_t links = 0;

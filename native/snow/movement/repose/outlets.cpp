@@ -56,10 +56,10 @@ Cell across_end(const ReposeLinks& links, const ReposeTiles& tiles, int32_t link
           static_cast<size_t>(cell % kTileCells)};
 }
 
-/// A link over a rim into the air, or over a seam onto a wall; `at`: the end of the surface.
-RimLink rim_link(const ReposeLimits& limits, const Cell& a, const ReposeLinks::End& end,
-                 const glm::vec3& at) {
-  RimLink link;
+/// A link over an open edge into the air, or over a seam onto a wall; `at`: the end of the surface.
+OutletLink outlet_link(const ReposeLimits& limits, const Cell& a, const ReposeLinks::End& end,
+                       const glm::vec3& at) {
+  OutletLink link;
   link.cell = static_cast<int32_t>(a.at);
   link.number = end.link;
   link.texel = end.texel;
@@ -88,7 +88,7 @@ void for_linked(const TilesAround& around, int32_t column, int32_t row, const Vi
   }
 }
 
-/// Adds links onto walls beside a block's cells: snow falls over them as over rims.
+/// Adds links onto walls beside a block's cells: snow falls over them as over open edges.
 void link_walls(const ReposeGround& ground, const ReposeLimits& limits,
                 const std::vector<float>* stand, int32_t block, ReposeBlocks& blocks) {
   const TilesAround around(blocks.tiles, ground.links->blocks_a_side, block);
@@ -100,8 +100,8 @@ void link_walls(const ReposeGround& ground, const ReposeLimits& limits,
       })) {
     return;
   }
-  std::vector<RimLink>& rims = blocks.rims[static_cast<size_t>(block)];
-  const size_t before = rims.size();
+  std::vector<OutletLink>& outlet_links = blocks.outlet_links[static_cast<size_t>(block)];
+  const size_t before = outlet_links.size();
   const auto place_of = [&](int32_t column, int32_t row) {
     return (block / ground.links->blocks_a_side * kReposeBlock + row) * ground.links->resolution +
            block % ground.links->blocks_a_side * kReposeBlock + column;
@@ -113,7 +113,7 @@ void link_walls(const ReposeGround& ground, const ReposeLimits& limits,
     const int32_t row = own / kReposeBlock;
     for_linked(around, column, row, [&](const Cell& b, int32_t x, int32_t y) {
       if (!b.is_there() || !b.is_wall() || !(b.point().z < a.point().z)) return;
-      RimLink link;
+      OutletLink link;
       link.cell = own;
       link.number = -1 - place_of(x, y);
       link.bare = link.top = b.point().z;
@@ -125,12 +125,13 @@ void link_walls(const ReposeGround& ground, const ReposeLimits& limits,
         link.limit = std::max(link.limit, stands(*stand, place_of(column, row), place_of(x, y)));
       }
       link.rate = shared::link_rate(a.tile->stiffness(a.at), 0.0f);
-      rims.push_back(link);
+      outlet_links.push_back(link);
     });
   }
-  if (rims.size() == before) return;
-  std::stable_sort(rims.begin(), rims.end(),
-                   [](const RimLink& one, const RimLink& other) { return one.cell < other.cell; });
+  if (outlet_links.size() == before) return;
+  std::stable_sort(
+      outlet_links.begin(), outlet_links.end(),
+      [](const OutletLink& one, const OutletLink& other) { return one.cell < other.cell; });
 }
 
 }  // namespace
@@ -141,8 +142,8 @@ float stands(const std::vector<float>& stand, int32_t a, int32_t b) {
 
 void set_up_outlets(const ReposeGround& ground, const ReposeLimits& limits,
                     const std::vector<float>* stand, int32_t block, ReposeBlocks& blocks) {
-  std::vector<RimLink>& rims = blocks.rims[static_cast<size_t>(block)];
-  rims.clear();
+  std::vector<OutletLink>& outlet_links = blocks.outlet_links[static_cast<size_t>(block)];
+  outlet_links.clear();
   const ReposeTile* const tile = blocks.tiles[static_cast<size_t>(block)].get();
   const int32_t* ends = &ground.links->end_begin[static_cast<size_t>(block)];
   for (int32_t e = ends[0]; e < ends[1]; ++e) {
@@ -150,8 +151,9 @@ void set_up_outlets(const ReposeGround& ground, const ReposeLimits& limits,
     const auto link = static_cast<size_t>(end.link);
     const Cell own{tile, static_cast<size_t>(end.cell % kTileCells)};
     if (link >= ground.links->across.size()) {
-      const ReposeLinks::Rim& rim = ground.links->rims[link - ground.links->across.size()];
-      rims.push_back(rim_link(limits, own, end, ground.surface.point(rim.point)));
+      const ReposeLinks::OpenEdge& edge =
+          ground.links->open_edges[link - ground.links->across.size()];
+      outlet_links.push_back(outlet_link(limits, own, end, ground.surface.point(edge.point)));
       continue;
     }
     const Cell a = across_end(*ground.links, blocks.tiles, end.link, 0);
@@ -162,8 +164,8 @@ void set_up_outlets(const ReposeGround& ground, const ReposeLimits& limits,
     if (!own.is_there() || !other.is_there() || own.is_wall()) continue;
     if (other.is_wall()) {
       if (!(other.point().z < own.point().z)) continue;
-      rims.push_back(
-          rim_link(limits, own, end, ground.surface.point(ground.links->across[link].seam)));
+      outlet_links.push_back(
+          outlet_link(limits, own, end, ground.surface.point(ground.links->across[link].seam)));
       continue;
     }
     if (end.sign > 0) continue;
@@ -214,7 +216,7 @@ int32_t find_next_up(const ReposeGround& ground, const ReposeLimits& limits,
 }  // namespace
 
 bool is_below_snow(const ReposeGround& ground, const ReposeLimits& limits,
-                   const ReposeBlocks& blocks, int32_t block, const RimLink& rim) {
+                   const ReposeBlocks& blocks, int32_t block, const OutletLink& outlet) {
   const auto tile_of = [&](int32_t number) -> ReposeTile& {
     return *blocks.tiles[static_cast<size_t>(number / kTileCells)];
   };
@@ -223,7 +225,7 @@ bool is_below_snow(const ReposeGround& ground, const ReposeLimits& limits,
     const auto at = static_cast<size_t>(number % kTileCells);
     return glm::vec2(own.x[at], own.y[at]);
   };
-  const int32_t first = block * kTileCells + rim.cell;
+  const int32_t first = block * kTileCells + outlet.cell;
   int32_t number = first;
   for (int step = 0; step < kReposeBlock; ++step) {
     std::atomic<int32_t>& known =
@@ -242,9 +244,9 @@ bool is_below_snow(const ReposeGround& ground, const ReposeLimits& limits,
   return thick > 0.0f && thick >= glm::distance(point_of(number), point_of(first));
 }
 
-float top_over(const ReposeBlocks& blocks, int32_t block, const RimLink& rim) {
-  return blocks.tiles[static_cast<size_t>(block)]->snow.top[static_cast<size_t>(rim.cell)] -
-         rim.bare - rim.rise;
+float top_over(const ReposeBlocks& blocks, int32_t block, const OutletLink& outlet) {
+  return blocks.tiles[static_cast<size_t>(block)]->snow.top[static_cast<size_t>(outlet.cell)] -
+         outlet.bare - outlet.rise;
 }
 
 }  // namespace snowbough::snow

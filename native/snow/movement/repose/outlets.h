@@ -18,14 +18,14 @@ struct ReposeBlocks {
   ReposeTiles stored;
   std::vector<uint8_t> was_chosen;
   /// Outlets by block, ascending by cell.
-  std::vector<std::vector<RimLink>> rims;
+  std::vector<std::vector<OutletLink>> outlet_links;
   SeamFlows flows;
 };
 
 /// The height in metres to which snow stands at either of two places.
 float stands(const std::vector<float>& stand, int32_t a, int32_t b);
 
-/// Finds a block's outlets, over which snow leaves the map (rims of the surface, and walls), and
+/// Finds a block's outlets, over which snow leaves the map (open edges, and walls), and
 /// the limits of its links across seams. `stand`: by place, the height to which snow stands
 /// whatever its slope; null: nowhere.
 void set_up_outlets(const ReposeGround& ground, const ReposeLimits& limits,
@@ -34,9 +34,9 @@ void set_up_outlets(const ReposeGround& ground, const ReposeLimits& limits,
 /// Whether snow lies on the first cell up the slope from an outlet that is not too steep for it,
 /// and is at least as thick as the horizontal way there is long: bevels carry none themselves.
 bool is_below_snow(const ReposeGround& ground, const ReposeLimits& limits,
-                   const ReposeBlocks& blocks, int32_t block, const RimLink& rim);
+                   const ReposeBlocks& blocks, int32_t block, const OutletLink& outlet);
 
 /// Height in metres of the snow's surface above an outlet.
-float top_over(const ReposeBlocks& blocks, int32_t block, const RimLink& rim);
+float top_over(const ReposeBlocks& blocks, int32_t block, const OutletLink& outlet);
 
 }  // namespace snowbough::snow

@@ -153,12 +153,12 @@ int32_t CellWays::next_cell(const ReposeLinks& links, const ReposeBlocks& map, i
     steepest = fall / limit;
     next = to;
   };
-  const std::vector<RimLink>& rims = map.rims[static_cast<size_t>(block)];
-  const auto is_before = [](const RimLink& rim, int32_t at) { return rim.cell < at; };
-  for (auto rim = std::lower_bound(rims.begin(), rims.end(), inner, is_before);
-       rim != rims.end() && rim->cell == inner; ++rim) {
-    consider(top - rim->bare, rim->limit,
-             rim->number < 0 ? links.cell_of(-1 - rim->number) : -1 - rim->number);
+  const std::vector<OutletLink>& outlet_links = map.outlet_links[static_cast<size_t>(block)];
+  const auto is_before = [](const OutletLink& outlet, int32_t at) { return outlet.cell < at; };
+  for (auto outlet = std::lower_bound(outlet_links.begin(), outlet_links.end(), inner, is_before);
+       outlet != outlet_links.end() && outlet->cell == inner; ++outlet) {
+    consider(top - outlet->bare, outlet->limit,
+             outlet->number < 0 ? links.cell_of(-1 - outlet->number) : -1 - outlet->number);
   }
   if ((tile.ground.forward[own] & kAtSeam) == 0) return next;
   links.for_across(cell, [&](int32_t to, size_t link) {
@@ -233,13 +233,13 @@ std::vector<Release> collect_releases(const ReposeGround& ground, const ReposeBl
   // By cell, the units that end there.
   std::map<int32_t, double> ends;
   for (const int32_t block : chosen) {
-    for (const RimLink& rim : blocks.rims[static_cast<size_t>(block)]) {
-      if (rim.number < 0) {
-        if (rim.fallen > 0.0) ends[ground.links->cell_of(-1 - rim.number)] += rim.fallen;
+    for (const OutletLink& outlet : blocks.outlet_links[static_cast<size_t>(block)]) {
+      if (outlet.number < 0) {
+        if (outlet.fallen > 0.0) ends[ground.links->cell_of(-1 - outlet.number)] += outlet.fallen;
         continue;
       }
-      texel[static_cast<size_t>(rim.number)] = rim.texel;
-      fallen[static_cast<size_t>(rim.number)] += rim.fallen;
+      texel[static_cast<size_t>(outlet.number)] = outlet.texel;
+      fallen[static_cast<size_t>(outlet.number)] += outlet.fallen;
     }
     const CellWays::Block& own = ways.block_of(block * kTileCells);
     for (const int32_t cell : own.reached) {

@@ -56,7 +56,7 @@ struct ReposeRun {
   }
 };
 
-/// Result of writing a block: units that left the surface (fell over rims, onto walls or off
+/// Result of writing a block: units that left the surface (fell over open edges, onto walls or off
 /// them), and whether heights changed.
 struct Written {
   double lost = 0.0;
@@ -105,7 +105,7 @@ std::vector<int32_t> blocks_of_colour(const ReposeRun& run, int32_t colour, cons
   return blocks;
 }
 
-/// Removes snow above rims and walls that is steeper than allowed.
+/// Removes snow above open edges and walls that is steeper than allowed.
 void empty_over_outlets(ReposeRun& run) {
   std::vector<uint8_t> active(run.ground.links->block_count(), 0);
   for (const int32_t block : run.choice.chosen) active[static_cast<size_t>(block)] = 1;
@@ -119,7 +119,7 @@ void empty_over_outlets(ReposeRun& run) {
       run.for_each(blocks.size(), [&](size_t i) {
         link_tile(run, blocks[i]);
         done[i] = lower_tile_bounds(run.blocks.tiles, blocks[i], side,
-                                    run.blocks.rims[static_cast<size_t>(blocks[i])]);
+                                    run.blocks.outlet_links[static_cast<size_t>(blocks[i])]);
       });
       for (size_t i = 0; i < blocks.size(); ++i) {
         mark_around(side, blocks[i], done[i].seen_by, active);
@@ -148,7 +148,7 @@ double run_colour(ReposeRun& run, const std::vector<int32_t>& blocks, int first_
   run.for_each(blocks.size(), [&](size_t i) {
     link_tile(run, blocks[i]);
     done[i] = run_tile_rounds(run.blocks.tiles, blocks[i], run.ground.links->blocks_a_side,
-                              run.blocks.rims[static_cast<size_t>(blocks[i])], first_round,
+                              run.blocks.outlet_links[static_cast<size_t>(blocks[i])], first_round,
                               rounds_at_once);
   });
   double rounds = 0.0;

@@ -45,7 +45,7 @@ struct ReposeStand {
 
 /// What a run of repose has moved.
 struct ReposeResult {
-  /// Volume that fell over rims and off walls, in m3; and where, if it is to be listed.
+  /// Volume that fell over open edges and off walls, in m3; and where, if it is to be listed.
   double fallen = 0.0;
   std::vector<Release> releases;
   /// Whether heights changed.
@@ -55,9 +55,9 @@ struct ReposeResult {
 };
 
 /// Repose on one receiver's map: snow whose surface is steeper than the angle of repose moves to
-/// lower neighbours (shaders/lib/texel_repose.h has the method), over seams and over rims into the
-/// air, until it rests or the step's work limit is reached; the rest moves in the next step. The
-/// heights are its only state.
+/// lower neighbours (shaders/lib/texel_repose.h has the method), over seams and over open edges
+/// into the air, until it rests or the step's work limit is reached; the rest moves in the next
+/// step. The heights are its only state.
 ///
 /// The map is divided into blocks. Blocks in which nothing can be steep are skipped, which the
 /// range of heights shows while the surface does not move. The others run some rounds at a time

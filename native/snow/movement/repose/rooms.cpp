@@ -38,7 +38,7 @@ float room_above(ReposeGround& ground, const SceneRays& rays, int32_t texel, siz
   const float reach = 0.5f * std::sqrt(tile.ground.area[cell]);
   const double least = kOwnSurface * reach;
   const glm::dvec3 up(0.0, 0.0, 1.0);
-  const auto room_below = [&](const SurfaceHit& above) {
+  const auto room_below = [&](const RayHit& above) {
     const auto room = static_cast<float>(above.distance);
     // Nothing flows into a slit.
     return above.is_inside(false) || room < reach ? 0.0f : room;
@@ -53,7 +53,7 @@ float room_above(ReposeGround& ground, const SceneRays& rays, int32_t texel, siz
     const glm::dvec3 from = beside_surface(ground, texel, least, ground.pose.positions());
     const auto hit =
         ground.own_rays.first_along(from, up, least, std::numeric_limits<double>::infinity());
-    own = room_below(ground.own_rays.surface_at(hit, 0, from, up));
+    own = room_below(ground.own_rays.hit_at(hit, 0, from, up));
   }
   return std::min(own, others);
 }

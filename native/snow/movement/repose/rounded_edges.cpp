@@ -41,7 +41,7 @@ void find_edge(ReposeGround& ground, const Outlet& outlet, float curvature, floa
     const double over = kSteepestInland * way;
     const glm::dvec3 from = outlet.point + glm::dvec3(-way * outlet.outwards, over);
     const glm::dvec3 down(0.0, 0.0, -1.0);
-    const SurfaceHit hit = ground.own_rays.surface_at(
+    const RayHit hit = ground.own_rays.hit_at(
         ground.own_rays.first_along(from, down, 0.0, most * over), 0, from, down);
     is_steep = is_steep || hit.is_inside(true);
     if (hit.object < 0 || !holds_snow(hit) || hit.distance >= over) return MapPoint{};
@@ -89,17 +89,17 @@ void raise_rounded_edges(ReposeGround& ground, float deepest, int32_t block,
   const float widest = deepest / (kMostRounding * (kDepthsOfRounding - 1.0f));
   int32_t cell = -1;
   float top = 0.0f;
-  for (RimLink& rim : map.rims[static_cast<size_t>(block)]) {
-    // Sheets end in rims without walls below.
-    const bool is_at_wall = rim.number < static_cast<int32_t>(ground.links->across.size());
-    const float up = std::abs(tile.ground.up[static_cast<size_t>(rim.cell)]);
-    if (!(rim.limit < kNoLink) || !is_at_wall || up > kLevel) continue;
-    if (rim.cell != cell) {
-      cell = rim.cell;
+  for (OutletLink& outlet : map.outlet_links[static_cast<size_t>(block)]) {
+    // Sheets end in open edges without walls below.
+    const bool is_at_wall = outlet.number < static_cast<int32_t>(ground.links->across.size());
+    const float up = std::abs(tile.ground.up[static_cast<size_t>(outlet.cell)]);
+    if (!(outlet.limit < kNoLink) || !is_at_wall || up > kLevel) continue;
+    if (outlet.cell != cell) {
+      cell = outlet.cell;
       top = -shared::kUnbounded;
       RoundedEdge& edge = known[cell];
       if (edge.height == 0.0f && kNextInland * edge.searched <= widest) {
-        find_edge(ground, outlet_of(ground, rim, ground.pose.positions()),
+        find_edge(ground, outlet_of(ground, outlet, ground.pose.positions()),
                   tile.ground.curvature[static_cast<size_t>(cell)], widest, edge);
       }
       if (edge.height == 0.0f || edge.searched > widest) continue;
@@ -108,9 +108,9 @@ void raise_rounded_edges(ReposeGround& ground, float deepest, int32_t block,
               ? 0.0f
               : std::abs(height[static_cast<size_t>(edge.inland.place)]) * edge.inland.column;
       const float part = std::clamp(depth / edge.height - (kDepthsOfRounding - 1.0f), 0.0f, 1.0f);
-      if (part > 0.0f) top = rim.bare + rim.rise + part * edge.height;
+      if (part > 0.0f) top = outlet.bare + outlet.rise + part * edge.height;
     }
-    rim.top = std::max(rim.top, top);
+    outlet.top = std::max(outlet.top, top);
   }
 }
 

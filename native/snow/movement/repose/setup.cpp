@@ -19,7 +19,7 @@ void Repose::update_pose() {
   if (blocks_.tiles.size() != blocks) {
     blocks_.tiles.resize(blocks);
     blocks_.stored.resize(blocks);
-    blocks_.rims.resize(blocks);
+    blocks_.outlet_links.resize(blocks);
     blocks_.flows.links.resize(ground_.links->across.size());
     blocks_.flows.is_noted.assign(blocks, 0);
     blocks_.was_chosen.assign(blocks, 0);
@@ -128,9 +128,9 @@ bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
                               rect.size, ground_.surface.unit());
   }
   tile.begin_step(bare);
-  for (RimLink& rim : blocks_.rims[static_cast<size_t>(block)]) {
-    rim.flow = 0.0f;
-    rim.fallen = 0.0;
+  for (OutletLink& outlet : blocks_.outlet_links[static_cast<size_t>(block)]) {
+    outlet.flow = 0.0f;
+    outlet.fallen = 0.0;
   }
   return changes;
 }

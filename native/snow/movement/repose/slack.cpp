@@ -14,7 +14,7 @@ namespace {
 
 constexpr int32_t kWindowColumns = kReposeBlock + 2;
 
-/// A texel at the end of a link across a seam or over a rim.
+/// A texel at the end of a link across a seam or over a edge.
 struct Bare {
   glm::vec3 point{0.0f};
   float steep = 0.0f;
@@ -178,7 +178,7 @@ class SlackFinder {
     return slack_.column < std::numeric_limits<float>::infinity();
   }
 
-  /// The same for links across seams and over rims.
+  /// The same for links across seams and over open edges.
   bool add_ends() {
     const int32_t* ends = &links_.end_begin[static_cast<size_t>(block_)];
     for (int32_t e = ends[0]; e < ends[1]; ++e) {
@@ -187,8 +187,8 @@ class SlackFinder {
       if (!own.is_there) continue;
       const auto link = static_cast<size_t>(end.link);
       if (link >= links_.across.size()) {
-        const glm::vec3 rim = surface_.point(links_.rims[link - links_.across.size()].point);
-        slack_.at_edges = std::min(slack_.at_edges, margin(own, rim, own.curvature, own.steep));
+        const glm::vec3 edge = surface_.point(links_.open_edges[link - links_.across.size()].point);
+        slack_.at_edges = std::min(slack_.at_edges, margin(own, edge, own.curvature, own.steep));
         slack_.column = std::max(slack_.column, own.column);
         continue;
       }

@@ -13,7 +13,7 @@ namespace snowbough::snow {
 /// without setting up the block.
 struct BlockSlack {
   /// Least margin of a link below its limit, negative if snow can never be sure to rest; the same
-  /// for links over rims.
+  /// for links over open edges.
   float inside = -1.0f;
   float at_edges = -1.0f;
   /// Maximum shared::column_height, and its maximum difference across a link.

@@ -69,19 +69,19 @@ struct TileBounds {
   uint32_t seen_by = 0;
 };
 
-/// Bounds the snow above an outlet (a rim or wall over which snow falls). At the outlet the link's
-/// limit bounds the surface; where that removes snow, the snow behind it falls too and is bounded
-/// in turn, and so on inwards: a cascade for which rounds of flow would need one round per texel.
-/// Bounds only decrease and converge to the same numbers in any order. Tiles must be set up;
+/// Bounds the snow above an outlet (an open edge or wall over which snow falls). At the outlet the
+/// link's limit bounds the surface; where that removes snow, the snow behind it falls too and is
+/// bounded in turn, and so on inwards: a cascade for which rounds of flow would need one round per
+/// texel. Bounds only decrease and converge to the same numbers in any order. Tiles must be set up;
 /// adjacent tiles must not run at the same time.
 TileBounds lower_tile_bounds(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
-                             const std::vector<RimLink>& rims);
+                             const std::vector<OutletLink>& outlet_links);
 
 /// Moves snow along the links of a block's cells until it rests, for at most `rounds` rounds: in
 /// active and flowing rows, and in rows that these activate. `first_round`: for the momentum. It
 /// also changes neighbouring tiles' cells beside the block, so adjacent tiles must not run at the
 /// same time; every second one of a row or column may.
 TileRounds run_tile_rounds(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
-                           std::vector<RimLink>& rims, int first_round, int rounds);
+                           std::vector<OutletLink>& outlet_links, int first_round, int rounds);
 
 }  // namespace snowbough::snow

@@ -37,8 +37,8 @@ struct TileLinks {
   bool is_active() const { return (active_rows.load(std::memory_order_relaxed) | flowing) != 0; }
 };
 
-/// A link from a cell over a rim of the surface, or onto a wall: an outlet.
-struct RimLink {
+/// A link from a cell over an open edge, or onto a wall: an outlet.
+struct OutletLink {
   int32_t cell = 0;
   /// Of the outlet: its link in ReposeLinks, as ReposeLinks::End::link, or -1 - the place of a wall
   /// that is beside the cell on the map. And the cell's texel, unless it is such a wall's.

@@ -13,8 +13,8 @@ namespace snowbough::snow {
 /// All rows of a tile's window (TileWindow), which has one more.
 inline constexpr uint64_t kAllWindowRows = 0x1FFFFFFFFu;
 
-/// Bounds on the snow of a block's cells from lower outlets, the surface's rims and walls: see
-/// lower_tile_bounds.
+/// Bounds on the snow of a block's cells from lower outlets, the surface's open edges and walls:
+/// see lower_tile_bounds.
 struct TileOutlets {
   /// Whether any cell may be a wall in this pose.
   bool any_wall = false;

@@ -97,12 +97,12 @@ void for_bits(uint64_t rows, const Visit& visit) {
   for (; rows != 0; rows &= rows - 1) visit(std::countr_zero(rows));
 }
 
-int32_t row_of(const RimLink& rim) {
-  return rim.cell / kReposeBlock;
+int32_t row_of(const OutletLink& outlet) {
+  return outlet.cell / kReposeBlock;
 }
 
-size_t place_of(const RimLink& rim) {
-  return TileWindow::at(rim.cell % kReposeBlock, row_of(rim));
+size_t place_of(const OutletLink& outlet) {
+  return TileWindow::at(outlet.cell % kReposeBlock, row_of(outlet));
 }
 
 /// The rounds of a block on a window whose rows are loaded on demand: in most blocks snow moves in
@@ -110,8 +110,10 @@ size_t place_of(const RimLink& rim) {
 class TileRun {
  public:
   TileRun(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
-          std::vector<RimLink>& rims)
-      : around_(tiles, blocks_a_side, block), links_(around_.at(0, 0)->links), rims_(rims) {}
+          std::vector<OutletLink>& outlet_links)
+      : around_(tiles, blocks_a_side, block),
+        links_(around_.at(0, 0)->links),
+        outlet_links_(outlet_links) {}
 
   TileRounds run(int first_round, int rounds) {
     const uint32_t active_rows =
@@ -199,10 +201,11 @@ class TileRun {
         }
       }
     });
-    for (const RimLink& rim : rims_) {
-      if ((row_bit(row_of(rim)) & rows) == 0) continue;
-      const size_t at = place_of(rim);
-      if (top_[at] - rim.top > rim.limit && gives_[at] >= 1.0f) over |= row_bit(row_of(rim));
+    for (const OutletLink& outlet : outlet_links_) {
+      if ((row_bit(row_of(outlet)) & rows) == 0) continue;
+      const size_t at = place_of(outlet);
+      if (top_[at] - outlet.top > outlet.limit && gives_[at] >= 1.0f)
+        over |= row_bit(row_of(outlet));
     }
     return over;
   }
@@ -248,22 +251,22 @@ class TileRun {
     return wants;
   }
 
-  uint64_t want_over_rims(float momentum) {
+  uint64_t want_over_outlets(float momentum) {
     uint64_t wants = 0;
-    for (RimLink& rim : rims_) {
-      if ((look_ & row_bit(row_of(rim))) == 0) continue;
-      const size_t at = place_of(rim);
-      const float wanted =
-          shared::wanted_flow(rim.flow, top_[at] - rim.top, rim.limit, rim.rate, momentum);
-      rim.flow = gives_[at] < 1.0f ? 0.0f : std::max(wanted, 0.0f);
-      wanted_[at] += rim.flow;
-      if (rim.flow > 0.0f) wants |= row_bit(row_of(rim));
+    for (OutletLink& outlet : outlet_links_) {
+      if ((look_ & row_bit(row_of(outlet))) == 0) continue;
+      const size_t at = place_of(outlet);
+      const float wanted = shared::wanted_flow(outlet.flow, top_[at] - outlet.top, outlet.limit,
+                                               outlet.rate, momentum);
+      outlet.flow = gives_[at] < 1.0f ? 0.0f : std::max(wanted, 0.0f);
+      wanted_[at] += outlet.flow;
+      if (outlet.flow > 0.0f) wants |= row_bit(row_of(outlet));
     }
     return wants;
   }
 
   /// Applies the flows; returns the rows whose cells changed.
-  uint64_t give(uint64_t wants, uint64_t rim_wants) {
+  uint64_t give(uint64_t wants, uint64_t outlet_wants) {
     uint64_t gave = 0;
     for_bits(wants, [&](int32_t row) {
       const size_t at = TileWindow::at(0, row);
@@ -274,13 +277,13 @@ class TileRun {
         }
       }
     });
-    for (RimLink& rim : rims_) {
-      if ((rim_wants & row_bit(row_of(rim))) == 0) continue;
-      const size_t at = place_of(rim);
-      rim.flow = shared::given_flow(rim.flow, part_[at], 1.0f);
-      gain_[at] -= rim.flow;
-      rim.fallen += static_cast<double>(rim.flow);
-      if (rim.flow > 0.0f) gave |= row_bit(row_of(rim));
+    for (OutletLink& outlet : outlet_links_) {
+      if ((outlet_wants & row_bit(row_of(outlet))) == 0) continue;
+      const size_t at = place_of(outlet);
+      outlet.flow = shared::given_flow(outlet.flow, part_[at], 1.0f);
+      gain_[at] -= outlet.flow;
+      outlet.fallen += static_cast<double>(outlet.flow);
+      if (outlet.flow > 0.0f) gave |= row_bit(row_of(outlet));
     }
     return gave;
   }
@@ -288,15 +291,15 @@ class TileRun {
   bool run_round(float momentum) {
     links_.flow_rows |= static_cast<uint32_t>(look_);
     const uint64_t links = want(momentum);
-    const uint64_t rims = want_over_rims(momentum);
-    wants_ = links | rims;
+    const uint64_t outlets = want_over_outlets(momentum);
+    wants_ = links | outlets;
     if (wants_ == 0) return false;
     constexpr int32_t kCells = kReposeBlock + 2;
-    for_bits(links | links << 1 | rims, [&](int32_t row) {
+    for_bits(links | links << 1 | outlets, [&](int32_t row) {
       const size_t at = TileWindow::at(-1, row);
       part_row(kCells, gives_.data() + at, wanted_.data() + at, part_.data() + at);
     });
-    const uint64_t moved = give(links, rims);
+    const uint64_t moved = give(links, outlets);
     if (moved == 0) return false;
     for_bits(moved, [&](int32_t row) {
       const size_t at = TileWindow::at(-1, row);
@@ -328,7 +331,7 @@ class TileRun {
 
   const TilesAround around_;
   TileLinks& links_;
-  std::vector<RimLink>& rims_;
+  std::vector<OutletLink>& outlet_links_;
   /// Rows to evaluate in the next round; rows with requests in the last; rows with movement; and
   /// rows whose tops (with the units that cells can give) and all planes are loaded.
   uint64_t look_ = 0, wants_ = 0, changed_ = 0, tops_ = 0, loaded_ = 0;
@@ -343,16 +346,16 @@ class TileRun {
 };
 
 SNOWBOUGH_ROW TileRounds run_rounds_of(const ReposeTiles& tiles, int32_t block,
-                                       int32_t blocks_a_side, std::vector<RimLink>& rims,
+                                       int32_t blocks_a_side, std::vector<OutletLink>& outlet_links,
                                        int first_round, int rounds) {
-  return TileRun(tiles, block, blocks_a_side, rims).run(first_round, rounds);
+  return TileRun(tiles, block, blocks_a_side, outlet_links).run(first_round, rounds);
 }
 
 }  // namespace
 
 TileRounds run_tile_rounds(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
-                           std::vector<RimLink>& rims, int first_round, int rounds) {
-  return run_rounds_of(tiles, block, blocks_a_side, rims, first_round, rounds);
+                           std::vector<OutletLink>& outlet_links, int first_round, int rounds) {
+  return run_rounds_of(tiles, block, blocks_a_side, outlet_links, first_round, rounds);
 }
 
 }  // namespace snowbough::snow

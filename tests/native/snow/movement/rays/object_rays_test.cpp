@@ -29,8 +29,7 @@ TEST(ObjectRays, KnowTheSurfaceThatTheyMeet) {
   const SceneObject object = square("upper", 2.0f, 1.0f);
   ObjectRays rays(object);
   rays.set_pose(object.positions);
-  const SurfaceHit hit =
-      rays.surface_at(rays.first_along(kFrom, kDown, 0.0, 10.0), 7, kFrom, kDown);
+  const RayHit hit = rays.hit_at(rays.first_along(kFrom, kDown, 0.0, 10.0), 7, kFrom, kDown);
   EXPECT_EQ(hit.object, 7);
   // Corners 0, 1 and 2: -1 + 2 (w1 + w2) = 0.5 along x, -1 + 2 w2 = 0.25 along y.
   EXPECT_EQ(hit.triangle, 0);
@@ -38,7 +37,7 @@ TEST(ObjectRays, KnowTheSurfaceThatTheyMeet) {
   EXPECT_FLOAT_EQ(hit.weights.y, 0.625f);
   EXPECT_DOUBLE_EQ(hit.up, 1.0);
   EXPECT_TRUE(hit.is_open);
-  EXPECT_EQ(rays.surface_at({}, 7, kFrom, kDown).object, -1);
+  EXPECT_EQ(rays.hit_at({}, 7, kFrom, kDown).object, -1);
 }
 
 TEST(SceneRays, PassTheObjectThatIsLeftOut) {
@@ -47,7 +46,7 @@ TEST(SceneRays, PassTheObjectThatIsLeftOut) {
   SceneRays rays;
   rays.lay_out({&upper, &lower});
   EXPECT_EQ(rays.first_along(kFrom, kDown, 0.0).object, 0);
-  const SurfaceHit below = rays.first_along(kFrom, kDown, 0.0, 10.0, &upper);
+  const RayHit below = rays.first_along(kFrom, kDown, 0.0, 10.0, &upper);
   EXPECT_EQ(below.object, 1);
   EXPECT_DOUBLE_EQ(below.distance, 3.0);
 }
@@ -81,7 +80,7 @@ TEST(SceneRays, MeetTheNearestOfManyObjects) {
   rays.lay_out(pointers_to(objects));
   for (int32_t i = 0; i < 333; ++i) {
     const glm::dvec3 above(3.0 * (i % 50) + 0.5, 3.0 * (i / 50) + 0.5, 3.0);
-    const SurfaceHit hit = rays.first_along(above, kDown, 0.0);
+    const RayHit hit = rays.first_along(above, kDown, 0.0);
     EXPECT_EQ(hit.object, i);
     EXPECT_NEAR(hit.distance, 3.0 - 0.1 * (i % 7), 1e-6);
   }

@@ -30,7 +30,7 @@ class BareWays : public testing::Test {
   int32_t middle_ = 0;
 };
 
-TEST_F(BareWays, LeadStraightDownOverTheRim) {
+TEST_F(BareWays, LeadStraightDownOverTheOpenEdge) {
   begin(tilted(squares({})));
   EXPECT_EQ(next_down(*ground_, middle_), texel_at(*object_.table, 16 * 64 + 17));
   const Release end = way_down(*ground_, middle_);

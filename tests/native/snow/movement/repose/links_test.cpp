@@ -83,7 +83,7 @@ TEST(ReposeLinks, JoinTheTexelsThatMeetAtASeam) {
     EXPECT_NEAR(point.x, 1.0f, 1e-5f);
   }
   // Every end is listed once on either side.
-  EXPECT_EQ(strip.links.ends.size(), 2 * 16 + strip.links.rims.size());
+  EXPECT_EQ(strip.links.ends.size(), 2 * 16 + strip.links.open_edges.size());
 }
 
 TEST(ReposeLinks, TakeASplitEdgeForASeamButNotAGap) {
@@ -96,15 +96,16 @@ TEST(ReposeLinks, TakeASplitEdgeForASeamButNotAGap) {
   EXPECT_TRUE(two_charts(true, 0.01f).links.across.empty());
 }
 
-TEST(ReposeLinks, FindTheRimsRoundTheSurface) {
+TEST(ReposeLinks, FindTheOpenEdgesRoundTheSurface) {
   const Strip strip = two_charts(false);
-  // Six sides of 16 texels: the seam is not a rim.
-  EXPECT_EQ(strip.links.rims.size(), 6u * 16u);
-  for (const ReposeLinks::Rim& rim : strip.links.rims) {
-    const int32_t* corners = &strip.topology.triangles[3 * static_cast<size_t>(rim.point.triangle)];
+  // Six sides of 16 texels: the seam is not an open edge.
+  EXPECT_EQ(strip.links.open_edges.size(), 6u * 16u);
+  for (const ReposeLinks::OpenEdge& edge : strip.links.open_edges) {
+    const int32_t* corners =
+        &strip.topology.triangles[3 * static_cast<size_t>(edge.point.triangle)];
     const auto at = [&](int k) { return strip.positions[static_cast<size_t>(corners[k])]; };
     const glm::vec3 point =
-        at(0) + rim.point.weights.x * (at(1) - at(0)) + rim.point.weights.y * (at(2) - at(0));
+        at(0) + edge.point.weights.x * (at(1) - at(0)) + edge.point.weights.y * (at(2) - at(0));
     EXPECT_TRUE(point.x == 0.0f || point.x == 2.0f || point.y == 0.0f || point.y == 1.0f);
   }
 }
@@ -129,11 +130,12 @@ TEST(ReposeLinks, LeaveSnowWhereThreeSheetsMeet) {
   add_square(strip, {1, 6, 7, 2}, {0.6f, 0.0f}, {0.8f, 0.25f});
   finish(strip);
   EXPECT_TRUE(strip.links.across.empty());
-  for (const ReposeLinks::Rim& rim : strip.links.rims) {
-    const int32_t* corners = &strip.topology.triangles[3 * static_cast<size_t>(rim.point.triangle)];
+  for (const ReposeLinks::OpenEdge& edge : strip.links.open_edges) {
+    const int32_t* corners =
+        &strip.topology.triangles[3 * static_cast<size_t>(edge.point.triangle)];
     const auto at = [&](int k) { return strip.positions[static_cast<size_t>(corners[k])]; };
     const glm::vec3 point =
-        at(0) + rim.point.weights.x * (at(1) - at(0)) + rim.point.weights.y * (at(2) - at(0));
+        at(0) + edge.point.weights.x * (at(1) - at(0)) + edge.point.weights.y * (at(2) - at(0));
     EXPECT_FALSE(point.x == 1.0f && point.z == 0.0f);
   }
 }
@@ -167,20 +169,21 @@ TEST(ReposeLinkTables, CopiesThatShareATableHaveEqualLinks) {
     const auto links = tables.find(strip.topology, table, positions);
     EXPECT_EQ(links->forward, strip.links.forward);
     EXPECT_EQ(links->across.size(), strip.links.across.size());
-    EXPECT_EQ(links->rims.size(), strip.links.rims.size());
+    EXPECT_EQ(links->open_edges.size(), strip.links.open_edges.size());
   }
 }
 
 TEST(ReposeLinkTables, CopiesThatAreTornOpenHaveLinksOfTheirOwn) {
   const Strip whole = two_charts(true);
   const Strip torn = two_charts(true, 0.1f);
-  ASSERT_NE(whole.links.rims.size(), torn.links.rims.size());
+  ASSERT_NE(whole.links.open_edges.size(), torn.links.open_edges.size());
   const auto table = std::make_shared<const TexelTable>(whole.table);
   const std::shared_ptr<const TexelTable> other = table;
   ReposeLinkTables tables;
-  EXPECT_EQ(tables.find(whole.topology, table, whole.positions)->rims.size(),
-            whole.links.rims.size());
-  EXPECT_EQ(tables.find(torn.topology, table, torn.positions)->rims.size(), torn.links.rims.size());
+  EXPECT_EQ(tables.find(whole.topology, table, whole.positions)->open_edges.size(),
+            whole.links.open_edges.size());
+  EXPECT_EQ(tables.find(torn.topology, table, torn.positions)->open_edges.size(),
+            torn.links.open_edges.size());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// How high snow can lie over rims and walls, in a tile and the one beside it.
+// How high snow can lie over open edges and walls, in a tile and the one beside it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,10 +9,10 @@
 namespace snowbough::snow {
 namespace {
 
-TEST(ReposeOutlets, CutALidOverARimToASlopeAtOnce) {
+TEST(ReposeOutlets, CutALidOverAnOpenEdgeToASlopeAtOnce) {
   ReposeTiles tiles = row_of(32);
   cover(tiles, std::vector<float>(32, 0.2f));
-  lower_tile_bounds(tiles, 0, 1, rim_of(tiles));
+  lower_tile_bounds(tiles, 0, 1, outlet_links_of(tiles));
   EXPECT_TRUE(tiles[0]->cut());
   for (size_t i = 0; i < 32; ++i) {
     const float slope = shared::kCuts * 0.01f * (static_cast<float>(i) + 0.5f);
@@ -20,14 +20,14 @@ TEST(ReposeOutlets, CutALidOverARimToASlopeAtOnce) {
   }
   EXPECT_EQ(all_moved(*tiles[0]), std::floor(all_moved(*tiles[0])));
   // The rounds have nothing left to move.
-  std::vector<RimLink> rims = rim_of(tiles);
-  EXPECT_FALSE(run_tile_rounds(tiles, 0, 1, rims, 0, 1).has_changed);
+  std::vector<OutletLink> outlet_links = outlet_links_of(tiles);
+  EXPECT_FALSE(run_tile_rounds(tiles, 0, 1, outlet_links, 0, 1).has_changed);
 }
 
-TEST(ReposeOutlets, BoundSnowByItsDistanceWhereNoLinkLeadsStraightToTheRim) {
+TEST(ReposeOutlets, BoundSnowByItsDistanceWhereNoLinkLeadsStraightToTheOpenEdge) {
   ReposeTiles tiles = row_of(0);
   ReposeTile& tile = *tiles[0];
-  std::vector<RimLink> rims;
+  std::vector<OutletLink> outlet_links;
   // Each row lies half a texel further along: links up lead to the left or to the right.
   for (int32_t cell = 0; cell < kTileCells; ++cell) {
     const int32_t column = cell % kReposeBlock;
@@ -43,10 +43,11 @@ TEST(ReposeOutlets, BoundSnowByItsDistanceWhereNoLinkLeadsStraightToTheRim) {
     tile.ground.forward[i] =
         static_cast<uint8_t>((is_right ? 1 : 0) | (is_above ? 2 : 0) |
                              (is_right && is_above ? 4 : 0) | (column > 0 && is_above ? 8 : 0));
-    if (row == 0) rims.push_back({.cell = cell, .top = 0.1f, .limit = 0.005f, .rate = 1.0f});
+    if (row == 0)
+      outlet_links.push_back({.cell = cell, .top = 0.1f, .limit = 0.005f, .rate = 1.0f});
   }
   cover(tiles, std::vector<float>(kTileCells, 0.6f));
-  lower_tile_bounds(tiles, 0, 1, rims);
+  lower_tile_bounds(tiles, 0, 1, outlet_links);
   for (int32_t row = 0; row < kReposeBlock; ++row) {
     const float away = 0.01f * static_cast<float>(row) + 0.005f;
     const auto middle = static_cast<size_t>(row * kReposeBlock + 16);
@@ -59,13 +60,13 @@ TEST(ReposeOutlets, LeaveAHeapInlandToTheRounds) {
   std::vector<float> heights(32, 0.0f);
   heights[20] = 0.8f;
   cover(tiles, heights);
-  lower_tile_bounds(tiles, 0, 1, rim_of(tiles));
+  lower_tile_bounds(tiles, 0, 1, outlet_links_of(tiles));
   EXPECT_FALSE(tiles[0]->cut());
 }
 
 TEST(ReposeOutlets, BoundTheSnowOfTilesBeside) {
   ReposeTiles tiles = two_tiles(std::vector<float>(64, 0.6f));
-  const TileBounds done = lower_tile_bounds(tiles, 0, 2, rim_of(tiles));
+  const TileBounds done = lower_tile_bounds(tiles, 0, 2, outlet_links_of(tiles));
   EXPECT_TRUE(done.has_changed);
   EXPECT_EQ(done.seen_by & TileWindow::seen_by(kReposeBlock, 1), 1u << 5);
   EXPECT_NEAR(tiles[1]->outlets.bound[0], 0.1f + shared::kCuts * 0.325f, 1e-5f);
@@ -77,7 +78,7 @@ TEST(ReposeOutlets, PassOnAgainWhatHasChangedOnly) {
   ReposeTiles tiles = two_tiles(std::vector<float>(64, 0.6f));
   for (size_t t : {0, 1}) EXPECT_EQ(tiles[t]->outlets.rows_to_pass, kAllWindowRows);
   tiles[1]->outlets.rows_to_pass = 0;
-  lower_tile_bounds(tiles, 0, 2, rim_of(tiles));
+  lower_tile_bounds(tiles, 0, 2, outlet_links_of(tiles));
   EXPECT_EQ(tiles[0]->outlets.rows_to_pass, 0u);
   EXPECT_EQ(tiles[1]->outlets.rows_to_pass, 1u);
   lower_tile_bounds(tiles, 1, 2, {});
@@ -90,8 +91,8 @@ TEST(ReposeTile, ForgetsWhatMovedInAStepAndItsFlows) {
   std::vector<float> heights(32, 0.0f);
   heights[20] = 0.8f;
   cover(tiles, heights);
-  std::vector<RimLink> rims;
-  EXPECT_TRUE(run_tile_rounds(tiles, 0, 1, rims, 0, 2).has_changed);
+  std::vector<OutletLink> outlet_links;
+  EXPECT_TRUE(run_tile_rounds(tiles, 0, 1, outlet_links, 0, 2).has_changed);
   EXPECT_EQ(tiles[0]->snow.moved_rows, 1u);
   EXPECT_LT(tiles[0]->snow.moved[20], 0.0);
   EXPECT_NE((*tiles[0]->links.flow)[0][20], 0.0f);

@@ -74,11 +74,11 @@ TEST(ReposeSide, IsThatOfTheSnowOrOfABareSheetTheOneThatFacesUp) {
   EXPECT_EQ(shared::snow_side(0.0f, 0.5f, true), 1.0f);
 }
 
-void run_to_rest(ReposeTiles& tiles, std::vector<RimLink>& rims) {
+void run_to_rest(ReposeTiles& tiles, std::vector<OutletLink>& outlet_links) {
   TileRounds done;
   done.flows = true;
   for (int round = 0; done.flows && round < 1000; round += 10) {
-    done = run_tile_rounds(tiles, 0, 1, rims, round, 10);
+    done = run_tile_rounds(tiles, 0, 1, outlet_links, round, 10);
   }
   EXPECT_FALSE(done.flows);
 }
@@ -86,7 +86,7 @@ void run_to_rest(ReposeTiles& tiles, std::vector<RimLink>& rims) {
 TEST(ReposeRounds, LeaveTwoTexelsAsTheyAreUpToTheLimit) {
   ReposeTiles tiles = row_of(2);
   cover(tiles, {0.0599f, 0.05f});
-  std::vector<RimLink> none;
+  std::vector<OutletLink> none;
   EXPECT_FALSE(run_tile_rounds(tiles, 0, 1, none, 0, 8).has_changed);
   EXPECT_EQ(tiles[0]->snow.moved[0], 0.0);
 }
@@ -94,7 +94,7 @@ TEST(ReposeRounds, LeaveTwoTexelsAsTheyAreUpToTheLimit) {
 TEST(ReposeRounds, BringTwoTexelsToTheLimitAndLoseNothing) {
   ReposeTiles tiles = row_of(2);
   cover(tiles, {0.062f, 0.05f});
-  std::vector<RimLink> none;
+  std::vector<OutletLink> none;
   run_to_rest(tiles, none);
   const ReposeTile& tile = *tiles[0];
   EXPECT_EQ(tile.snow.moved[0] + tile.snow.moved[1], 0.0);
@@ -106,7 +106,7 @@ TEST(ReposeRounds, BringTwoTexelsToTheLimitAndLoseNothing) {
 TEST(ReposeRounds, SpreadAHeapOverThreeTexelsAlikeOnBothSides) {
   ReposeTiles tiles = row_of(3);
   cover(tiles, {0.05f, 0.064f, 0.05f});
-  std::vector<RimLink> none;
+  std::vector<OutletLink> none;
   run_to_rest(tiles, none);
   const ReposeTile& tile = *tiles[0];
   EXPECT_EQ(all_moved(tile), 0.0);
@@ -115,12 +115,12 @@ TEST(ReposeRounds, SpreadAHeapOverThreeTexelsAlikeOnBothSides) {
   EXPECT_GT(tile.snow.top[1] - tile.snow.top[0], 0.004f);
 }
 
-TEST(ReposeRounds, LetFallOverARimWhatItDoesNotSupport) {
+TEST(ReposeRounds, LetFallOverAnOpenEdgeWhatItDoesNotSupport) {
   ReposeTiles tiles = row_of(1);
   cover(tiles, {0.02f});
-  // The rim is half a texel away.
-  std::vector<RimLink> rims = rim_of(tiles);
-  run_to_rest(tiles, rims);
+  // The open edge is half a texel away.
+  std::vector<OutletLink> outlet_links = outlet_links_of(tiles);
+  run_to_rest(tiles, outlet_links);
   EXPECT_LE(tiles[0]->snow.top[0] - 0.1f, 0.0050001f);
   EXPECT_GT(tiles[0]->snow.top[0] - 0.1f, 0.001f);
   EXPECT_LT(tiles[0]->snow.moved[0], 0.0);
@@ -133,7 +133,7 @@ TEST(ReposeRounds, MoveNothingOntoWallsWithoutAnOutlet) {
     tiles[0]->ground.z[1] = wall_z;
     tiles[0]->ground.up[1] = tiles[0]->ground.normal_z[1] = 0.05f;
     cover(tiles, {0.08f, 0.01f});
-    std::vector<RimLink> none;
+    std::vector<OutletLink> none;
     run_to_rest(tiles, none);
     EXPECT_EQ(tiles[0]->snow.moved[0], 0.0);
     EXPECT_EQ(tiles[0]->snow.moved[1], 0.0);
@@ -147,7 +147,7 @@ TEST(ReposeRounds, EmptyWhatIsSteeperThanTheLimitWhenBare) {
     tiles[0]->ground.up[i] = tiles[0]->ground.normal_z[i] = 0.447f;
   }
   cover(tiles, {0.001f, 0.001f, 0.001f});
-  std::vector<RimLink> none;
+  std::vector<OutletLink> none;
   run_to_rest(tiles, none);
   EXPECT_NEAR(tiles[0]->snow.held[0] + tiles[0]->snow.moved[0], 0.0, 1.0);
   EXPECT_EQ(all_moved(*tiles[0]), 0.0);
@@ -157,7 +157,7 @@ TEST(ReposeRounds, LetATileSleepUntilSnowComesFromBeside) {
   std::vector<float> heights(64, 0.05f);
   heights[31] = 0.0645f;
   ReposeTiles tiles = two_tiles(heights);
-  std::vector<RimLink> none;
+  std::vector<OutletLink> none;
   EXPECT_FALSE(run_tile_rounds(tiles, 1, 2, none, 0, 8).has_changed);
   EXPECT_FALSE(tiles[1]->links.is_active());
   EXPECT_TRUE(run_tile_rounds(tiles, 0, 2, none, 0, 8).has_changed);
@@ -170,7 +170,7 @@ TEST(ReposeRounds, DoNotAskABareSlopeForSnow) {
   ReposeTiles tiles = row_of(3);
   for (size_t i = 0; i < 3; ++i) tiles[0]->ground.z[i] = 0.1f - 0.02f * static_cast<float>(i);
   cover(tiles, {0.0f, 0.0f, 0.0f});
-  std::vector<RimLink> none;
+  std::vector<OutletLink> none;
   EXPECT_EQ(run_tile_rounds(tiles, 0, 1, none, 0, 8).rounds, 0);
   EXPECT_FALSE(tiles[0]->links.is_active());
 }
@@ -180,7 +180,7 @@ TEST(ReposeRounds, CarryABankToRestInAFewRoundsATexel) {
   std::vector<float> heights(32, 0.2f);
   std::fill(heights.begin() + 16, heights.end(), 0.0f);
   cover(tiles, heights);
-  std::vector<RimLink> none;
+  std::vector<OutletLink> none;
   int rounds = 0;
   while (run_tile_rounds(tiles, 0, 1, none, rounds, 1).flows && rounds < 1000) ++rounds;
   EXPECT_LT(rounds, 200);

@@ -53,8 +53,8 @@ inline double all_moved(const ReposeTile& tile) {
   return std::accumulate(tile.snow.moved.begin(), tile.snow.moved.end(), 0.0);
 }
 
-/// A level row whose first texel has a rim half a texel away.
-inline std::vector<RimLink> rim_of(const ReposeTiles& tiles) {
+/// A level row whose first texel has an open edge half a texel away.
+inline std::vector<OutletLink> outlet_links_of(const ReposeTiles& tiles) {
   return {{.top = 0.1f, .limit = 0.005f, .rate = shared::link_rate(tiles[0]->stiffness(0), 0.0f)}};
 }
 

@@ -21,7 +21,7 @@ BlockSlack slack_of(const SceneObject& object, int32_t block) {
   return find_slack(surface, links, object.table->texel, block, kOneToOne);
 }
 
-TEST(BlockSlack, IsATexelOnLevelGroundAndHalfATexelAtARim) {
+TEST(BlockSlack, IsATexelOnLevelGroundAndHalfATexelAtAnOpenEdge) {
   const BlockSlack slack = slack_of(squares({}), 0);
   EXPECT_NEAR(slack.inside, 1.0f / 32.0f, 1e-5f);
   EXPECT_NEAR(slack.at_edges, 1.0f / 64.0f, 1e-5f);

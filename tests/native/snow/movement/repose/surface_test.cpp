@@ -14,7 +14,7 @@ namespace {
 constexpr int32_t kSize = 64;
 
 /// A wavy square of 5 x 5 cells that fills the map but for a margin: texels within a triangle, with
-/// several fragments, and at rims. One cell has no area.
+/// several fragments, and at open edges. One cell has no area.
 SceneObject wavy(bool is_smooth) {
   SceneObject object;
   MapTopology& topology = object.description.topology;
