@@ -164,7 +164,7 @@ void FrameDrawing::draw_picture(const Target& target, const RenderSettings& sett
 }
 
 void FrameDrawing::draw_frame(const Camera& camera, const RenderSettings& settings,
-                              const Target& target, KeptTarget& large, bool linear,
+                              const Target& target, ReusedTarget& large, bool linear,
                               Shadows shadows) {
   const DrawState state;
   glBindVertexArray(no_vertices_.id());

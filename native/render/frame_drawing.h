@@ -44,7 +44,7 @@ class FrameDrawing {
   void draw_all(const DrawStyle& style, bool cull_back_faces, bool measured);
   void draw_picture(const Target& target, const RenderSettings& settings, bool linear);
   void draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
-                  KeptTarget& large, bool linear, Shadows shadows);
+                  ReusedTarget& large, bool linear, Shadows shadows);
   void count_all_patches();
   /// Positions that the draws of a tree's chain write to transform feedback, the plain patches
   /// first.
@@ -61,12 +61,12 @@ class FrameDrawing {
   MeshPasses mesh_passes_;
   gpu::Program sum_{{"frame_sum.comp.glsl"}};
   gpu::VertexArray no_vertices_;
-  KeptTarget picture_{GL_RGBA8};
-  KeptTarget large_{GL_RGBA8};
-  KeptTarget light_{GL_RGBA16F};
-  KeptTarget large_light_{GL_RGBA16F};
+  ReusedTarget picture_{GL_RGBA8};
+  ReusedTarget large_{GL_RGBA8};
+  ReusedTarget light_{GL_RGBA16F};
+  ReusedTarget large_light_{GL_RGBA16F};
   ShadowMap shadow_;
-  KeptTarget nothing_{GL_NONE};
+  ReusedTarget nothing_{GL_NONE};
   gpu::PassTimer timer_{gpu::renders_in_software()};
   std::optional<FrameStatistics> statistics_;
 };

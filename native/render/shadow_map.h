@@ -46,7 +46,7 @@ class ShadowMap {
   const gpu::Texture* texture() const { return texture_; }
 
  private:
-  KeptTarget target_{GL_NONE};
+  ReusedTarget target_{GL_NONE};
   const gpu::Texture* texture_ = nullptr;
   std::optional<ShadowInputs> inputs_;
 };

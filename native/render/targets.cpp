@@ -28,7 +28,7 @@ void Target::begin(float red, float green, float blue) const {
   glClearNamedFramebufferfv(framebuffer.id(), GL_DEPTH, 0, &far);
 }
 
-Target& KeptTarget::of_size(int32_t width, int32_t height) {
+Target& ReusedTarget::of_size(int32_t width, int32_t height) {
   if (!target_ || target_->width != width || target_->height != height) {
     target_.reset();
     target_.emplace(width, height, color_format_);

@@ -24,9 +24,9 @@ struct Target {
 };
 
 /// A target that is reused until its size changes.
-class KeptTarget {
+class ReusedTarget {
  public:
-  explicit KeptTarget(GLenum color_format) : color_format_(color_format) {}
+  explicit ReusedTarget(GLenum color_format) : color_format_(color_format) {}
   Target& of_size(int32_t width, int32_t height);
 
  private:

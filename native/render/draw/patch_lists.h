@@ -5,7 +5,7 @@
 
 #include "gpu/program.h"
 #include "gpu/resources.h"
-#include "render/draw/kept_buffer.h"
+#include "render/draw/cached_buffer.h"
 #include "render/draw/work_list.h"
 
 namespace snowbough::render {
@@ -43,7 +43,7 @@ class PatchList {
   std::vector<shared::DrawBatch> batches_;
   std::vector<int32_t> batch_patches_;
   int32_t begun_ = 0;
-  KeptBuffer<shared::DrawBatch> batch_buffer_;
+  CachedBuffer<shared::DrawBatch> batch_buffer_;
   gpu::Buffer classes_{0};
   gpu::Buffer group_counts_{0};
   gpu::Buffer plain_{0};

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "gpu/program.h"
-#include "render/draw/kept_buffer.h"
+#include "render/draw/cached_buffer.h"
 #include "shaders/lib/tree_shared.h"
 
 namespace snowbough::render {
@@ -32,7 +32,7 @@ class WorkList {
  private:
   std::vector<shared::WorkRange> ranges_;
   int32_t groups_ = 0;
-  KeptBuffer<shared::WorkRange> buffer_;
+  CachedBuffer<shared::WorkRange> buffer_;
 };
 
 }  // namespace snowbough::render

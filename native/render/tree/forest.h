@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gpu/resources.h"
-#include "render/draw/kept_buffer.h"
+#include "render/draw/cached_buffer.h"
 #include "render/draw/patch_lists.h"
 #include "render/draw/work_list.h"
 #include "render/tree/scene_tree.h"
@@ -38,7 +38,7 @@ struct TreeChain {
   /// Of each batch of leaves.
   std::vector<const LeafPart*> leaf_parts;
 
-  KeptBuffer<shared::TreeInstance> instance_buffer;
+  CachedBuffer<shared::TreeInstance> instance_buffer;
   gpu::Buffer posed{0};
   gpu::Buffer edge_levels{0};
   /// Of the patches in the lists, the same for every view from one eye.

@@ -7,7 +7,7 @@
 #include "gpu/program.h"
 #include "gpu/resources.h"
 #include "render/draw/arena.h"
-#include "render/draw/kept_buffer.h"
+#include "render/draw/cached_buffer.h"
 
 namespace snowbough::render {
 
@@ -40,7 +40,7 @@ class SnowPages {
   gpu::Texture texture_;
   gpu::Buffer tile_depths_{0};
   std::set<int32_t> new_pages_;
-  KeptBuffer<int32_t> new_page_buffer_;
+  CachedBuffer<int32_t> new_page_buffer_;
   gpu::Program tiles_{{"map_tiles.comp.glsl"}};
 };
 

@@ -25,23 +25,23 @@ void update_moved(Engine& engine, Movement& movement, const std::vector<SceneObj
 }
 
 /// The snow of a hidden receiver.
-struct KeptSnow {
+struct HiddenSnow {
   size_t object = 0;
   std::vector<float> height;
   shared::ObjectSums sums;
 };
 
 /// Reads the snow of hidden receivers: the passes would move it, since it has no slope.
-std::vector<KeptSnow> keep_hidden(Engine& engine, const std::vector<SceneObject*>& objects) {
-  std::vector<KeptSnow> kept;
+std::vector<HiddenSnow> read_hidden(Engine& engine, const std::vector<SceneObject*>& objects) {
+  std::vector<HiddenSnow> hidden;
   for (size_t i = 0; i < objects.size(); ++i) {
     if (!objects[i]->hidden || !objects[i]->description.receive) continue;
-    KeptSnow& one = kept.emplace_back(KeptSnow{i, {}, engine.read_sums(i)});
+    HiddenSnow& one = hidden.emplace_back(HiddenSnow{i, {}, engine.read_sums(i)});
     engine.read_height(i, one.height);
     one.sums.deposited = one.sums.slid = one.sums.visible_area = one.sums.back_face_area = 0.0;
     one.sums.held_before = one.sums.held;
   }
-  return kept;
+  return hidden;
 }
 
 /// Triangles of the objects that may show in `shown`; adjacent ranges are merged.
@@ -143,7 +143,7 @@ void run_step(Engine& engine, Movement& movement, const std::vector<SceneObject*
   for (const SceneObject* object : objects) {
     bounds.include(object->bounds);
   }
-  const std::vector<KeptSnow> kept = keep_hidden(engine, objects);
+  const std::vector<HiddenSnow> hidden = read_hidden(engine, objects);
   const shared::ProjectionFrame frame = make_projection_frame(step.fall, bounds);
   const MeltSettings& melt = step.movement.melt;
   const bool melts = melt.is_on() && step.dt > 0.0;
@@ -191,7 +191,7 @@ void run_step(Engine& engine, Movement& movement, const std::vector<SceneObject*
   }
   hash.heights("repose");
   engine.close_statistics(static_cast<float>(step.fall.pixel_size * step.fall.pixel_size));
-  for (const KeptSnow& one : kept) {
+  for (const HiddenSnow& one : hidden) {
     engine.write_height(one.object, one.height);
     engine.write_sums(one.object, one.sums);
   }

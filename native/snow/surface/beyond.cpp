@@ -92,7 +92,7 @@ Beyond::Below Beyond::below(const glm::dvec3& place, double most, double highest
   const glm::vec2 at = uv[t] * (1.0f - second - third) + uv[t + 1] * second + uv[t + 2] * third;
   const int32_t resolution = one.source.topology.resolution;
   found.thickness =
-      std::abs(map_value(one.height.data(), resolution, map_place(at, resolution))) / up;
+      std::abs(map_value(one.height.data(), resolution, map_sample(at, resolution))) / up;
   return found;
 }
 

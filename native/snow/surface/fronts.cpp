@@ -49,7 +49,7 @@ constexpr float kHardly = 0.1f;
 /// Rays for shelter start this far above a face, and this far inwards from a rim, as fractions of
 /// the depth.
 constexpr float kOffFace = 0.01f;
-constexpr float kOnRim = 0.02f;
+constexpr float kNearRim = 0.02f;
 /// Height above a rim within which another piece covers it, likewise, and the least height of such
 /// a rim: tiles cover each other's sides.
 constexpr float kCovered = 0.25f;
@@ -138,7 +138,7 @@ Ground usual_ground(const glm::vec3& place, const glm::vec3& along, const Ground
 /// What lies below the rims of a place. A rim with the greatest part in the place says how far
 /// below it lies, and what it is; `lying_at` returns the points there that snow can lie on.
 template <typename LyingAt>
-Fronts::Fall fall_beyond(const RimPlace& place, const Rims& rims, const SurfaceMesh& receiver,
+Fronts::Fall fall_beyond(const RimPosition& place, const Rims& rims, const SurfaceMesh& receiver,
                          const base::TriangleTree& tree, const Beyond& others, bool may_bridge,
                          float depth, const LyingAt& lying_at) {
   const double most_below = (kDeepest + kAbove) * depth;
@@ -156,7 +156,7 @@ Fronts::Fall fall_beyond(const RimPlace& place, const Rims& rims, const SurfaceM
   };
   Fronts::Fall found;
   float most = 0.0f;
-  for (const RimPlace::Part& part : place.parts) {
+  for (const RimPosition::Part& part : place.parts) {
     if (part.weight < kMinPart) continue;
     const Rim& rim = rims.all()[part.rim];
     const glm::vec3 level_out = unit(glm::vec3(rim.out.x, rim.out.y, 0.0f));
@@ -353,7 +353,7 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
   fronts.banks = find_banks(points, receiver, tree, lying, depth);
   // Below a rim over an upright face, the front has the shape.
   std::erase_if(fronts.banks, [&](const Bank& bank) {
-    const RimPlace& place = zone[bank.point].place;
+    const RimPosition& place = zone[bank.point].place;
     return !place.is_far_off && rims.all()[place.parts[0].rim].far_normal.z < kSteepBank;
   });
   if (rims.all().empty()) return fronts;
@@ -379,8 +379,8 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
 
     // The tip of a needle counts as a rim but is too small for a front.
     // Under another piece there is no room for one either: a table's leg, a stone under a stone.
-    const RimPlace::Part& first = here.place.parts[0];
-    const glm::vec3 on_rim = first.foot - rims.all()[first.rim].out * (kOnRim * depth);
+    const RimPosition::Part& first = here.place.parts[0];
+    const glm::vec3 on_rim = first.foot - rims.all()[first.rim].out * (kNearRim * depth);
     const bool is_high = rims.all()[first.rim].far_extent > kCovered * depth;
     const bool is_covered = (is_high && !needles && is_sheltered(tree, on_rim, kCovered * depth)) ||
                             within_piece(on_rim);
@@ -456,7 +456,7 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
   fronts.edge.resize(fronts.count());
   base::for_each_item(fronts.count(), 64, [&](size_t f) {
     if (fronts.front[f].distance >= 0.0f || fronts.front[f].presence <= 0.0f) return;
-    const RimPlace& place = zone[fronts.point[f]].place;
+    const RimPosition& place = zone[fronts.point[f]].place;
     const glm::vec3 rim = points.mesh.position[fronts.point[f]] +
                           place.out * (place.distance + place.below) - place.down * place.below;
     fronts.edge[f] = lying.at(rim, fronts.point[f], 0.6f * depth, false);

@@ -66,7 +66,7 @@ void find_samples(HeightSamples& samples, const SurfaceMesh& mesh, const Surface
       const bool again =
           samples.weight.size() > first && i > 0 && corners[i].uv == corners[i - 1].uv;
       if (!again) {
-        const MapPlace place = map_place(corners[i].uv, samples.resolution);
+        const MapSample place = map_sample(corners[i].uv, samples.resolution);
         samples.texel.push_back(place.texel);
         samples.share.push_back(place.share);
         samples.weight.push_back(0.0f);

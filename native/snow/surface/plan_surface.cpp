@@ -54,7 +54,7 @@ SurfaceMesh snow_side_out(SurfaceMesh mesh, const std::vector<float>& last, int3
     for (int k = 0; k < 3; ++k) {
       const glm::vec2 inside =
           (mesh.uv[t][k] * 2.0f + mesh.uv[t][(k + 1) % 3] + mesh.uv[t][(k + 2) % 3]) * 0.25f;
-      sum += map_value(last.data(), resolution, map_place(inside, resolution));
+      sum += map_value(last.data(), resolution, map_sample(inside, resolution));
     }
     volume[part[mesh.triangle[t][0]]] +=
         static_cast<double>(sum) * glm::length(triangle_cross(mesh, t));
@@ -229,7 +229,7 @@ SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& 
   std::vector<RimZones::Zone> zone;
   zones.find(points.mesh, zone);
   surface.samples = samples_of(points.mesh, source, smoothing, dented, depth);
-  surface.volume = KeptVolume(points.mesh.position, kKept * depth);
+  surface.volume = VolumeBalance(points.mesh.position, kKept * depth);
   find_normals(points, surface.samples, depth);
   surface.fronts = find_fronts(points, surface.samples.area, zone, rims, receiver, tree,
                                Beyond(neighbours), plan.wind, shift, depth, needles);
@@ -237,7 +237,7 @@ SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& 
   // Cushions join the snow of needles.
   if (needles) surface.fronts.blanket = {};
   if (!surface.fronts.blanket.empty()) {
-    surface.wide_volume = KeptVolume(points.mesh.position, kKeptWide * depth);
+    surface.wide_volume = VolumeBalance(points.mesh.position, kKeptWide * depth);
   }
   surface.looks = point_looks(points, surface.samples, zone, tree, shift, depth);
 

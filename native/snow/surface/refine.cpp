@@ -150,7 +150,7 @@ class Refiner {
   bool is_full() const { return mesh_.position.size() > most_; }
 
   float height_at(const float* map, const glm::vec2& uv) const {
-    return std::abs(map_value(map, heights_.resolution, map_place(uv, heights_.resolution)));
+    return std::abs(map_value(map, heights_.resolution, map_sample(uv, heights_.resolution)));
   }
 
   /// Heights at the points, averaged over their corners.
@@ -235,7 +235,7 @@ class Refiner {
   /// The target length at the walls of prints.
   float dent_length(size_t triangle, int k, float length) const {
     const auto height = [&](const glm::vec2& uv) {
-      return map_value(heights_.dented, heights_.resolution, map_place(uv, heights_.resolution));
+      return map_value(heights_.dented, heights_.resolution, map_sample(uv, heights_.resolution));
     };
     const glm::vec2& a = mesh_.uv[triangle][k];
     const glm::vec2& b = mesh_.uv[triangle][(k + 1) % 3];
@@ -341,7 +341,7 @@ class Refiner {
            glm::distance(mesh_.position[p], mesh_.position[q]) < kStripEdge * unit_;
   }
   bool lies_on_strip(int32_t p) const {
-    const RimPlace& place = zone_[p].place;
+    const RimPosition& place = zone_[p].place;
     return !place.is_far_off && std::abs(place.distance) < kOnStrip * place.strip;
   }
 

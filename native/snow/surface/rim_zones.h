@@ -24,7 +24,7 @@ class RimZones {
   RimZones(const SurfaceMesh& receiver, const Rims& rims, float depth, bool needles = false);
 
   struct Zone {
-    RimPlace place;
+    RimPosition place;
     /// Widths available to a front behind the rim and down the far face, in metres, both over 0.
     float support = 1.0f;
     float far = 1.0f;

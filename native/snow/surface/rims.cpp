@@ -53,7 +53,7 @@ bool is_past_face(const Rim& rim, const glm::vec3& from_foot) {
 /// A point relative to one rim.
 struct Beside {
   float distance = 0.0f;
-  /// RimPlace::distance and RimPlace::below.
+  /// RimPosition::distance and RimPosition::below.
   float off = 0.0f, below = 0.0f;
 };
 
@@ -142,8 +142,8 @@ void Rims::visit_near(const glm::vec3& point, int32_t part, const Visit& visit) 
   });
 }
 
-RimPlace Rims::place(const glm::vec3& point, const glm::vec3& normal, int32_t part,
-                     float softness) const {
+RimPosition Rims::place(const glm::vec3& point, const glm::vec3& normal, int32_t part,
+                        float softness) const {
   struct Seen {
     int32_t rim;
     glm::vec3 foot;
@@ -159,7 +159,7 @@ RimPlace Rims::place(const glm::vec3& point, const glm::vec3& normal, int32_t pa
     nearest = std::min(nearest, beside.distance);
     seen.push_back({number, foot, beside});
   });
-  RimPlace place;
+  RimPosition place;
   if (seen.empty()) return place;
   // A rim that overlaps several cells was visited once per cell. The result must not depend on the
   // order of the visits.
@@ -192,8 +192,8 @@ RimPlace Rims::place(const glm::vec3& point, const glm::vec3& normal, int32_t pa
     sum += weight;
   }
   float weights = 0.0f;
-  for (const RimPlace::Part& one : place.parts) weights += one.weight;
-  for (RimPlace::Part& one : place.parts) one.weight /= weights;
+  for (const RimPosition::Part& one : place.parts) weights += one.weight;
+  for (RimPosition::Part& one : place.parts) one.weight /= weights;
   place.is_far_off = false;
   place.distance = seen.front().beside.off;
   place.below = seen.front().beside.below;
@@ -225,7 +225,7 @@ float Rims::distance(const glm::vec3& point, const glm::vec3& normal, int32_t pa
   return nearest;
 }
 
-float Rims::room(const RimPlace& place, int32_t part, float most, bool narrow) const {
+float Rims::room(const RimPosition& place, int32_t part, float most, bool narrow) const {
   constexpr int kSteps = 8;
   const auto clear = [&](float inwards) {
     return distance(place.foot - place.out * inwards, place.support, part, false);
@@ -256,12 +256,12 @@ float Rims::room(const RimPlace& place, int32_t part, float most, bool narrow) c
   return room;
 }
 
-Rims::Opposite Rims::opposite(const RimPlace& place, float most) const {
+Rims::Opposite Rims::opposite(const RimPosition& place, float most) const {
   constexpr float kMinPart = 0.05f;
   constexpr float kMinAlong = 0.6f;
   Opposite mean;
   float near = 0.0f;
-  for (const RimPlace::Part& part : place.parts) {
+  for (const RimPosition::Part& part : place.parts) {
     if (part.weight < kMinPart) continue;
     const Rim& rim = rims_[part.rim];
     const Opposite one = opposite_of(rim, part.foot, most);

@@ -42,7 +42,7 @@ struct Rim {
 /// Position of a point on a face relative to the rims near it. Directions and `foot` (the nearest
 /// point of the rim) are means over the rims at about the same distance, so that they turn smoothly
 /// around corners.
-struct RimPlace {
+struct RimPosition {
   /// No rim is near.
   bool is_far_off = true;
   /// Distance to the nearest rim in metres; negative for points on a far face. On a strip: how far
@@ -84,8 +84,8 @@ class Rims {
   /// Position of `point` relative to the rims of `part` near it. `normal`: unit normal of the face
   /// that holds the point. `softness`: distance in metres over which the result blends from one rim
   /// to the next.
-  RimPlace place(const glm::vec3& point, const glm::vec3& normal, int32_t part,
-                 float softness) const;
+  RimPosition place(const glm::vec3& point, const glm::vec3& normal, int32_t part,
+                    float softness) const;
 
   /// Distance in metres from a point to the nearest rim on the same face, or `reach` if no rim is
   /// nearer. `normal`: unit normal of the face that holds the point. The face may be the rim's
@@ -96,7 +96,7 @@ class Rims {
   /// between this rim and those opposite or the end of the face, at most `most`.
   /// `narrow`: also of tops that are narrower than a few steps of the search, which else count as
   /// wide.
-  float room(const RimPlace& place, int32_t part, float most, bool narrow = true) const;
+  float room(const RimPosition& place, int32_t part, float most, bool narrow = true) const;
 
   /// A rim that faces this one across a gap.
   struct Opposite {
@@ -108,7 +108,7 @@ class Rims {
   };
   /// The nearest rims of any part opposite to the place's own rims, over gaps of at most `most`
   /// metres: the mean over its rims. The gap is measured along `place.level_out`.
-  Opposite opposite(const RimPlace& place, float most) const;
+  Opposite opposite(const RimPosition& place, float most) const;
 
   /// A rim of any part above a face.
   struct Step {

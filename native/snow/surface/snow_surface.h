@@ -11,12 +11,12 @@
 #include "snow/surface/folds.h"
 #include "snow/surface/fronts.h"
 #include "snow/surface/height_samples.h"
-#include "snow/surface/kept_volume.h"
 #include "snow/surface/point_looks.h"
 #include "snow/surface/refine.h"
 #include "snow/surface/surface_faces.h"
 #include "snow/surface/surface_mesh.h"
 #include "snow/surface/surface_points.h"
+#include "snow/surface/volume_balance.h"
 
 namespace snowbough::snow {
 
@@ -57,7 +57,7 @@ struct SnowSurface {
   SurfacePoints points;
   HeightSamples samples;
   /// Places within which the drawn snow has the volume of the map, and what blankets fill.
-  KeptVolume volume, wide_volume;
+  VolumeBalance volume, wide_volume;
   PointLooks looks;
   Fronts fronts;
   Folds folds;

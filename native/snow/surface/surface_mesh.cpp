@@ -8,7 +8,7 @@
 #include "base/group_by_key.h"
 #include "base/parallel_for.h"
 #include "snow/surface/vectors.h"
-#include "snow/texels/welded.h"
+#include "snow/texels/merge_vertices.h"
 
 namespace snowbough::snow {
 namespace {
@@ -123,7 +123,7 @@ std::vector<glm::vec3> triangle_normals(const SurfaceMesh& mesh) {
 }
 
 SurfaceMesh receiver_mesh(const SurfaceSource& source) {
-  const MapTopology topology = welded(source.topology, source.positions);
+  const MapTopology topology = merge_vertices(source.topology, source.positions);
   const std::vector<glm::vec3> normals = corner_normals(source);
   SurfaceMesh mesh;
   mesh.position = source.positions;

@@ -64,10 +64,10 @@ std::vector<Edge> edges_of(const std::vector<int32_t>& triangles) {
 std::vector<uint8_t> find_open_sheets(const std::vector<int32_t>& triangles,
                                       const std::vector<glm::vec3>& positions) {
   const std::vector<int32_t> place = places_of(triangles, positions);
-  std::vector<int32_t> welded(triangles.size());
-  std::transform(triangles.begin(), triangles.end(), welded.begin(),
+  std::vector<int32_t> merged(triangles.size());
+  std::transform(triangles.begin(), triangles.end(), merged.begin(),
                  [&](int32_t index) { return place[static_cast<size_t>(index)]; });
-  const Sheets sheets = find_sheets(welded, static_cast<int32_t>(positions.size()));
+  const Sheets sheets = find_sheets(merged, static_cast<int32_t>(positions.size()));
   const auto point = [&](int32_t index) {
     return glm::dvec3(positions[static_cast<size_t>(index)]);
   };
@@ -81,7 +81,7 @@ std::vector<uint8_t> find_open_sheets(const std::vector<int32_t>& triangles,
     area[sheet_of(t)] += 0.5 * glm::length(glm::cross(point(triangles[3 * t + 1]) - a,
                                                       point(triangles[3 * t + 2]) - a));
   }
-  const std::vector<Edge> edges = edges_of(welded);
+  const std::vector<Edge> edges = edges_of(merged);
   for (size_t i = 0; i < edges.size(); ++i) {
     const auto& [edge, triangle] = edges[i];
     const bool is_shared = (i > 0 && edges[i - 1].first == edge) ||

@@ -43,7 +43,7 @@ struct PileCell {
   double capacity = 0.0;
 };
 
-glm::ivec2 map_place(const PressedMap& map, int32_t texel) {
+glm::ivec2 pixel_of(const PressedMap& map, int32_t texel) {
   return {map.place(texel) % map.links->resolution, map.place(texel) / map.links->resolution};
 }
 
@@ -56,7 +56,7 @@ int32_t texel_on(const PressedMap& map, const glm::ivec2& at) {
 /// The horizontal way to the next column or row of the map; 0 if there is none.
 glm::dvec2 next_on_map(const PressedMap& map, int32_t texel, const glm::ivec2& step) {
   for (const int32_t sign : {1, -1}) {
-    const int32_t other = texel_on(map, map_place(map, texel) + sign * step);
+    const int32_t other = texel_on(map, pixel_of(map, texel) + sign * step);
     if (other < 0) continue;
     return static_cast<double>(sign) * glm::dvec2(map.point(other) - map.point(texel));
   }
@@ -69,7 +69,7 @@ glm::dvec2 front_of(const PressedMap& map, int32_t texel, const glm::dvec2& moti
   glm::dvec2 away(0.0);
   for (int32_t y = -kAround; y <= kAround; y += 2) {
     for (int32_t x = -kAround; x <= kAround; x += 2) {
-      const int32_t other = texel_on(map, map_place(map, texel) + glm::ivec2(x, y));
+      const int32_t other = texel_on(map, pixel_of(map, texel) + glm::ivec2(x, y));
       if (other >= 0 && map.is_covered(other))
         away += glm::dvec2(map.point(texel) - map.point(other));
     }
@@ -82,7 +82,7 @@ glm::dvec2 front_of(const PressedMap& map, int32_t texel, const glm::dvec2& moti
 std::vector<Pile> collect_piles(const PressedMap& map, const std::vector<PushedSnow>& pushed,
                                 int32_t width) {
   const auto square_of = [&](const PushedSnow& snow) {
-    const glm::ivec2 square = map_place(map, snow.texel) / width;
+    const glm::ivec2 square = pixel_of(map, snow.texel) / width;
     return square.y * map.links->resolution + square.x;
   };
   std::vector<PushedSnow> sorted = pushed;
@@ -139,7 +139,7 @@ std::vector<PileCell> find_strip(const PressedMap& map, int32_t texel, const glm
   const glm::dvec2 aside(-front.y, front.x);
   const glm::dvec2 ahead = on_map(length * front);
   const glm::dvec2 half = glm::abs(on_map(width * aside)) + 1.0;
-  const glm::ivec2 first(map_place(map, texel));
+  const glm::ivec2 first(pixel_of(map, texel));
   const int32_t last_place = map.links->resolution - 1;
   const int32_t begin =
       std::max(first.y + static_cast<int32_t>(std::floor(std::min(ahead.y, 0.0) - half.y)), 0);

@@ -9,7 +9,7 @@
 
 #include "base/group_by_key.h"
 #include "snow/texels/charts.h"
-#include "snow/texels/welded.h"
+#include "snow/texels/merge_vertices.h"
 
 namespace snowbough::snow {
 namespace {
@@ -19,7 +19,7 @@ constexpr double kSamplesATexel = 2.0;
 
 class LinkFinder {
  public:
-  /// `topology`: welded.
+  /// `topology`: merged.
   LinkFinder(const MapTopology& topology, const TexelTable& table)
       : topology_(topology),
         table_(table),
@@ -336,11 +336,11 @@ class LinkFinder {
 
 ReposeLinks find_repose_links(const MapTopology& topology, const TexelTable& table,
                               const std::vector<glm::vec3>& positions) {
-  return LinkFinder(welded(topology, positions), table).find();
+  return LinkFinder(merge_vertices(topology, positions), table).find();
 }
 
 struct ReposeLinkTables::Known {
-  MapTopology welded;
+  MapTopology merged;
   std::once_flag once;
   std::shared_ptr<const ReposeLinks> links;
 };
@@ -352,24 +352,24 @@ std::shared_ptr<const ReposeLinks> ReposeLinkTables::find(
   if (table.use_count() == 1) {
     return std::make_shared<const ReposeLinks>(find_repose_links(topology, *table, positions));
   }
-  MapTopology own = welded(topology, positions);
+  MapTopology own = merge_vertices(topology, positions);
   std::shared_ptr<Known> known;
   {
     const std::scoped_lock lock(mutex_);
     std::vector<std::shared_ptr<Known>>& all = known_[table.get()];
     const auto equal = std::find_if(all.begin(), all.end(), [&](const auto& one) {
-      return one->welded.triangles == own.triangles;
+      return one->merged.triangles == own.triangles;
     });
     if (equal != all.end()) {
       known = *equal;
     } else {
       known = std::make_shared<Known>();
-      known->welded = std::move(own);
+      known->merged = std::move(own);
       all.push_back(known);
     }
   }
   std::call_once(known->once, [&] {
-    known->links = std::make_shared<const ReposeLinks>(LinkFinder(known->welded, *table).find());
+    known->links = std::make_shared<const ReposeLinks>(LinkFinder(known->merged, *table).find());
   });
   return known->links;
 }

@@ -185,19 +185,19 @@ TEST(Rims, ARoundRailHasNoStrips) {
   for (const Rim& rim : rail.rims.all()) EXPECT_EQ(rim.far_normal, glm::vec3(0.0f));
 }
 
-TEST(RimPlace, OnABevelIsInwardsLessBelow) {
+TEST(RimPosition, OnABevelIsInwardsLessBelow) {
   const RimmedMesh mesh(bevel(0.02f));
   const float even = std::sqrt(0.5f);
-  const RimPlace place =
+  const RimPosition place =
       mesh.rims.place({0.015f, 0.5f, -0.015f}, {even, 0, even}, mesh.rims.parts()[0], 0.001f);
   ASSERT_FALSE(place.is_far_off);
   EXPECT_NEAR(place.below, 0.015f, 1e-4f);
   EXPECT_NEAR(place.distance, 0.005f - 0.015f, 2e-4f);
 }
 
-TEST(RimPlace, OnTopOfACubeIsInsideOfTheRim) {
+TEST(RimPosition, OnTopOfACubeIsInsideOfTheRim) {
   const RimmedMesh cube(slab(1.0f, 1.0f));
-  const RimPlace place =
+  const RimPosition place =
       cube.rims.place({0.47f, 0.1f, 0.0f}, {0, 0, 1}, cube.rims.parts()[0], 0.01f);
   ASSERT_FALSE(place.is_far_off);
   EXPECT_NEAR(place.distance, 0.03f, 1e-6f);
@@ -205,37 +205,37 @@ TEST(RimPlace, OnTopOfACubeIsInsideOfTheRim) {
   EXPECT_EQ(place.level_out, glm::vec3(1, 0, 0));
 }
 
-TEST(RimPlace, OnTheSideOfACubeIsBeyondTheRim) {
+TEST(RimPosition, OnTheSideOfACubeIsBeyondTheRim) {
   const RimmedMesh cube(slab(1.0f, 1.0f));
-  const RimPlace place =
+  const RimPosition place =
       cube.rims.place({0.5f, 0.1f, -0.02f}, {1, 0, 0}, cube.rims.parts()[0], 0.01f);
   ASSERT_FALSE(place.is_far_off);
   EXPECT_NEAR(place.distance, -0.02f, 1e-6f);
 }
 
-TEST(RimPlace, AtACornerPointsBetweenBothRims) {
+TEST(RimPosition, AtACornerPointsBetweenBothRims) {
   const RimmedMesh cube(slab(1.0f, 1.0f));
-  const RimPlace place =
+  const RimPosition place =
       cube.rims.place({0.47f, 0.47f, 0.0f}, {0, 0, 1}, cube.rims.parts()[0], 0.03f);
   EXPECT_NEAR(place.out.x, std::sqrt(0.5f), 1e-5f);
   EXPECT_NEAR(place.out.y, std::sqrt(0.5f), 1e-5f);
 }
 
-TEST(RimPlace, BeyondTheReachIsFarOff) {
+TEST(RimPosition, BeyondTheReachIsFarOff) {
   const RimmedMesh cube(slab(1.0f, 1.0f), 0.3f);
   EXPECT_TRUE(
       cube.rims.place({0.1f, 0.1f, 0.0f}, {0, 0, 1}, cube.rims.parts()[0], 0.01f).is_far_off);
   EXPECT_EQ(cube.rims.distance({0.1f, 0.1f, 0.0f}, {0, 0, 1}, cube.rims.parts()[0], true), 0.3f);
 }
 
-TEST(RimPlace, RimsOfOtherPartsSayNothing) {
+TEST(RimPosition, RimsOfOtherPartsSayNothing) {
   const RimmedMesh pair(boxes({{{0, 0, 0}, {1, 1, 1}}, {{1.05f, 0, 0}, {2.05f, 1, 1}}}));
-  const RimPlace place =
+  const RimPosition place =
       pair.rims.place({0.98f, 0.5f, 1.0f}, {0, 0, 1}, pair.rims.parts()[0], 0.05f);
   EXPECT_NEAR(place.level_out.x, 1.0f, 1e-6f);
 }
 
-TEST(RimPlace, OfALowerFaceHasNoRimsOfTheStepAbove) {
+TEST(RimPosition, OfALowerFaceHasNoRimsOfTheStepAbove) {
   // Two levels of one part that a riser joins, as in a stair.
   const SurfaceSource stair = quads({{-1, 0, 0.03f},
                                      {0, 0, 0.03f},
@@ -247,17 +247,17 @@ TEST(RimPlace, OfALowerFaceHasNoRimsOfTheStepAbove) {
                                      {1, 1, 0}},
                                     {{0, 1, 2, 3}, {1, 4, 5, 2}, {4, 6, 7, 5}});
   const RimmedMesh mesh(stair);
-  const RimPlace lower =
+  const RimPosition lower =
       mesh.rims.place({0.1f, 0.5f, 0.0f}, {0, 0, 1}, mesh.rims.parts()[0], 0.01f);
   EXPECT_TRUE(lower.is_far_off);
-  const RimPlace upper =
+  const RimPosition upper =
       mesh.rims.place({-0.1f, 0.5f, 0.03f}, {0, 0, 1}, mesh.rims.parts()[0], 0.01f);
   EXPECT_NEAR(upper.distance, 0.1f, 1e-6f);
 }
 
 TEST(RimRoom, OfABoardReachesItsMiddle) {
   const RimmedMesh board(boxes({{{0, 0, 0}, {1, 0.1f, 0.5f}}}));
-  const RimPlace place =
+  const RimPosition place =
       board.rims.place({0.5f, 0.0f, 0.5f}, {0, 0, 1}, board.rims.parts()[0], 0.001f);
   EXPECT_NEAR(board.rims.room(place, board.rims.parts()[0], 0.2f), 0.05f, 0.0005f);
   // Steps of the search that are wider than the board do not pass it over.
@@ -292,7 +292,7 @@ TEST(RimStep, IsNoneOnTopOrFarAwayOrAtAHighWall) {
 
 TEST(RimOpposite, SeesTheRimAcrossANarrowGap) {
   const RimmedMesh pair(boxes({{{0, 0, 0}, {1, 1, 1}}, {{1.02f, 0, 0}, {2.02f, 1, 1.01f}}}));
-  const RimPlace place =
+  const RimPosition place =
       pair.rims.place({1.0f, 0.5f, 1.0f}, {0, 0, 1}, pair.rims.parts()[0], 0.001f);
   const Rims::Opposite opposite = pair.rims.opposite(place, 0.05f);
   EXPECT_NEAR(opposite.gap, 0.02f, 1e-6f);
@@ -302,7 +302,7 @@ TEST(RimOpposite, SeesTheRimAcrossANarrowGap) {
 
 TEST(RimOpposite, DoesNotSeeBeyondItsReach) {
   const RimmedMesh pair(boxes({{{0, 0, 0}, {1, 1, 1}}, {{1.06f, 0, 0}, {2.06f, 1, 1}}}));
-  const RimPlace place =
+  const RimPosition place =
       pair.rims.place({1.0f, 0.5f, 1.0f}, {0, 0, 1}, pair.rims.parts()[0], 0.001f);
   EXPECT_EQ(pair.rims.opposite(place, 0.05f).nearness, 0.0f);
 }

@@ -11,11 +11,11 @@ namespace snowbough::snow {
 /// Keeps the volume of the drawn snow equal to that of the map, place by place: what fronts and the
 /// edges of thin snow add or take is made up for within two cells of the places where they do so.
 /// Far from them snow is drawn as high as the map says.
-class KeptVolume {
+class VolumeBalance {
  public:
-  KeptVolume() = default;
+  VolumeBalance() = default;
   /// @param size edge length of a cell in metres, over 0.
-  KeptVolume(const std::vector<glm::vec3>& position, float size);
+  VolumeBalance(const std::vector<glm::vec3>& position, float size);
 
   /// Factors on the heights of the points.
   /// @param volumes per point: what the map holds and what is drawn, both not under 0, in m3.

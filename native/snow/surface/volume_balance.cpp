@@ -1,4 +1,4 @@
-#include "snow/surface/kept_volume.h"
+#include "snow/surface/volume_balance.h"
 
 #include <algorithm>
 #include <glm/common.hpp>
@@ -15,7 +15,7 @@ constexpr float kMaxFactor = 1.25f;
 
 }  // namespace
 
-KeptVolume::KeptVolume(const std::vector<glm::vec3>& position, float size)
+VolumeBalance::VolumeBalance(const std::vector<glm::vec3>& position, float size)
     : near_(position.size()) {
   struct Placed {
     std::array<float, 3> corner;  // whole numbers, however far from the origin
@@ -45,7 +45,7 @@ KeptVolume::KeptVolume(const std::vector<glm::vec3>& position, float size)
   if (!placed.empty()) ++corners_;
 }
 
-std::vector<float> KeptVolume::factors(const std::vector<glm::vec2>& volumes) const {
+std::vector<float> VolumeBalance::factors(const std::vector<glm::vec2>& volumes) const {
   // Each corner spreads what is too little around it in proportion to what is drawn there, so that
   // the sum over all points is right.
   std::vector<glm::dvec2> sum(corners_, glm::dvec2(0.0));

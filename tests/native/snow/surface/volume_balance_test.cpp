@@ -1,4 +1,4 @@
-#include "snow/surface/kept_volume.h"
+#include "snow/surface/volume_balance.h"
 
 #include <gtest/gtest.h>
 
@@ -15,10 +15,10 @@ std::vector<glm::vec3> row(float start = 0.0f) {
   return points;
 }
 
-TEST(KeptVolume, TakesWhatIsTooMuchFromBesideIt) {
+TEST(VolumeBalance, TakesWhatIsTooMuchFromBesideIt) {
   std::vector<glm::vec2> volumes(101, glm::vec2(1.0f, 1.0f));
   for (size_t p = 0; p < 4; ++p) volumes[p].y = 1.3f;
-  const std::vector<float> factors = KeptVolume(row(), 1.0f).factors(volumes);
+  const std::vector<float> factors = VolumeBalance(row(), 1.0f).factors(volumes);
   double drawn = 0.0;
   for (size_t p = 0; p < volumes.size(); ++p) drawn += factors[p] * volumes[p].y;
   EXPECT_NEAR(drawn, 101.0, 1e-3);
@@ -27,18 +27,18 @@ TEST(KeptVolume, TakesWhatIsTooMuchFromBesideIt) {
   EXPECT_NEAR(factors.back(), 1.0f, 1e-6f);
 }
 
-TEST(KeptVolume, ChangesHeightsByAQuarterAtMost) {
+TEST(VolumeBalance, ChangesHeightsByAQuarterAtMost) {
   for (const float drawn : {0.01f, 100.0f}) {
     const std::vector<glm::vec2> volumes(101, glm::vec2(1.0f, drawn));
-    for (const float factor : KeptVolume(row(), 1.0f).factors(volumes)) {
+    for (const float factor : VolumeBalance(row(), 1.0f).factors(volumes)) {
       EXPECT_NEAR(factor, drawn < 1.0f ? 1.25f : 0.75f, 1e-5f);
     }
   }
 }
 
-TEST(KeptVolume, TakesPointsFarFromTheOrigin) {
+TEST(VolumeBalance, TakesPointsFarFromTheOrigin) {
   const std::vector<glm::vec2> volumes(101, glm::vec2(1.0f, 1.0f));
-  for (const float factor : KeptVolume(row(4e10f), 1.0f).factors(volumes)) {
+  for (const float factor : VolumeBalance(row(4e10f), 1.0f).factors(volumes)) {
     EXPECT_TRUE(std::isfinite(factor));
   }
 }

@@ -15,7 +15,7 @@ inline void make_room(gpu::Buffer& buffer, int64_t bytes) {
 
 /// A buffer with a copy of a vector, uploaded only if the vector has changed.
 template <typename Element>
-class KeptBuffer {
+class CachedBuffer {
  public:
   void update(const std::vector<Element>& elements) {
     const size_t bytes = elements.size() * sizeof(Element);

@@ -1,4 +1,4 @@
-#include "snow/texels/welded.h"
+#include "snow/texels/merge_vertices.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -66,7 +66,7 @@ class Welder {
 
 }  // namespace
 
-MapTopology welded(const MapTopology& topology, const std::vector<glm::vec3>& positions) {
+MapTopology merge_vertices(const MapTopology& topology, const std::vector<glm::vec3>& positions) {
   const Welder welder(positions, topology.vertex_count);
   MapTopology result = topology;
   for (int32_t& v : result.triangles) v = welder.first(v);
