@@ -145,10 +145,7 @@ FieldValue blended_distance(const glm::dvec3& p, std::span<const int32_t> at,
       end = std::max(end, forks[at[k]].parent.end);
     }
     if (known) continue;
-    FieldValue nearest{1e300, glm::dvec3(0.0)};
-    fork.parent.chain->take_nearer(p, fork.parent.at, end, false, nearest);
-    fork.parent.chain->take_nearer(p, begin, fork.parent.at, true, nearest);
-    add(fork.parent_chain, nearest, 0.0);
+    add(fork.parent_chain, fork.parent.chain->distance_from(p, begin, fork.parent.at, end), 0.0);
   }
   for (const int32_t f : at) {
     const Fork& fork = forks[f];

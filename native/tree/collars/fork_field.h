@@ -31,7 +31,7 @@ struct Fork {
   ConeRun parent, child;
   Cone base;
 
-  FieldValue from_parent(const glm::dvec3& p) const { return parent.distance_from(p); }
+  FieldValue from_parent(const glm::dvec3& p) const { return parent.distance_from(p, 1e300); }
 };
 
 /// One fork per junction of the surface, in its order.

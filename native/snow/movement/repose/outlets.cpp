@@ -228,13 +228,7 @@ bool is_below_snow(const ReposeGround& ground, const ReposeLimits& limits,
   const int32_t first = block * kTileCells + outlet.cell;
   int32_t number = first;
   for (int step = 0; step < kReposeBlock; ++step) {
-    std::atomic<int32_t>& known =
-        tile_of(number).outlets.next_up[static_cast<size_t>(number % kTileCells)];
-    int32_t next = known.load(std::memory_order_relaxed);
-    if (next < 0) {
-      next = find_next_up(ground, limits, blocks, number);
-      known.store(next, std::memory_order_relaxed);
-    }
+    const int32_t next = find_next_up(ground, limits, blocks, number);
     if (next == number) break;
     number = next;
   }

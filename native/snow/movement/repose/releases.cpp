@@ -109,12 +109,10 @@ SNOWBOUGH_WIDE_FLAT void find_ways(const RowLinks& row, float* __restrict steepe
 
 CellWays::Block& CellWays::block_of(int32_t cell) {
   auto& block = blocks[static_cast<size_t>(cell / kTileCells)];
-  if (block == nullptr) block = std::make_unique_for_overwrite<Block>();
-  if (std::exchange(block->run, run) != run) {
-    block->rows = 0;
+  if (block == nullptr) {
+    block = std::make_unique_for_overwrite<Block>();
     block->last.fill(kNoCell);
     block->units.fill(0.0);
-    block->reached.clear();
   }
   return *block;
 }
@@ -170,11 +168,6 @@ int32_t CellWays::next_cell(const ReposeLinks& links, const ReposeBlocks& map, i
   return next;
 }
 
-void CellWays::begin(size_t count) {
-  ++run;
-  blocks.resize(count);
-}
-
 int32_t CellWays::last_in_block(const ReposeLinks& links, const ReposeBlocks& map, int32_t cell) {
   Block& block = block_of(cell);
   const int32_t first = cell / kTileCells * kTileCells;
@@ -220,14 +213,14 @@ void CellWays::collect_cuts(const ReposeLinks& links, const ReposeBlocks& map, i
 }
 
 std::vector<Release> collect_releases(const ReposeGround& ground, const ReposeBlocks& blocks,
-                                      const std::vector<int32_t>& chosen, CellWays& ways,
-                                      bool on_all_cores) {
+                                      const std::vector<int32_t>& chosen, bool on_all_cores) {
   std::vector<Release> releases;
   const auto unit = static_cast<double>(ground.surface.unit());
   const size_t outlet_count = ground.outlet_count();
   std::vector<double> fallen(outlet_count, 0.0);
   std::vector<int32_t> texel(outlet_count, -1);
-  ways.begin(blocks.tiles.size());
+  CellWays ways;
+  ways.blocks.resize(blocks.tiles.size());
   for_each_block(chosen.size(), on_all_cores,
                  [&](size_t i) { ways.collect_cuts(*ground.links, blocks, chosen[i]); });
   // By cell, the units that end there.

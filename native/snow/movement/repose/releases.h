@@ -14,12 +14,10 @@ namespace snowbough::snow {
 /// in turn.
 inline constexpr int32_t kWaysOnMap = 2 * kForwardLinks;
 
-/// Ways over cells, each cell looked at once in a run (gain: 23 % of a bake of a turning monkey).
+/// Ways over cells, each cell looked at once (gain: 23 % of a bake of a turning monkey).
 /// Cells are numbered as by ReposeLinks::cell_of.
 struct CellWays {
   struct Block {
-    /// The run for which it was filled.
-    uint64_t run = 0;
     /// Rows whose cells' steepest links on the map are known, one bit each: the way there,
     /// kWaysOnMap if none leads down, and the fall along it as a part of the link's limit.
     uint32_t rows = 0;
@@ -32,10 +30,8 @@ struct CellWays {
     std::vector<int32_t> reached;
     std::vector<int32_t> passed;
   };
-  uint64_t run = 0;
   std::vector<std::unique_ptr<Block>> blocks;
 
-  void begin(size_t count);
   Block& block_of(int32_t cell);
   int32_t last_in_block(const ReposeLinks& links, const ReposeBlocks& map, int32_t cell);
   int32_t end_of(const ReposeLinks& links, const ReposeBlocks& map, int32_t cell);
@@ -45,7 +41,6 @@ struct CellWays {
 
 /// Lists what has fallen over outlets, and what was cut above them, in the chosen blocks.
 std::vector<Release> collect_releases(const ReposeGround& ground, const ReposeBlocks& blocks,
-                                      const std::vector<int32_t>& chosen, CellWays& ways,
-                                      bool on_all_cores);
+                                      const std::vector<int32_t>& chosen, bool on_all_cores);
 
 }  // namespace snowbough::snow

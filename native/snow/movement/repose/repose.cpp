@@ -273,7 +273,7 @@ ReposeResult Repose::run(std::vector<float>& height, float dt, bool on_all_cores
   }
   result.fallen = fallen * static_cast<double>(ground_.surface.unit());
   if (lists_releases) {
-    result.releases = collect_releases(ground_, blocks_, choice_.chosen, ways_, on_all_cores);
+    result.releases = collect_releases(ground_, blocks_, choice_.chosen, on_all_cores);
     for (const Written& own : written) {
       result.releases.insert(result.releases.end(), own.releases.begin(), own.releases.end());
     }

@@ -135,7 +135,6 @@ class Repose {
   ReposeChoice choice_;
   ReposeBlocks blocks_;
   ReposeStand stand_;
-  CellWays ways_;
 };
 
 }  // namespace snowbough::snow

@@ -33,7 +33,6 @@ void Repose::update_pose() {
 void Repose::forget_tiles() {
   for (std::unique_ptr<ReposeTile>& tile : blocks_.stored) tile.reset();
   blocks_.was_chosen.assign(blocks_.was_chosen.size(), 0);
-  ways_.blocks.clear();
 }
 
 /// Returns false if no snow lies on the map.
@@ -178,7 +177,6 @@ void Repose::set_up(const std::vector<float>& height, bool on_all_cores) {
   for_blocks(unlinked, [&](int32_t b) {
     ReposeTile& tile = *blocks_.tiles[static_cast<size_t>(b)];
     tile.links.has_limits = false;
-    tile.outlets.forget_ways_up();
     set_up_outlets(ground_, choice_.limits, stand_.height, b, blocks_);
   });
 }

@@ -26,17 +26,9 @@ struct TileOutlets {
   std::atomic<uint64_t> rows_to_pass = kAllWindowRows;
   /// Maximum height in metres of the snow's surface.
   TilePlane bound;
-  /// By cell: the next one up a slope that is too steep for snow, numbered as by
-  /// ReposeLinks::cell_of; itself, if there is none, -1: not known. Kept while the cells around
-  /// stay as they are. Gain: is_below_snow takes 2.4 % of the processor's time of a monkey's steps
-  /// at 1024, instead of 8.6 %.
-  std::array<std::atomic<int32_t>, kTileCells> next_up;
   /// Cells whose snow was cut to the bound in the step, and the units cut off.
   std::vector<std::pair<int32_t, float>> cuts;
 
-  void forget_ways_up() {
-    for (std::atomic<int32_t>& next : next_up) next.store(-1, std::memory_order_relaxed);
-  }
   /// Resets to no walls; begin_step must follow.
   void begin_pose() {
     any_wall = false;

@@ -56,7 +56,7 @@ TEST(Cones, TheNearestOfARunIsTheNearestOfAllItsCones) {
     };
     for (size_t k = run.at; k < run.end; ++k) take(k);
     for (size_t k = run.at; k-- > run.begin;) take(k);
-    const FieldValue found = run.distance_from(p);
+    const FieldValue found = run.distance_from(p, 1e300);
     ASSERT_EQ(found.distance, nearest.distance);
     ASSERT_EQ(found.gradient, nearest.gradient);
   }
