@@ -28,22 +28,20 @@ bool FaceEdge::shares_vertex(const FaceEdge& other) const {
   return low == other_low || low == other_high || high == other_low || high == other_high;
 }
 
-void FaceConnections::sort_edges() {
+void FaceConnections::sort_edges(const Foliage& foliage, std::span<const int32_t> faces) {
   edges_.clear();
-  int32_t face = 0;
   int32_t point = 0;
-  for (size_t i = 0; i < known_numbering_.size(); ++face) {
-    const int32_t count = known_numbering_[i];
-    const int32_t* const vertex = known_numbering_.data() + i + 1;
+  for (size_t i = 0; i < faces.size(); ++i) {
+    const int32_t count = foliage.face_begin[faces[i] + 1] - foliage.face_begin[faces[i]];
+    const int32_t* const vertex = &foliage.corner_vertex[foliage.face_begin[faces[i]]];
     for (int32_t k = 0; k < count; ++k) {
       const int32_t next = k + 1 < count ? k + 1 : 0;
       FaceEdge& edge = edges_.emplace_back(edge_between(vertex[k], vertex[next]));
-      edge.face = face;
+      edge.face = static_cast<int32_t>(i);
       edge.point = point + k;
       edge.next_point = point + next;
     }
     point += count;
-    i += static_cast<size_t>(count) + 1;
   }
   std::sort(edges_.begin(), edges_.end(), [](const FaceEdge& a, const FaceEdge& b) {
     return a.vertices != b.vertices ? a.vertices < b.vertices : a.point < b.point;
@@ -82,21 +80,7 @@ void FaceConnections::find_islands(int32_t face_count) {
 }
 
 void FaceConnections::find(const Foliage& foliage, std::span<const int32_t> faces) {
-  const int32_t origin = foliage.corner_vertex[foliage.face_begin[faces.front()]];
-  numbering_.clear();
-  for (const int32_t face : faces) {
-    const int32_t begin = foliage.face_begin[face];
-    const int32_t end = foliage.face_begin[face + 1];
-    numbering_.push_back(end - begin);
-    for (int32_t corner = begin; corner < end; ++corner) {
-      numbering_.push_back(foliage.corner_vertex[corner] - origin);
-    }
-  }
-  if (numbering_ == known_numbering_) {
-    return;
-  }
-  std::swap(numbering_, known_numbering_);
-  sort_edges();
+  sort_edges(foliage, faces);
   find_outline();
   find_islands(static_cast<int32_t>(faces.size()));
 }

@@ -10,8 +10,7 @@ namespace snowbough::tree {
 
 /// An edge of a face, and its start and end points: corner indices counted over all faces.
 struct FaceEdge {
-  /// Its vertices, the lower one in the upper half, the higher one in the lower half; relative to
-  /// the first face's first vertex.
+  /// Its vertices, the lower one in the upper half, the higher one in the lower half.
   uint64_t vertices = 0;
   /// Runs from the lower to the higher vertex.
   bool forward = false;
@@ -22,8 +21,7 @@ struct FaceEdge {
   bool shares_vertex(const FaceEdge& other) const;
 };
 
-/// Edge-connected islands of some faces. Leaves are mostly copies of one another: faces numbered
-/// like the previous ones reuse its result.
+/// Edge-connected islands of some faces. Its vectors are reused.
 class FaceConnections {
  public:
   /// @param faces  of three or more corners each.
@@ -38,14 +36,10 @@ class FaceConnections {
   bool two_sided() const { return two_sided_; }
 
  private:
-  void sort_edges();
+  void sort_edges(const Foliage& foliage, std::span<const int32_t> faces);
   void find_outline();
   void find_islands(int32_t face_count);
 
-  /// Per face its number of corners and its vertices, relative to the first face's first vertex: of
-  /// the current and of the previous faces.
-  std::vector<int32_t> numbering_;
-  std::vector<int32_t> known_numbering_;
   /// Sorted: equal edges are adjacent.
   std::vector<FaceEdge> edges_;
   std::vector<FaceEdge> outline_;

@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <memory>
-#include <random>
-#include <span>
 #include <utility>
 
 #include "native/tree/collars/built_tubes.h"
@@ -33,33 +31,6 @@ TEST(Cones, ARunReachesAsFarAsItsLengthBothWays) {
   EXPECT_EQ(reach(0, 2.5), std::pair(size_t{0}, size_t{3}));
   EXPECT_EQ(reach(10, 2.5), std::pair(size_t{7}, size_t{10}));
   EXPECT_EQ(reach(5, 100.0), std::pair(size_t{0}, size_t{10}));
-}
-
-TEST(Cones, TheNearestOfARunIsTheNearestOfAllItsCones) {
-  std::mt19937 random(41);
-  std::uniform_real_distribution<double> step(-1.0, 1.0);
-  std::vector<TubeSection> bent(61);
-  for (size_t i = 1; i < bent.size(); ++i) {
-    bent[i].centre = bent[i - 1].centre + glm::dvec3(step(random), step(random), 0.4);
-    bent[i].radius = 0.6 + 0.5 * step(random);
-  }
-  auto chain = std::make_shared<ConeChain>();
-  chain->add(std::span(bent).first(24));
-  chain->add(std::span(bent).subspan(23));
-  const ConeRun run = ConeRun::around(chain, 30, 25.0);
-  for (int i = 0; i < 2000; ++i) {
-    const glm::dvec3 p(5.0 * step(random), 5.0 * step(random), 12.0 + 12.0 * step(random));
-    FieldValue nearest{1e300, glm::dvec3(0.0)};
-    const auto take = [&](size_t k) {
-      const TubeSection &a = bent[k], &b = bent[k + 1];
-      Cone::between(a.centre, a.radius, b.centre, b.radius).take_nearer(p, nearest);
-    };
-    for (size_t k = run.at; k < run.end; ++k) take(k);
-    for (size_t k = run.at; k-- > run.begin;) take(k);
-    const FieldValue found = run.distance_from(p, 1e300);
-    ASSERT_EQ(found.distance, nearest.distance);
-    ASSERT_EQ(found.gradient, nearest.gradient);
-  }
 }
 
 TEST(Cones, AllForksOfALimbHaveItsConesInCommon) {
