@@ -22,23 +22,6 @@ std::string plain_tree() {
   return text.text();
 }
 
-/// Faces count back from the last vertex before them.
-std::string with_negative_indices(const std::string& text) {
-  int vertices = 0;
-  return each_line(text, [&](const std::string& line) {
-    vertices += line.starts_with("v ");
-    if (!line.starts_with("f ")) {
-      return line;
-    }
-    std::istringstream corners(line.substr(2));
-    std::string changed = "f";
-    for (int corner = 0; corners >> corner;) {
-      changed.append(" ").append(std::to_string(corner - vertices - 1));
-    }
-    return changed;
-  });
-}
-
 void expect_same_skeleton(const Skeleton& skeleton, const Skeleton& plain) {
   ASSERT_EQ(skeleton.branches.size(), plain.branches.size());
   for (size_t b = 0; b < plain.branches.size(); ++b) {
@@ -67,10 +50,6 @@ TEST_F(ReadTree, BlanksBeforeBetweenAndAfterWordsMeanNothing) {
     return wide + "  ";
   };
   expect_same_skeleton(read(each_line(text, spaced)), read(text));
-}
-
-TEST_F(ReadTree, IndicesMayCountBack) {
-  expect_same_skeleton(read(with_negative_indices(plain_tree())), read(plain_tree()));
 }
 
 TEST_F(ReadTree, BranchesMayBeObjectsInsteadOfGroups) {

@@ -34,26 +34,5 @@ TEST(Flakes, areNoMoreThanCanBeDrawn) {
   EXPECT_EQ(flake_fall(fall(0.0f)).counts.y, 0u);
 }
 
-TEST(Flakes, swingAsideAtTheAngleOfTheirFlutter) {
-  Snowfall of = fall(1e-6f);
-  of.speed = 2.0f;
-  of.flutter = std::atan(0.5f);
-  const shared::FlakeFall made = flake_fall(of);
-  // Largest sideways speed: amplitude times frequency times 2 pi.
-  EXPECT_NEAR(made.flutter.x * made.flutter.y * 6.2831853f, 1.0f, 1e-5f);
-  of.flutter = 1.0f;
-  EXPECT_THROW(flake_fall(of), std::invalid_argument);
-}
-
-TEST(Flakes, driftAlongTheirDirectionWithinTheBox) {
-  Snowfall of = fall(1e-6f);
-  of.direction = {3.0f, 0.0f, -4.0f};
-  of.speed = 2.0f;
-  of.time = 1.0f;
-  const shared::FlakeFall made = flake_fall(of);
-  EXPECT_NEAR(made.drift.x, 1.2f, 1e-5f);
-  EXPECT_NEAR(made.drift.z, made.drift.w - 1.6f, 1e-4f);
-}
-
 }  // namespace
 }  // namespace snowbough::render

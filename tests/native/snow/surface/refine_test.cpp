@@ -46,11 +46,6 @@ TEST(RefinedSurface, HasNoFacesWithoutArea) {
   }
 }
 
-TEST(RefinedSurface, KeepsWithinItsPoints) {
-  for (const int32_t most : {300, 500, 2000, 8000})
-    EXPECT_LE(snowy_slab(most).position.size(), most);
-}
-
 TEST(RefinedSurface, FacesAtUvSeamsSharePoints) {
   const SurfaceMesh mesh = snowy_slab();
   std::map<int32_t, std::set<int32_t>> charts;  // of each point
@@ -144,18 +139,6 @@ TEST(RefinedSurface, LeavesOutWhatIsNeverCovered) {
   for (size_t i = 0; i < map.size(); ++i)
     map[i] = i % kResolution < kResolution / 4 ? kDepth : 0.0f;
   for (const glm::vec3& at : refined(source, map).position) EXPECT_LT(at.x, 0.5f);
-}
-
-TEST(RefinedSurface, HasNoFacesOnABareReceiver) {
-  const SurfaceSource source = slab(1.0f, 0.3f);
-  EXPECT_TRUE(refined(source, on_tops(source, 0.0f)).triangle.empty());
-}
-
-TEST(RefinedSurface, ALargerScaleHasFewerPoints) {
-  const SurfaceSource source = slab(1.0f, 0.3f);
-  const std::vector<float> map = on_tops(source, kDepth);
-  EXPECT_LT(refined(source, map, 200000, 1.7f).position.size(),
-            refined(source, map).position.size());
 }
 
 /// Longest side of the triangles that touch the rims of a slab of that size.

@@ -346,13 +346,6 @@ TEST(SnowSurface, HangsBelowACardWithSnowOnItsBack) {
   EXPECT_LT(most(points, 2, 1.0f), 0.005f);
 }
 
-TEST(SnowSurface, GivesTheSamePointsTwice) {
-  const SurfaceSource board = slab(1.0f, 0.3f);
-  const std::vector<float> map = on_tops(board, kDepth);
-  EXPECT_EQ(surface_on(board, map).points(frame_of(map)),
-            surface_on(board, map).points(frame_of(map)));
-}
-
 TEST(SnowSurfaceDeathTest, GivesTheSamePointsOnOneThread) {
   const SurfaceSource board = slab(1.0f, 0.3f);
   const std::vector<float> map = on_tops(board, kDepth);
@@ -378,61 +371,6 @@ TEST(SnowSurface, FollowsPositionsThatTurnAsAWhole) {
   for (size_t p = 0; p < expected.size(); ++p) {
     EXPECT_LT(glm::distance(found[p], glm::vec3(turn * glm::vec4(expected[p], 1.0f))), 1e-5f);
   }
-}
-
-TEST(SnowSurface, ATiltedReceiverIsTheSameByPositionsAndByWhereUpIs) {
-  const SurfaceSource board = slab(1.0f, 0.3f);
-  const std::vector<float> map = on_tops(board, kDepth);
-  const StyledSurface surface = surface_on(board, map);
-  const glm::mat4 turn = glm::rotate(glm::mat4(1.0f), 0.4f, glm::vec3(1, 0, 0));
-  std::vector<glm::vec3> positions;
-  for (const glm::vec3& position : board.positions)
-    positions.emplace_back(turn * glm::vec4(position, 1.0f));
-  SurfaceFrame by_positions = frame_of(map), by_up = frame_of(map);
-  by_positions.positions = positions.data();
-  by_up.up = glm::vec3(glm::transpose(turn) * glm::vec4(0, 0, 1, 0));
-  by_up.to_result = turn;
-  const std::vector<glm::vec3> one = surface.points(by_positions), other = surface.points(by_up);
-  for (size_t p = 0; p < one.size(); ++p) EXPECT_LT(glm::distance(one[p], other[p]), 1e-5f);
-}
-
-TEST(SnowSurface, PointsComeInTheSpaceThatIsAskedFor) {
-  const SurfaceSource board = slab(1.0f, 0.3f);
-  const std::vector<float> map = on_tops(board, kDepth);
-  const StyledSurface surface = surface_on(board, map);
-  SurfaceFrame frame = frame_of(map);
-  frame.to_result = glm::scale(glm::mat4(1.0f), glm::vec3(10.0f));
-  const std::vector<glm::vec3> metres = surface.points(frame_of(map)),
-                               tenths = surface.points(frame);
-  for (size_t p = 0; p < metres.size(); ++p)
-    EXPECT_LT(glm::distance(10.0f * metres[p], tenths[p]), 1e-5f);
-}
-
-TEST(SnowSurfaceFaces, HaveThreeOrFourCornersAndUseEveryPoint) {
-  const SurfaceSource board = slab(1.0f, 0.3f);
-  const StyledSurface surface = surface_on(board, on_tops(board, kDepth));
-  const SurfaceFaces& faces = surface.surface.faces;
-  size_t quads = 0;
-  for (size_t f = 0; f + 1 < faces.begin.size(); ++f) {
-    const int32_t sides = faces.begin[f + 1] - faces.begin[f];
-    EXPECT_TRUE(sides == 3 || sides == 4);
-    quads += sides == 4 ? 1 : 0;
-  }
-  EXPECT_GT(3 * quads, faces.begin.size());
-  EXPECT_EQ(faces.uv.size(), faces.corner.size());
-  std::vector<int32_t> used = faces.corner;
-  std::sort(used.begin(), used.end());
-  used.erase(std::unique(used.begin(), used.end()), used.end());
-  ASSERT_EQ(used.size(), surface.surface.point_count());
-  EXPECT_EQ(used.back(), static_cast<int32_t>(surface.surface.point_count()) - 1);
-}
-
-TEST(SnowSurfaceFaces, OfAReceiverWithoutSnowAreNone) {
-  const SurfaceSource board = slab(1.0f, 0.3f);
-  const StyledSurface surface = surface_on(board, on_tops(board, 0.0f));
-  EXPECT_EQ(surface.surface.point_count(), 0u);
-  EXPECT_THAT(surface.surface.faces.begin, testing::ElementsAre(0));
-  EXPECT_TRUE(surface.points(frame_of(on_tops(board, 0.0f))).empty());
 }
 
 /// Processor time in seconds for a surface on triangles around the x axis, `apart` from each other
@@ -473,35 +411,6 @@ TEST(SnowSurfaceFaces, OfAReceiverWithoutFacesAreNone) {
   EXPECT_EQ(surface_on(nothing, std::vector<float>(kResolution * kResolution, kDepth))
                 .surface.point_count(),
             0u);
-}
-
-TEST(SnowSurface, RefusesWhatDoesNotFit) {
-  const SurfaceSource board = slab(1.0f, 0.3f);
-  const std::vector<float> map = on_tops(board, kDepth), small(16, 0.0f);
-  EXPECT_THROW(plan_surface(board, small, map, {}, plan_of()), std::invalid_argument);
-  EXPECT_THROW(plan_surface(board, map, small, {}, plan_of()), std::invalid_argument);
-  SurfaceSource short_one = board;
-  short_one.positions.pop_back();
-  EXPECT_THROW(plan_surface(short_one, map, map, {}, plan_of()), std::invalid_argument);
-  SurfaceSource shaded = board;
-  shaded.shading = {0, 1};
-  EXPECT_THROW(plan_surface(shaded, map, map, {}, plan_of()), std::invalid_argument);
-  for (const float depth : {0.0f, -1.0f, std::numeric_limits<float>::quiet_NaN()}) {
-    SurfacePlan plan = plan_of();
-    plan.density.depth = depth;
-    EXPECT_THROW(plan_surface(board, map, map, {}, plan), std::invalid_argument);
-  }
-}
-
-TEST(PointNormals, AreTheMeanOfFacesByArea) {
-  const std::vector<glm::vec3> points{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {5, 5, 5}};
-  const std::vector<glm::vec3> normals = point_normals(points, {{0, 1, 2}});
-  for (const glm::vec3& normal : normals) EXPECT_EQ(normal, glm::vec3(0, 0, 1));
-}
-
-TEST(PointNormals, RefuseTrianglesThatNameNoPoints) {
-  EXPECT_THROW(point_normals({{0, 0, 0}}, {{0, 0, 1}}), std::invalid_argument);
-  EXPECT_THROW(point_normals({{0, 0, 0}}, {{0, -1, 0}}), std::invalid_argument);
 }
 
 }  // namespace

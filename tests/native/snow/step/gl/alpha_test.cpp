@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "native/snow/bench.h"
-#include "snow/scene/memory_estimate.h"
 
 namespace snowbough::snow {
 namespace {
@@ -30,9 +29,8 @@ void cut(SceneObject& object, std::shared_ptr<const AlphaMask> mask, float times
 }
 
 /// For every pixel around the cards, row by row: 1 + the object that the sky sees there, 0 = none.
-/// A card is 16 pixels wide; every object has two triangles. `width`: pixels in a row.
-std::vector<int32_t> seen_from_above(const std::vector<SceneObject>& objects,
-                                     size_t* width = nullptr) {
+/// A card is 16 pixels wide; every object has two triangles.
+std::vector<int32_t> seen_from_above(const std::vector<SceneObject>& objects) {
   return gpu::GpuThread::shared()->run([&] {
     Bench bench(objects, falling({0, 0, -1}, 1.0 / 16.0));
     std::vector<TriangleRange> ranges;
@@ -42,7 +40,6 @@ std::vector<int32_t> seen_from_above(const std::vector<SceneObject>& objects,
       ranges.push_back({first, 2, first_alpha >= 0, first_alpha - first});
     }
     OcclusionPass().run(bench.scene, bench.projection, bench.tiles.front(), ranges, bench.target);
-    if (width != nullptr) *width = static_cast<size_t>(bench.tiles.front().pixels.size().x);
     std::vector<int32_t> shown;
     for (const shared::SeenPixel& pixel : bench.visible()) {
       const uint32_t triangle = pixel.triangle & ~shared::kBackFace;
@@ -56,34 +53,12 @@ int64_t count_of(const std::vector<int32_t>& shown, int32_t what) {
   return std::count(shown.begin(), shown.end(), what);
 }
 
-TEST(OcclusionAlpha, AnOpaqueCardHidesAllThatLiesBelow) {
-  const std::vector<int32_t> shown =
-      seen_from_above({alpha_card("a", 1.0f), alpha_card("b", 0.0f)});
-  EXPECT_EQ(count_of(shown, 1), 256);
-  EXPECT_EQ(count_of(shown, 2), 0);
-}
-
 TEST(OcclusionAlpha, TheSkySeesTheGroundThroughAHole) {
   std::vector<SceneObject> objects = {alpha_card("a", 1.0f), alpha_card("b", 0.0f)};
   cut(objects[0], left_half());
   const std::vector<int32_t> shown = seen_from_above(objects);
   EXPECT_EQ(count_of(shown, 1), 128);
   EXPECT_EQ(count_of(shown, 2), 128);
-}
-
-TEST(OcclusionAlpha, AHoleIsWhereTheImageHasIt) {
-  std::vector<SceneObject> objects = {alpha_card("a", 1.0f), alpha_card("b", 0.0f)};
-  cut(objects[0], left_half());
-  size_t width = 0;
-  const std::vector<int32_t> shown = seen_from_above(objects, &width);
-  const size_t first =
-      static_cast<size_t>(std::find(shown.begin(), shown.end(), 1) - shown.begin());
-  for (size_t i = first; i < shown.size(); ++i) {
-    if (shown[i] != 0) {
-      const size_t column = (i - first) % width;
-      ASSERT_EQ(shown[i], column < 8 ? 1 : 2) << "column " << column;
-    }
-  }
 }
 
 TEST(OcclusionAlpha, AnImageRepeatsMirrorsExtendsOrEndsBeyondItsEdge) {
@@ -122,17 +97,6 @@ TEST(OcclusionAlpha, EachObjectUsesItsOwnImages) {
   EXPECT_EQ(count_of(shown, 1), 0);
   EXPECT_EQ(count_of(shown, 2), 128);
   EXPECT_EQ(count_of(shown, 3), 0);  // its hole lies below b's
-}
-
-TEST(OcclusionAlpha, MemoryCountsAMaskThatTwoObjectsShareOnce) {
-  const auto mask = std::make_shared<const AlphaMask>(
-      make_alpha_mask(1024, 1024, 0, std::vector<uint8_t>(1 << 20, 255)));
-  SceneObject a = alpha_card("a", 1.0f);
-  SceneObject b = alpha_card("b", 0.0f);
-  const int64_t opaque = estimate_shared_memory({&a, &b}).geometry;
-  cut(a, mask);
-  cut(b, mask);
-  EXPECT_EQ(estimate_shared_memory({&a, &b}).geometry - opaque, 4 * 32 + 16 + (1 << 17));
 }
 
 }  // namespace

@@ -14,73 +14,6 @@
 namespace snowbough::snow {
 namespace {
 
-TEST(TriangleSetup, HoldsCornersOnTheGridSlopesAndArea) {
-  gpu::GpuThread::shared()->run([] {
-    Bench bench(objects_of(square("a", 2.0f, 3.0f)), falling({0.75, 0, -1}, 0.1));
-    const auto corners = bench.scene.triangle_corners.read_all<glm::vec4>();
-    const auto surface = bench.scene.triangle_surface.read_all<glm::vec4>();
-    // The fall leans along x: the square's first side is foreshortened and gains depth.
-    EXPECT_NEAR(corners[1].x - corners[0].x, 20.0f * 0.8f, 1e-4f);
-    EXPECT_NEAR(corners[1].y - corners[0].y, 0.0f, 1e-4f);
-    EXPECT_NEAR(corners[1].z - corners[0].z, 2.0f * 0.6f, 1e-5f);
-    EXPECT_NEAR(corners[2].y - corners[1].y, 20.0f, 1e-4f);
-    EXPECT_NEAR(corners[0].w, 0.1f * 0.6f / 0.8f, 1e-5f);
-    EXPECT_NEAR(corners[1].w, 0.0f, 1e-5f);
-    EXPECT_NEAR(corners[2].w, 0.8f, 1e-5f);
-    EXPECT_NEAR(surface[0].x, 0.8f, 1e-5f);
-    EXPECT_NEAR(surface[0].y, 2.0f, 1e-5f);
-    EXPECT_NEAR(surface[0].z, 1.0f, 1e-5f);
-  });
-}
-
-TEST(TexelSurface, HoldsAreaAndUpwardPart) {
-  gpu::GpuThread::shared()->run([] {
-    Bench bench(objects_of(square("a", 2.0f, 3.0f)), falling({0, 0, -1}, 0.1));
-    double area = 0.0;
-    for (const auto& texel : bench.scene.batches[0].steps.read_all<shared::TexelStep>()) {
-      area += texel.area;
-      EXPECT_FLOAT_EQ(texel.up, 1.0f);
-    }
-    EXPECT_NEAR(area, 4.0, 1e-4);
-  });
-}
-
-TEST(Occlusion, ShowsTheNearerSurfaceWithItsDepth) {
-  gpu::GpuThread::shared()->run([] {
-    Bench bench(objects_of(square("ground", 1.0f, 0.0f), square("roof", 0.5f, 2.0f)),
-                falling({0, 0, -1}, 0.01));
-    int roof = 0;
-    int ground = 0;
-    for (const shared::SeenPixel& pixel : bench.visible()) {
-      if (pixel.triangle == 0) {
-        continue;
-      }
-      const bool is_roof = pixel.triangle > 2;
-      EXPECT_NEAR(pixel.depth, is_roof ? -1.0f : 1.0f, 1e-5f);
-      (is_roof ? roof : ground) += 1;
-    }
-    EXPECT_EQ(roof, 2500);
-    EXPECT_EQ(ground, 7500);
-  });
-}
-
-TEST(Occlusion, MarksBackFaces) {
-  gpu::GpuThread::shared()->run([] {
-    SceneObject flipped = square("a", 1.0f, 0.0f);
-    std::swap(flipped.description.topology.triangles[1], flipped.description.topology.triangles[2]);
-    std::swap(flipped.description.topology.triangles[4], flipped.description.topology.triangles[5]);
-    Bench bench(objects_of(std::move(flipped)), falling({0, 0, -1}, 0.05));
-    int shown = 0;
-    for (const shared::SeenPixel& pixel : bench.visible()) {
-      if (pixel.triangle != 0) {
-        EXPECT_NE(pixel.triangle & shared::kBackFace, 0u);
-        ++shown;
-      }
-    }
-    EXPECT_EQ(shown, 400);
-  });
-}
-
 TEST(Occlusion, TilesOfEverySizeLieRowByRow) {
   gpu::GpuThread::shared()->run([] {
     Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0, 0, -1}, 1.0 / 64.0));
@@ -100,31 +33,6 @@ TEST(Occlusion, TilesOfEverySizeLieRowByRow) {
         EXPECT_EQ(visible[at].depth, whole[there].depth);
       }
     }
-  });
-}
-
-TEST(Stability, FollowsTheClosedFormBelowAcrossAndAboveCapacity) {
-  gpu::GpuThread::shared()->run([] {
-    const auto stable_height = [&](float height, float deposit, float dt, float max_depth,
-                                   bool is_ceiling) {
-      SceneObject object = square("a", 1.0f, 0.0f);
-      if (is_ceiling) {
-        std::vector<int32_t>& corners = object.description.topology.triangles;
-        std::swap(corners[1], corners[2]);
-        std::swap(corners[4], corners[5]);
-      }
-      Bench bench(objects_of(std::move(object)), falling({0, 0, -1}, 0.1));
-      std::vector<float> heights(64 * 64, height);
-      bench.scene.groups[0].write_height(0, heights);
-      auto steps = bench.scene.batches[0].steps.read_all<shared::TexelStep>();
-      for (shared::TexelStep& step : steps) step.gain = 1u << 28;
-      bench.scene.batches[0].steps.write(
-          0, static_cast<int64_t>(steps.size() * sizeof(shared::TexelStep)), steps.data());
-      StabilityPass().run(bench.scene, {max_depth, 2.0f}, deposit, dt);
-      bench.scene.groups[0].read_height(0, heights);
-      return heights[1000];
-    };
-    expect_closed_form(stable_height);
   });
 }
 
