@@ -103,12 +103,6 @@ def test_report(small):
     }
 
 
-def test_squares_with_leaves(tmp_path):
-    path = tmp_path / "squares.obj"
-    path.write_text(small_tree(flat=True))
-    assert native.read_tree(str(path)).report["form"] == "SQUARES_PER_GROUP"
-
-
 def test_foliage(small):
     foliage = native.read_tree(small).foliage
     assert foliage.vertices.shape == (3, 3)
@@ -120,12 +114,6 @@ def test_foliage(small):
     assert foliage.leaf_branch.tolist() == [1]
     assert foliage.leaf_attach_point.shape == (1, 3)
     assert foliage.materials == []
-
-
-def test_foliage_off(small):
-    skeleton = native.read_tree(small, foliage=False)
-    assert len(skeleton.foliage.vertices) == 0
-    assert skeleton.report["skipped_parts"] == [{"name": "foliage (1 parts)", "reason": "left out by option"}]
 
 
 def test_simplify(small):
@@ -399,15 +387,6 @@ def test_aspen_leaves_hang_twig_by_twig():
     twigs = [int(branches[b].name.removeprefix("stems_2_")) for b in leaf_branch if branches[b].level == 2]
     assert len(twigs) > 0.999 * len(leaf_branch)
     assert np.count_nonzero(np.diff(twigs) < 0) < 0.001 * len(twigs)
-
-
-@needs_trees
-def test_reading_twice_gives_the_same():
-    first, second = (native.read_tree(TREES / "levels" / "quaking_aspen.obj") for _ in range(2))
-    for a, b in zip(first.branches, second.branches):
-        assert a.name == b.name and a.parent == b.parent
-        np.testing.assert_array_equal(a.points, b.points)
-    np.testing.assert_array_equal(first.foliage.leaf_branch, second.foliage.leaf_branch)
 
 
 @needs_trees
