@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Repose gives the same snow whatever the UV layout does to a surface: turns, stretches, shears or cuts it."""
 
+import functools
 import math
 
 import numpy as np
@@ -11,9 +12,12 @@ from snow_layouts import LAYOUTS, SHAPES, laid_out
 DEPTH = 0.1
 
 
-def snow_on(shape, layout, resolution, smooth):
+@functools.cache
+def snow_on(name, layout):
     """(heights, texel areas, m3 that fell on it) of a shape at rest."""
-    positions, triangles, uv, _ = laid_out(shape, layout)
+    smooth = name == "ball"
+    resolution = 2048 if smooth else 1024  # the ball has 512 faces, the others 32 at most
+    positions, triangles, uv, _ = laid_out(SHAPES[name](), LAYOUTS[layout])
     with native.SnowSimulation(
         repose=math.radians(65.0), cohesion=0.0, pixel_size=0.01, max_depth=100.0, engine="CPU"
     ) as sim:
@@ -28,10 +32,9 @@ def snow_on(shape, layout, resolution, smooth):
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_five_layouts_carry_the_same_snow(name):
-    resolution = 2048 if name == "ball" else 1024  # the ball has 512 faces, the others 32 at most
     volumes = {}
-    for layout, lay_out in LAYOUTS.items():
-        heights, areas, fallen = snow_on(SHAPES[name](), lay_out, resolution, name == "ball")
+    for layout in LAYOUTS:
+        heights, areas, fallen = snow_on(name, layout)
         volumes[layout] = float((heights * areas).sum())
     print(name, volumes, "of", fallen)
     # For a cone too steep to hold snow: fractions of the fallen snow.
@@ -41,7 +44,7 @@ def test_five_layouts_carry_the_same_snow(name):
 
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_a_cone_steeper_than_repose_is_bare_in_every_layout(layout):
-    heights, areas, fallen = snow_on(SHAPES["cone"](), LAYOUTS[layout], 1024, False)
+    heights, areas, fallen = snow_on("cone", layout)
     # The remaining snow is in the row of texels at its foot.
     assert float((heights * areas).sum()) < 1e-3 * fallen
     assert float(areas[heights > 1e-3].sum()) < 0.02 * float(areas.sum())
