@@ -245,13 +245,7 @@ def by_geometry_nodes(cart):
     return {1: 0.3, 4: 0.3}
 
 
-def by_animated_scale(cart):
-    """From 1 to 3 in the plane; the depth of snow stays in metres."""
-    s.key(cart, "scale", (1, (1.0, 1.0, 1.0)), (4, (3.0, 2.0, 1.0)))
-    return {1: 0.0, 4: 0.0}
-
-
-WAYS = [sheared, by_shape_key, by_a_driven_bone, by_a_path, by_geometry_nodes, by_animated_scale]
+WAYS = [sheared, by_shape_key, by_a_driven_bone, by_a_path, by_geometry_nodes]
 
 
 @pytest.mark.parametrize("way", WAYS)

@@ -148,21 +148,5 @@ TEST(SceneSnow, aTreesSnowFollowsTheRuleOfAllSnow) {
   });
 }
 
-TEST(SceneSnow, depthIsThatOfOpenGLsBuffer) {
-  with_scene([](Scene& scene) {
-    scene.objects.add_mesh("square", square(true));
-    Camera camera = square_camera(5);
-    camera.eye = {0.0f, 0.0f, 3.0f};
-    camera.target = glm::vec3(0.0f);
-    camera.up = {0.0f, 1.0f, 0.0f};
-    camera.near = 1.0f;
-    camera.far = 9.0f;
-    const DepthPicture found = scene.frames.render_depth(camera, {});
-    // f (z - n) / (z (f - n)) of z = 3.
-    EXPECT_NEAR(found.depth[12], 0.75f, 1e-5f);
-    EXPECT_EQ(found.depth[0], 1.0f);
-  });
-}
-
 }  // namespace
 }  // namespace snowbough::render

@@ -35,18 +35,6 @@ TEST(SceneTrees, aNameIsGivenOnce) {
   });
 }
 
-TEST(SceneTrees, aPoseHasAMatrixABoneAndMovesTheTree) {
-  with_scene([](Scene& scene) {
-    add_tube(scene);
-    EXPECT_THAT([&] { scene.objects.set_pose("tree", std::vector<glm::mat4>(2, glm::mat4(1.0f))); },
-                ThrowsMessage<std::invalid_argument>(HasSubstr("1 bone matrices, not 2")));
-    glm::mat4 away(1.0f);
-    away[3] = glm::vec4(0.0f, -100.0f, 0.0f, 1.0f);  // behind the camera
-    scene.objects.set_pose("tree", {away});
-    EXPECT_EQ(covered(scene.frames.render(square_camera(), {})), 0);
-  });
-}
-
 TEST(SceneTrees, snowNeedsCoordinatesOnItsMap) {
   with_scene([](Scene& scene) {
     add_tube(scene, false);

@@ -52,16 +52,6 @@ def read_map(height, uv):
     return lower * (1 - part[:, 1]) + upper * part[:, 1]
 
 
-def test_the_texel_table_keeps_every_triangles_area():
-    uv = np.random.default_rng(5).random((50, 3, 2)).astype(np.float32) * 0.9
-    triangles = np.arange(150, dtype=np.int32).reshape(50, 3)
-    table = snowbough_native.texel_table(triangles, uv, 128)
-    shares = np.bincount(table["fragment_triangle"], table["fragment_share"], minlength=50)
-    assert shares == pytest.approx(np.ones(50), abs=1e-5)
-    assert table["fragment_begin"][-1] == len(table["fragment_share"])
-    assert table["overlap"] > 0.5
-
-
 def test_a_layout_outside_the_unit_square_is_a_value_error():
     triangles = np.array([[0, 1, 2]], np.int32)
     uv = np.array([[[0, 0], [1.5, 0], [0, 1]]], np.float32)

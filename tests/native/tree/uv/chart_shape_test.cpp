@@ -3,11 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "native/tree/built_surface.h"
-#include "tree/skeleton/width.h"
-#include "tree/surface/limb_path.h"
-#include "tree/uv/bark_uvs.h"
-
 namespace snowbough::tree {
 namespace {
 
@@ -113,27 +108,6 @@ TEST(Charts, AFootprintHasACellInEveryColumn) {
   for (const CellRun& run : outlines.columns) {
     EXPECT_LT(run.begin, run.end);
   }
-}
-
-TEST(BarkUvs, GoOnceRoundAndGrowByLengthOverCircumference) {
-  const Skeleton skeleton = make_skeleton({trunk()});
-  const LengthLimits scale = length_limits(skeleton);
-  const std::vector<LimbPath> paths = limb_paths(skeleton, limb_widths(skeleton, {}), scale);
-  const Surface surface = build_surface(skeleton, paths, scale, {}, {0});
-  const std::vector<QuadUv> uvs = layout_bark_uvs(surface);
-  ASSERT_EQ(uvs.size(), surface.quads.size());
-  const LimbSurface& limb = surface.limbs[0];
-  float across = 0.0f, highest = 0.0f;
-  for (size_t f = 0; f < uvs.size(); ++f) {
-    if (surface.origins[f].part == FacePart::kWall) {
-      highest = std::max({highest, uvs[f][2].y, uvs[f][3].y});
-      across += surface.origins[f].row == 0 ? uvs[f][1].x - uvs[f][0].x : 0.0f;
-    }
-  }
-  const double side = glm::distance(surface.vertices[limb.rings[0].vertices[0]],
-                                    surface.vertices[limb.rings[0].vertices[1]]);
-  EXPECT_NEAR(across, 1.0f, 1e-5f);
-  EXPECT_NEAR(highest, 10.0 / (4.0 * side), 0.01 * highest);
 }
 
 }  // namespace

@@ -1,8 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 #include "native/tree/uv/limbs.h"
 #include "tree/uv/strip_pieces.h"
 #include "tree/uv/strip_rows.h"
@@ -29,31 +27,6 @@ LimbBuilder limb_with_continuing_child() {
   limbs.add_row(child, 0, turned(rings[2]), turned(rings[3]));
   limbs.add_row(child, 1, turned(rings[3]), turned(rings[4]));
   return limbs;
-}
-
-TEST(CollectStrips, AContinuingChildGoesOnInItsParentsStripAndSides) {
-  const LimbBuilder limbs = limb_with_continuing_child();
-  const auto strips = collect_strips(limbs.mesh, limbs.skeleton);
-  ASSERT_EQ(strips.size(), 1u);
-  ASSERT_EQ(strips[0].rows.size(), 4u);
-  ASSERT_EQ(strips[0].rings.size(), 5u);
-  EXPECT_EQ(strips[0].rows[2].branch, 1);
-  for (int ring = 0; ring < 5; ++ring) {
-    EXPECT_THAT(strips[0].rings[ring].corners,
-                testing::ElementsAre(4 * ring, 4 * ring + 1, 4 * ring + 2, 4 * ring + 3));
-  }
-  // The parent's side 1 is the child's side 0.
-  EXPECT_EQ(strips[0].rows[2].cells[1].wall, test::find_quad(limbs.mesh, 1, 0, 0));
-}
-
-TEST(CollectStrips, MeasuresSidesAndAreas) {
-  const LimbBuilder limbs = limb_with_continuing_child();
-  const auto strips = collect_strips(limbs.mesh, limbs.skeleton);
-  for (const double side : strips[0].rings[1].sides) {
-    EXPECT_NEAR(side, std::numbers::sqrt2, 1e-6);
-  }
-  EXPECT_NEAR(strips[0].perimeters[1], 4.0 * std::numbers::sqrt2, 1e-5);
-  EXPECT_NEAR(strips[0].areas[1], 4.0 * std::numbers::sqrt2, 1e-5);
 }
 
 TEST(CollectStrips, AChildOutOfAHoleStartsAStripOfItsOwn) {
@@ -98,14 +71,6 @@ std::vector<StripPiece> cut(const Strip& strip, const std::vector<double>& row_l
   return pieces;
 }
 
-TEST(CutStrip, KeepsWhatFitsInOnePiece) {
-  const LimbBuilder limbs = limb_with_continuing_child();
-  const auto strips = collect_strips(limbs.mesh, limbs.skeleton);
-  const auto pieces = cut(strips[0], {1, 1, 1, 1}, 4.0);
-  ASSERT_EQ(pieces.size(), 1u);
-  EXPECT_EQ(pieces[0].last_row, 4);
-}
-
 TEST(CutStrip, CutsALongStripBesideTheJointRatherThanAtIt) {
   const LimbBuilder limbs = limb_with_continuing_child();
   const auto strips = collect_strips(limbs.mesh, limbs.skeleton);
@@ -129,15 +94,6 @@ TEST(CutStrip, CutsIntoAsFewPiecesAsNeeded) {
     EXPECT_LE(piece.last_row - piece.first_row, 7);
     EXPECT_GE(piece.last_row - piece.first_row, 6);
   }
-}
-
-TEST(ChooseSeam, PutsTheSeamOnTheUnderside) {
-  LimbBuilder limbs;
-  limbs.add_limb({0, 0, 0}, {5, 0, 0}, 1, 0.5, 3);
-  const auto strips = collect_strips(limbs.mesh, limbs.skeleton);
-  const auto pieces = cut(strips[0], {1, 1, 1}, 9.0);
-  const int32_t vertex = strips[0].rings[0].corners[choose_seam(strips[0], pieces[0])];
-  EXPECT_FLOAT_EQ(limbs.mesh.vertices[vertex].z, -1.0f);
 }
 
 TEST(CutStrip, FallsApartWhereChildrenLeaveOnAllSides) {
