@@ -8,7 +8,6 @@
 namespace snowbough::gpu {
 namespace {
 
-std::atomic<int64_t> reads = 0;
 std::atomic<int64_t> held_bytes = 0;
 
 /// Running out of memory depends on the user's scene, so its message gives advice.
@@ -37,10 +36,6 @@ int64_t texel_bytes(GLenum format) {
 }
 
 }  // namespace
-
-int64_t read_count() {
-  return reads;
-}
 
 int64_t buffer_bytes() {
   return held_bytes;
@@ -92,7 +87,6 @@ void Buffer::write(int64_t offset, int64_t bytes, const void* data) {
 
 void Buffer::read(int64_t offset, int64_t bytes, void* data) const {
   if (bytes > 0) {
-    ++reads;
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glGetNamedBufferSubData(id_, offset, bytes, data);
   }
@@ -183,7 +177,6 @@ void Texture::write_rows(int32_t layer, int32_t first, int32_t count, GLenum for
 }
 
 void Texture::read(int32_t layer, GLenum format, GLenum type, int64_t bytes, void* data) const {
-  ++reads;
   glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glGetTextureSubImage(id_, 0, 0, 0, layer, width_, height_, 1, format, type,

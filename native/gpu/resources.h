@@ -8,9 +8,6 @@
 
 namespace snowbough::gpu {
 
-/// Number of copies from GPU memory so far, for tests.
-int64_t read_count();
-
 /// Bytes of all buffers that exist, without textures.
 int64_t buffer_bytes();
 

@@ -82,10 +82,6 @@ def nothing(value):
     return value is None
 
 
-def anything(value):
-    return True
-
-
 def digest(value):
     """A file's checksum."""
     return isinstance(value, str) and bool(_DIGEST.fullmatch(value))

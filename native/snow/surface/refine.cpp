@@ -98,8 +98,6 @@ constexpr float kAcross = 0.9f;
 /// strip's own edges are rows, too.
 constexpr float kStripEdge = 0.12f;
 constexpr float kOnStrip = 0.65f;
-/// A strip with more faces across has more rows than a hem needs.
-constexpr int32_t kFewRows = 3;
 /// A cut is skipped if it is nearer to an end of the edge than this fraction of the edge.
 constexpr float kSnap = 0.15f;
 

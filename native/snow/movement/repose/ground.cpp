@@ -62,12 +62,6 @@ glm::dvec3 point_on(const ReposeGround& ground, const ReposeLinks::Point& at,
          static_cast<double>(at.weights.y) * (corner(2) - a);
 }
 
-glm::dvec3 world_point(const ReposeGround& ground, int32_t texel) {
-  const auto i = static_cast<size_t>(texel);
-  return point_on(ground, {ground.table().triangle[i], ground.table().barycentric[i]},
-                  ground.object->positions);
-}
-
 Outlet outlet_of(const ReposeGround& ground, const OutletLink& link) {
   return outlet_of(ground, link, ground.object->positions);
 }

@@ -79,10 +79,9 @@ struct ReposeGround {
 /// for repose from the last one.
 bool update_ground(ReposeGround& ground, bool curved);
 
-/// A point of the surface, if its vertices are at `positions`; and of a texel, in the world.
+/// A point of the surface, if its vertices are at `positions`.
 glm::dvec3 point_on(const ReposeGround& ground, const ReposeLinks::Point& at,
                     const std::vector<glm::vec3>& positions);
-glm::dvec3 world_point(const ReposeGround& ground, int32_t texel);
 
 /// The end of the surface at an outlet, in the world.
 struct Outlet {
