@@ -12,9 +12,6 @@
 #define KERNEL_MAKE3(type, a, b, c) type(a, b, c)
 #define KERNEL_MAKE4(type, a, b, c, d) type(a, b, c, d)
 #define KERNEL_MAKE5(type, a, b, c, d, e) type(a, b, c, d, e)
-/// Caches the last result by a key of two numbers: neighbouring texels often lie in the same triangle.
-#define KERNEL_MEMO(type, name)
-#define KERNEL_MEMOIZED(name, key, found) found
 #define KERNEL_CONST_REF(type) const type
 /// A shader's variants have all blocks bound; a kernel's may be null.
 #define KERNEL_IS_BOUND(name) true
@@ -35,9 +32,7 @@
 #define KERNEL_MAKE3(type, a, b, c) type{a, b, c}
 #define KERNEL_MAKE4(type, a, b, c, d) type{a, b, c, d}
 #define KERNEL_MAKE5(type, a, b, c, d, e) type{a, b, c, d, e}
-#define KERNEL_MEMO(type, name) kernel::Memo<type> name;
 #define KERNEL_CONST_REF(type) const type&
-#define KERNEL_MEMOIZED(name, key, found) (name).get(key, [&] { return found; })
 #define KERNEL_IS_BOUND(name) ((name) != nullptr)
 #define KERNEL_UNIFORM(type, name) type name
 #define KERNEL_UNIFORM_BLOCK(block, type, name) type name

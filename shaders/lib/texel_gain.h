@@ -80,8 +80,6 @@ struct FragmentCells {
   float part;
 };
 
-KERNEL_MEMO(FragmentCells, last_cells)
-
 /// Number of cells along one side of a fragment that is `extent` pixels long.
 int cell_count(vec2 extent) {
   return clamp(int(ceil(max(abs(extent.x), abs(extent.y)) / kCellPixels)), 1, kMaxCells);
@@ -155,8 +153,7 @@ uint point_gain(uint triangle, KERNEL_CONST_REF(GainTriangle) own, vec2 weights,
 /// A fragment's gain in this tile; `share`: of its triangle's area, `middle`: the weights at its centroid, `most`: its
 /// gain under open sky.
 uint fragment_gain(uint triangle, float share, vec2 middle, KERNEL_CONST_REF(GainTriangle) own, float most) {
-  KERNEL_CONST_REF(FragmentCells) cells =
-      KERNEL_MEMOIZED(last_cells, uvec2(triangle, floatBitsToUint(share)), fragment_cells(own, share));
+  const FragmentCells cells = fragment_cells(own, share);
   const vec2 first = middle + cells.first;
   const float most_a_cell = most * cells.part;
   uint gain = 0u;

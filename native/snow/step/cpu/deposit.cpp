@@ -186,10 +186,7 @@ class GroupGather {
 
   void add_open_cells(const Run& run, uint32_t count) {
     for (uint32_t k = 0; k < count; ++k) {
-      const float share = all_.share[run.begin + k];
-      const Gain::FragmentCells& cells =
-          gain_.last_cells.get(uvec2(run.triangle, std::bit_cast<uint>(share)),
-                               [&] { return gain_.fragment_cells(own_, share); });
+      const Gain::FragmentCells cells = gain_.fragment_cells(own_, all_.share[run.begin + k]);
       const auto in_cell = static_cast<uint>(most_[k] * cells.part + 0.5f);
       add(all_.texel[run.begin + k], in_cell * static_cast<uint>(cells.along_u * cells.along_v));
     }

@@ -39,24 +39,6 @@ namespace snowbough::snow::kernel {
 using namespace glm;     // NOLINT(google-build-using-namespace): the shaders' names
 using namespace shared;  // NOLINT(google-build-using-namespace)
 
-/// A cached value and its key.
-template <typename Value>
-class Memo {
- public:
-  template <typename Find>
-  const Value& get(uvec2 key, const Find& find) {
-    if (key.x != key_.x || key.y != key_.y) {
-      value_ = find();
-      key_ = key;
-    }
-    return value_;
-  }
-
- private:
-  uvec2 key_{kNowhere};
-  Value value_{};
-};
-
 // Component by component: glm's vectors are unions, which the compiler copies through memory.
 inline Word texelFetch(const Word* view, int index) {
   return {view[index].x};
