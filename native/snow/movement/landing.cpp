@@ -108,10 +108,6 @@ void Landing::release(const LandingSettings& settings, const std::vector<Release
   const auto number = static_cast<int32_t>(map.object);
   int64_t listed = 0;
   double slid = 0.0;
-  TexelsNow texels(object, repose.table());
-  // Neighbours mostly fall together.
-  Exit* last = nullptr;
-  Cube last_cube{};
   const auto add = [&](const Release& release) {
     const int64_t units = units_of(release.volume);
     if (units <= 0) return;
@@ -130,7 +126,7 @@ void Landing::release(const LandingSettings& settings, const std::vector<Release
       air_[{clock_, number, place, false}] += units;
       return;
     } else {
-      const TexelNow texel = texels.at(release.texel);
+      const TexelNow texel = texel_now(object, repose.table(), object.positions, release.texel);
       exit.point = texel.point;
       if (release.outlet == Release::kThrough) exit.point.z -= kBelowSurface;
       const double flat = glm::length(glm::dvec2(texel.normal));
@@ -141,11 +137,7 @@ void Landing::release(const LandingSettings& settings, const std::vector<Release
       exit.key[static_cast<size_t>(axis)] =
           static_cast<int64_t>(std::floor(exit.point[axis] / settings.heap_grain));
     }
-    if (last == nullptr || exit.key != last_cube) {
-      last = &exits_[exit.key];
-      last_cube = exit.key;
-    }
-    Exit& cell = *last;
+    Exit& cell = exits_[exit.key];
     const auto weight = static_cast<double>(units);
     if (cell.units == 0) cell.object = number;
     cell.units += units;

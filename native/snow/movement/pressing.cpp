@@ -276,7 +276,7 @@ std::vector<Pressing::Touched> Pressing::touched_by(size_t presser, const Presse
       if (std::abs(rise) >= 1.0) {
         up = {0.0, 0.0, rise};
       } else if (up == glm::dvec3(0.0)) {
-        up = texel_now(*map.object, *map.object->table, texel).normal;
+        up = texel_now(*map.object, *map.object->table, map.object->positions, texel).normal;
         if (up != glm::dvec3(0.0)) up = glm::normalize(up);
       }
       const glm::dvec3 normal = up * map.side(texel);

@@ -159,7 +159,7 @@ MapPoint Water::below(size_t object, int32_t from, int32_t texel, Repose& repose
     point = outlet.point + glm::dvec3(outlet.outwards * kDropsOutside, 0.0);
   } else {
     const SceneObject& own = *rays_->objects()[object];
-    const TexelNow now = texel_now(own, *own.table, texel);
+    const TexelNow now = texel_now(own, *own.table, own.positions, texel);
     point = now.point + now.normal * kDropsOutside;
   }
   const RayHit hit = first_ground(*rays_, point, {0.0, 0.0, -1.0}, 1e4);

@@ -1,6 +1,7 @@
 #include "snow/movement/rays/map_point.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -69,7 +70,8 @@ MapPoint map_point(const SceneObject& object, const RayHit& hit, double z) {
       place_near(*object.table, hit.triangle, on_map * static_cast<float>(topology.resolution));
   if (const int32_t texel = texel_at(*object.table, point.place); texel >= 0) {
     // Others of its faces may be walls.
-    const auto up = static_cast<float>(std::abs(texel_now(object, *object.table, texel).normal.z));
+    const auto up = static_cast<float>(
+        std::abs(texel_now(object, *object.table, object.positions, texel).normal.z));
     point.column = shared::is_wall(up) ? 0.0f : shared::column_height(up);
   }
   return point;
@@ -92,35 +94,28 @@ RayHit first_ground(const SceneRays& rays, const glm::dvec3& from, const glm::dv
   return {};
 }
 
-const TexelsNow::Triangle& TexelsNow::triangle(int32_t number) {
-  if (number == last_.number) return last_;
-  const int32_t* const corners =
-      &object_.description.topology.triangles[3 * static_cast<size_t>(number)];
-  const auto corner = [&](int k) {
-    return glm::dvec3(positions_[static_cast<size_t>(corners[k])]);
+TexelNow texel_now(const SceneObject& object, const TexelTable& table,
+                   const std::vector<glm::vec3>& positions, int32_t texel) {
+  const auto corners = [&](int32_t triangle) {
+    const int32_t* const own =
+        &object.description.topology.triangles[3 * static_cast<size_t>(triangle)];
+    const auto corner = [&](int k) { return glm::dvec3(positions[static_cast<size_t>(own[k])]); };
+    const glm::dvec3 first = corner(0);
+    return std::array{first, corner(1) - first, corner(2) - first};
   };
-  last_.number = number;
-  last_.first = corner(0);
-  last_.to_second = corner(1) - corner(0);
-  last_.to_third = corner(2) - corner(0);
-  last_.normal = glm::cross(last_.to_second, last_.to_third);
-  last_.size = glm::length(last_.normal);
-  return last_;
-}
-
-TexelNow TexelsNow::at(int32_t texel) {
   const auto i = static_cast<size_t>(texel);
   TexelNow now;
-  for (int32_t f = table_.fragment_begin[i]; f < table_.fragment_begin[i + 1]; ++f) {
-    const Triangle& own = triangle(table_.fragment_triangle[static_cast<size_t>(f)]);
-    const double share = static_cast<double>(table_.fragment_share[static_cast<size_t>(f)]);
-    now.area += 0.5 * share * own.size;
-    now.normal += 0.5 * share * own.normal;
+  for (int32_t f = table.fragment_begin[i]; f < table.fragment_begin[i + 1]; ++f) {
+    const auto [first, second, third] = corners(table.fragment_triangle[static_cast<size_t>(f)]);
+    const glm::dvec3 normal = glm::cross(second, third);
+    const double share = static_cast<double>(table.fragment_share[static_cast<size_t>(f)]);
+    now.area += 0.5 * share * glm::length(normal);
+    now.normal += 0.5 * share * normal;
   }
   if (now.area > 0.0) now.normal /= now.area;
-  const Triangle& own = triangle(table_.triangle[i]);
-  const glm::dvec2 weights(table_.barycentric[i]);
-  now.point = own.first + weights.x * own.to_second + weights.y * own.to_third;
+  const auto [first, second, third] = corners(table.triangle[i]);
+  const glm::dvec2 weights(table.barycentric[i]);
+  now.point = first + weights.x * second + weights.y * third;
   return now;
 }
 

@@ -33,7 +33,7 @@ bool holds_snow(const RayHit& hit);
 RayHit first_ground(const SceneRays& rays, const glm::dvec3& from, const glm::dvec3& direction,
                     double length);
 
-/// A texel in the current pose, flat.
+/// A texel in a pose, flat.
 struct TexelNow {
   glm::dvec3 point{0.0};
   /// Mean normal of its faces.
@@ -42,39 +42,9 @@ struct TexelNow {
   double area = 0.0;
 };
 
-/// Texels in the current pose, of `table`, the object's or a coarser one. Neighbours mostly lie on
-/// the same triangle, which is measured once.
-class TexelsNow {
- public:
-  TexelsNow(const SceneObject& object, const TexelTable& table)
-      : TexelsNow(object, table, object.positions) {}
-  /// The same, if the object's vertices are at `positions`.
-  TexelsNow(const SceneObject& object, const TexelTable& table,
-            const std::vector<glm::vec3>& positions)
-      : object_(object), table_(table), positions_(positions) {}
-
-  /// `texel`: index in the table.
-  TexelNow at(int32_t texel);
-
- private:
-  struct Triangle {
-    int32_t number = -1;
-    glm::dvec3 first{0.0}, to_second{0.0}, to_third{0.0};
-    /// The sides' cross product, and its length.
-    glm::dvec3 normal{0.0};
-    double size = 0.0;
-  };
-  const Triangle& triangle(int32_t number);
-
-  const SceneObject& object_;
-  const TexelTable& table_;
-  const std::vector<glm::vec3>& positions_;
-  Triangle last_;
-};
-
-inline TexelNow texel_now(const SceneObject& object, const TexelTable& table, int32_t texel) {
-  return TexelsNow(object, table).at(texel);
-}
+/// A texel of `table`, the object's or a coarser one, if the object's vertices are at `positions`.
+TexelNow texel_now(const SceneObject& object, const TexelTable& table,
+                   const std::vector<glm::vec3>& positions, int32_t texel);
 
 /// The texel at a place of the map, -1: none.
 int32_t texel_at(const TexelTable& table, int32_t place);

@@ -13,8 +13,8 @@ namespace {
 /// The outlet above a wall: at its upper end.
 Outlet wall_outlet(const ReposeGround& ground, const OutletLink& link,
                    const std::vector<glm::vec3>& positions) {
-  const TexelNow wall = TexelsNow(*ground.object, ground.table(), positions)
-                            .at(texel_at(ground.table(), -1 - link.number));
+  const TexelNow wall = texel_now(*ground.object, ground.table(), positions,
+                                  texel_at(ground.table(), -1 - link.number));
   Outlet outlet;
   outlet.point = wall.point;
   // Poses differ by a turn about the vertical and a translation.
