@@ -68,15 +68,19 @@ def empty_manifest(folder):
 DAMAGES = [damage_map, damage_manifest, empty_manifest]
 
 
-@pytest.mark.parametrize("how", [("-f", "2"), ("-s", "2", "-e", "2", "-a")], ids=["frame", "animation"])
-def test_a_damaged_cache_ends_a_render_in_the_background(shot, scene, tmp_path, how):
+@pytest.mark.parametrize(
+    "how, damages",
+    [(("-f", "2"), DAMAGES), (("-s", "2", "-e", "2", "-a"), [damage_map])],
+    ids=["frame", "animation"],
+)
+def test_a_damaged_cache_ends_a_render_in_the_background(shot, scene, tmp_path, how, damages):
     done, picture = rendered_by_blender(shot, *how)
     assert done.returncode == 0
     assert picture.exists()
     picture.unlink()
     folder = folder_of(scene)
     shutil.copytree(folder, tmp_path / "whole")
-    for damage in DAMAGES:
+    for damage in damages:
         named = damage(folder)
         done, picture = rendered_by_blender(shot, *how)
         assert done.returncode != 0

@@ -527,7 +527,8 @@ def undisturbed(tmp_path):
     return files
 
 
-@pytest.mark.parametrize("last", [1, 5])
+# The thin snow of frame 1 alone would take ten times as many points.
+@pytest.mark.parametrize("last", [2, 5])
 def test_a_resumed_bake_writes_the_same_surfaces(addon, undisturbed, tmp_path, last):
     assert s.bake_part(addon, 1, last).error is None
     half = s.files_of(tmp_path / "cache")
