@@ -279,7 +279,7 @@ std::vector<float> Blanket::lay(const SurfacePoints& points, std::vector<float>&
     const float level = eased(points.normal[p].z, shared::kSteep, kCarries);
     const float bears = member.is_far
                             ? 1.0f
-                            : eased(along, kLeans, kBears) * level *
+                            : eased(along / up.z, kLeans, kBears) * level *
                                   eased(near_[i].ground - at.z, kDeep * depth_, kShallow * depth_);
     float share = member.foot * hides * bears;
     if (member.front >= 0) {

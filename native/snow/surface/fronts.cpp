@@ -22,6 +22,11 @@ using shared::SnowFront;
 constexpr float kLee = 0.4f;
 /// Points at least this fraction into their zone give the height of the snow behind a rim.
 constexpr float kInland = 0.6f;
+/// Points this far into the zone of a narrow top lie about where the height is wanted: if there are
+/// any within this distance, in depths, the others do not count. On a slope, heights nearer to the
+/// rim are lower.
+constexpr float kMiddle = 0.78f;
+constexpr float kMiddleReach = 0.2f;
 /// Distance from a point within a piece at which snow beside the piece is looked for, in depths.
 constexpr float kFromHidden = 0.4f;
 /// Where the snow behind a rim is looked for, as a fraction of the zone.
@@ -332,15 +337,17 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
     if (is_far || points.normal[p].z < kCarriesBelow) return;
     state[p] = within_piece(points.mesh.position[p]) ? kHidden : kLies;
   });
-  std::vector<int32_t> behind_rims, lie;
+  std::vector<int32_t> behind_rims, middles, lie;
   for (size_t p = 0; p < points.count(); ++p) {
     if (state[p] != kLies) continue;
     lie.push_back(static_cast<int32_t>(p));
     const bool is_behind = !zone[p].place.is_far_off && zone[p].share > kInland;
     if (is_behind) behind_rims.push_back(static_cast<int32_t>(p));
+    if (is_behind && zone[p].share > kMiddle) middles.push_back(static_cast<int32_t>(p));
   }
   const std::vector<glm::vec3>& position = points.mesh.position;
   const NearestPoints inland(position, std::move(behind_rims), sheltered, depth);
+  const NearestPoints middle(position, std::move(middles), sheltered, depth);
   const NearestPoints lying(position, std::move(lie), sheltered, depth);
   fronts.counted.assign(points.count(), 1.0f);
   for (size_t p = 0; p < points.count(); ++p) {
@@ -397,6 +404,10 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
       behind = here.place.foot - here.place.out * (here.support * (inwards - 0.2f));
     }
     fronts.inland[f] = inland.at(behind, own, farthest, shelter);
+    if (inwards == kBehind && front.presence > 0.0f) {
+      const PointMean nearer = middle.at(behind, own, kMiddleReach * depth, shelter);
+      if (nearer.weight[0] < 1.0f) fronts.inland[f] = nearer;
+    }
     if (front.presence > 0.0f) {
       const bool may_bridge = front.bridged > 0.0f;
       const auto lying_at = [&](const glm::vec3& place) {

@@ -9,6 +9,7 @@ import snowbough_native as native
 from shown_snow import faces_of, map_of, shown_over
 from snow_fall import fall, snow_over
 from snow_meshes import bevelled_box, box, lathe, unfolded
+from snow_pieces import bevelled_slats
 from snow_rays import first_hits
 
 # Metres.
@@ -296,6 +297,33 @@ def test_snow_on_slats_lifts_no_side_of_the_leg_below_them():
             direction = np.zeros(3)
             direction[axis] = side
             assert first_hits(inside, drawn, direction).min() > -0.05
+
+
+def test_the_front_of_a_slat_is_as_high_everywhere():
+    """The snow is deeper, the farther it is from the front."""
+    *mesh, resolution = bevelled_slats([0.07], 2, width=0.14, length=1.5, height=0.03)
+    snow = map_of(mesh, resolution, lambda points, up: np.where(up > 0.7, 0.03 + 2.1 * points[:, 1], 0.0))
+    along = np.linspace(-0.5, 0.5, 401)
+    plain = {"overhang": 0.0, "hem_variation": 0.0, "bridging": 1.0, "relief": 0.0}
+    places = np.stack([along, np.full_like(along, 0.012)], axis=1)
+    assert shown_over(mesh, snow, 0.3, places, style=plain)[0].std() < 0.0035
+
+
+def test_the_flank_of_a_heap_on_slats_has_no_teeth():
+    """It is 65 degrees steep; bars below the joints carry snow, too."""
+    faces = []
+    boxes = [((-0.5, y - 0.0475, 0.7), (0.5, y + 0.0475, 0.73)) for y in np.arange(-2, 3) * 0.11]
+    boxes += [((-0.45, y - 0.02, 0.65), (0.45, y + 0.02, 0.7)) for y in (-0.18, 0.18)]
+    for low, high in boxes:
+        positions, triangles, _ = box(1.0, 1.0)
+        at = (positions + (0.5, 0.5, 0.0)) * (np.array(high) - low) + low
+        faces += [at[[*triangles[k], triangles[k + 1][2]]] for k in range(0, 12, 2)]
+    *mesh, resolution = unfolded([np.array(face, np.float64) for face in faces], 0.005)
+    across, along = np.meshgrid(np.linspace(0.1, 0.26, 41), np.linspace(-0.3, 0.3, 151))
+    places = np.stack([along.ravel(), across.ravel()], axis=1)
+    plain = {"overhang": 0.0, "hem_variation": 0.0, "bridging": 1.0, "relief": 0.0}
+    drawn = shown_over(mesh, fallen(mesh, resolution, 0.3), 0.3, places, style=plain)[0]
+    assert drawn.reshape(across.shape).std(axis=0).max() < 0.014
 
 
 def test_the_middle_of_a_slat_is_as_smooth_as_its_sides():
