@@ -27,6 +27,9 @@ constexpr float kInland = 0.6f;
 /// rim are lower.
 constexpr float kMiddle = 0.78f;
 constexpr float kMiddleReach = 0.2f;
+/// Distance, in depths, up to which snow in the open gives the height, before snow in shelter does:
+/// behind the rim of a ledge there may be no other.
+constexpr float kOpenReach = 1.3f;
 /// Distance from a point within a piece at which snow beside the piece is looked for, in depths.
 constexpr float kFromHidden = 0.4f;
 /// Where the snow behind a rim is looked for, as a fraction of the zone.
@@ -403,10 +406,13 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
       inwards -= 0.2f;
       behind = here.place.foot - here.place.out * (here.support * (inwards - 0.2f));
     }
-    fronts.inland[f] = inland.at(behind, own, farthest, shelter);
-    if (inwards == kBehind && front.presence > 0.0f) {
-      const PointMean nearer = middle.at(behind, own, kMiddleReach * depth, shelter);
-      if (nearer.weight[0] < 1.0f) fronts.inland[f] = nearer;
+    PointMean& height = fronts.inland[f];
+    height = {glm::ivec4(own), glm::vec4(1.0f, 0.0f, 0.0f, 0.0f)};
+    const auto is_found = [&] { return height.weight[0] < 1.0f; };
+    if (front.presence > 0.0f) {
+      if (inwards == kBehind) height = middle.at(behind, own, kMiddleReach * depth, shelter);
+      if (!is_found()) height = inland.at(behind, own, kOpenReach * depth, shelter);
+      if (!is_found()) height = inland.at(behind, own, farthest, true);
     }
     if (front.presence > 0.0f) {
       const bool may_bridge = front.bridged > 0.0f;

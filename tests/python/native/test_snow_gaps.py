@@ -326,6 +326,30 @@ def test_the_flank_of_a_heap_on_slats_has_no_teeth():
     assert drawn.reshape(across.shape).std(axis=0).max() < 0.014
 
 
+def test_a_ledge_in_shelter_has_the_snow_of_its_own_shelter():
+    """The block beside it, across a joint, is higher; its snow in the open lies 50 cm away."""
+    faces = []
+    boxes = [((-0.15, 0.0, 0.0), (0.15, 0.4, 0.5)), ((-1.0, 0.0, 0.0), (-0.174, 0.4, 0.6))]
+    for low, high in [*boxes, ((-0.65, 0.03, 0.7), (0.3, 0.4, 1.2))]:
+        positions, triangles, _ = box(1.0, 1.0)
+        at = (positions + (0.5, 0.5, 0.0)) * (np.array(high) - low) + low
+        faces += [at[[*triangles[k], triangles[k + 1][2]]] for k in range(0, 12, 2)]
+    *mesh, resolution = unfolded([np.array(face, np.float64) for face in faces], 0.01)
+
+    def lying(points, up):
+        x, y, z = points.T
+        is_open = (z > 0.7) | (y < 0.05) | (x < -0.65)
+        return np.where((up > 0.7) & is_open, np.where((z < 0.7) & (x > -0.16), 0.01, 0.2), 0.0)
+
+    snow = map_of(mesh, resolution, lying)
+    positions, triangles, uv = mesh
+    surface = native.SnowSurface(triangles, uv, positions, snow, snow, 0.3)
+    carrier, drawn = surface.points(0.0 * snow, 1e-4), surface.points(snow, 0.3)
+    on_ledge = (abs(carrier[:, 0]) < 0.16) & (abs(carrier[:, 2] - 0.5) < 0.01) & (carrier[:, 1] < 0.1)
+    assert on_ledge.any()
+    assert drawn[on_ledge, 2].max() < 0.5 + 0.02
+
+
 def test_the_middle_of_a_slat_is_as_smooth_as_its_sides():
     """The snow slopes down to the outer edges of the outer slats."""
     mesh, resolution = plates(gap=0.031, width=0.096, count=3, length=1.4)
