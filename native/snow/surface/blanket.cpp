@@ -277,13 +277,17 @@ std::vector<float> Blanket::lay(const SurfacePoints& points, std::vector<float>&
     const float along = glm::dot(up, points.normal[p]);
     // Along the normal of a steep side, the way to the blanket would be long and end beside it.
     const float level = eased(points.normal[p].z, shared::kSteep, kCarries);
-    const float bears = member.is_far
-                            ? 1.0f
-                            : eased(along / up.z, kLeans, kBears) * level *
-                                  eased(near_[i].ground - at.z, kDeep * depth_, kShallow * depth_);
-    float share = member.foot * hides * bears;
+    // A level face bears a blanket however steep it is, but below the upper piece such a blanket
+    // would stand out of the snow on that.
+    const auto bears = [&](float cosine) {
+      return member.is_far
+                 ? 1.0f
+                 : eased(cosine, kLeans, kBears) * level *
+                       eased(near_[i].ground - at.z, kDeep * depth_, kShallow * depth_);
+    };
+    float share = member.foot * hides * bears(along);
     if (member.front >= 0) {
-      of_front[member.front] = goes_on[member.front] * hides * bears;
+      of_front[member.front] = goes_on[member.front] * hides * bears(along / up.z);
       ups[member.front] = up;
       share = std::max(share, of_front[member.front]);
     }
