@@ -94,6 +94,11 @@ constexpr float kOneCut = 0.03f;
 constexpr float kOneRow = 0.3f;
 /// An edge does not cross the middle of a top if both of its ends lie farther into their zones.
 constexpr float kAcross = 0.9f;
+/// The middle of an edge across a corner may lie farther into the zone than its ends by this
+/// fraction of the zone.
+constexpr float kCorner = 0.1f;
+/// Rims whose outward directions have a smaller cosine lie opposite to each other.
+constexpr float kOpposite = -0.5f;
 /// Edges on the strip of a rim, such as a bevel, are cut only if they are longer than this: the
 /// strip's own edges are rows, too.
 constexpr float kStripEdge = 0.12f;
@@ -318,7 +323,7 @@ class Refiner {
   /// Splits every edge where it crosses a cut parallel to a rim. Returns true if it split an edge.
   bool cut_parallel() {
     return split_at([&](int32_t p, int32_t q) {
-      if (lies_across(p, q)) return 0.5f;
+      if (lies_across(p, q) || cuts_corner(p, q)) return 0.5f;
       return is_short_on_strip(p, q) ? 0.0f : cut_of(zone_[p], zone_[q]);
     });
   }
@@ -331,6 +336,18 @@ class Refiner {
     if (std::min(a.share, b.share) > kAcross || glm::dot(a.place.out, b.place.out) > 0.5f)
       return false;
     return glm::distance(mesh_.position[p], mesh_.position[q]) > 1.2f * std::max(a.room, b.room);
+  }
+
+  /// True if the edge goes across a corner of a top, from one rim to the next: its middle lies
+  /// farther into the zones than both ends.
+  bool cuts_corner(int32_t p, int32_t q) const {
+    const RimZones::Zone& a = zone_[p];
+    const RimZones::Zone& b = zone_[q];
+    if (a.place.is_far_off || b.place.is_far_off || a.share < 0.0f || b.share < 0.0f) return false;
+    if (glm::dot(a.place.out, b.place.out) < kOpposite) return false;
+    const glm::vec3 half = 0.5f * (mesh_.position[q] - mesh_.position[p]);
+    const float deeper = std::min(-glm::dot(half, a.place.out), glm::dot(half, b.place.out));
+    return deeper > kCorner * std::max(a.support, b.support);
   }
 
   /// True if the edge is short and lies on the strip of a rim.

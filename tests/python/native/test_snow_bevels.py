@@ -5,7 +5,8 @@ import functools
 
 import numpy as np
 import pytest
-from shown_snow import highest, map_of, shown_over
+import snowbough_native as native
+from shown_snow import faces_of, highest, map_of, shown_over
 from snow_meshes import bevelled_box, box, smooth, unfolded
 
 # Metres.
@@ -52,3 +53,18 @@ def test_bevels_and_rounded_edges_show_as_much_snow_as_sharp_edges(bevel, segmen
 def test_a_bevel_costs_no_points(segments):
     *mesh, resolution = bevelled_box(0.02, segments)
     assert shown(mesh, resolution)[1] == pytest.approx(sharp()[1], rel=0.05)
+
+
+@pytest.mark.parametrize("is_smooth", [False, True])
+def test_no_coarse_triangle_cuts_off_the_corner_of_a_rounded_box(is_smooth):
+    """The snow within it would be as flat as it."""
+    *mesh, resolution = bevelled_box(0.06, 8, size=0.8, height=0.5)
+    positions, triangles, uv = mesh
+    snow = map_of(mesh, resolution, lambda points, up: np.where(up > 0.3, 0.25 * up, 0.0))
+    shading = {"shading": smooth(positions, triangles)} if is_smooth else {}
+    surface = native.SnowSurface(triangles, uv, positions, snow, snow, 0.3, **shading)
+    a, b, c = surface.points(0.0 * snow, 1e-4)[faces_of(surface)].transpose(1, 0, 2)
+    middle = (a + b + c) / 3.0
+    in_corner = (np.abs(middle[:, :2]).min(axis=1) > 0.2) & (middle[:, 2] > 0.49)
+    area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    assert area[in_corner].max() < 0.055 * 0.3**2
