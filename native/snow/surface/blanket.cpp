@@ -280,10 +280,9 @@ std::vector<float> Blanket::lay(const SurfacePoints& points, std::vector<float>&
     // A level face bears a blanket however steep it is, but below the upper piece such a blanket
     // would stand out of the snow on that.
     const auto bears = [&](float cosine) {
-      return member.is_far
-                 ? 1.0f
-                 : eased(cosine, kLeans, kBears) * level *
-                       eased(near_[i].ground - at.z, kDeep * depth_, kShallow * depth_);
+      return member.is_far ? 1.0f
+                           : eased(cosine, kLeans, kBears) * level *
+                                 eased(near_[i].ground - at.z, kDeep * depth_, kShallow * depth_);
     };
     float share = member.foot * hides * bears(along);
     if (member.front >= 0) {
