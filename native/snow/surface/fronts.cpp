@@ -27,8 +27,8 @@ constexpr float kInland = 0.6f;
 /// rim are lower.
 constexpr float kMiddle = 0.78f;
 constexpr float kMiddleReach = 0.2f;
-/// Distance, in depths, up to which snow in the open gives the height, before snow in shelter does:
-/// behind the rim of a ledge there may be no other.
+/// Distance, in depths, up to which snow in the open gives the height: behind the rim of a ledge
+/// whose rest is in shelter there may be none.
 constexpr float kOpenReach = 1.3f;
 /// Distance from a point within a piece at which snow beside the piece is looked for, in depths.
 constexpr float kFromHidden = 0.4f;
@@ -408,11 +408,10 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
     }
     PointMean& height = fronts.inland[f];
     height = {glm::ivec4(own), glm::vec4(1.0f, 0.0f, 0.0f, 0.0f)};
-    const auto is_found = [&] { return height.weight[0] < 1.0f; };
     if (front.presence > 0.0f) {
       if (inwards == kBehind) height = middle.at(behind, own, kMiddleReach * depth, shelter);
-      if (!is_found()) height = inland.at(behind, own, kOpenReach * depth, shelter);
-      if (!is_found()) height = inland.at(behind, own, farthest, true);
+      const float reach = shelter ? farthest : kOpenReach * depth;
+      if (height.point[0] == own) height = inland.at(behind, own, reach, shelter);
     }
     if (front.presence > 0.0f) {
       const bool may_bridge = front.bridged > 0.0f;
