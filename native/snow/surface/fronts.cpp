@@ -27,9 +27,10 @@ constexpr float kInland = 0.6f;
 /// rim are lower.
 constexpr float kMiddle = 0.78f;
 constexpr float kMiddleReach = 0.2f;
-/// Distance, in depths, up to which snow in the open gives the height: behind the rim of a ledge
-/// whose rest is in shelter there may be none.
+/// Distance, in depths, up to which snow in the open gives the height, before snow in shelter does:
+/// behind the rim of a ledge there may be no other. Where that is bare, the point gives its own.
 constexpr float kOpenReach = 1.3f;
+constexpr float kIsBare = 0.02f;
 /// Distance from a point within a piece at which snow beside the piece is looked for, in depths.
 constexpr float kFromHidden = 0.4f;
 /// Where the snow behind a rim is looked for, as a fraction of the zone.
@@ -412,6 +413,7 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
       if (inwards == kBehind) height = middle.at(behind, own, kMiddleReach * depth, shelter);
       const float reach = shelter ? farthest : kOpenReach * depth;
       if (height.point[0] == own) height = inland.at(behind, own, reach, shelter);
+      if (height.point[0] == own) height = inland.at(behind, own, farthest, true);
     }
     if (front.presence > 0.0f) {
       const bool may_bridge = front.bridged > 0.0f;
@@ -489,6 +491,10 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
 void find_presence(Fronts& fronts, const SurfacePoints& points, const HeightSamples& samples,
                    const std::vector<float>& thickness, const std::vector<float>& shown,
                    float depth) {
+  for (size_t f = 0; f < fronts.front.size(); ++f) {
+    if (fronts.inland[f].of(thickness) > kIsBare * depth) continue;
+    fronts.inland[f] = {glm::ivec4(fronts.point[f]), glm::vec4(1.0f, 0.0f, 0.0f, 0.0f)};
+  }
   // Snow on a narrow top lies as a dome after sliding. Upright fronts would hold more snow than the
   // map has.
   const auto foot_of = [&](size_t f) {
