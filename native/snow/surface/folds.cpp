@@ -1,6 +1,7 @@
 #include "snow/surface/folds.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 
 namespace snowbough::snow {
@@ -12,6 +13,8 @@ constexpr float kSteepest = 0.1f;
 constexpr float kLeansOut = 0.2f;
 /// Upward component of the normals of steeper faces, for the way over them.
 constexpr float kLeastUp = 0.7f;
+/// Level part of an upright offset, as a fraction of its height.
+constexpr float kUpright = 0.003f;
 constexpr int kSweeps = 24;
 
 /// Whether the normals of a triangle's corners lean together.
@@ -25,6 +28,11 @@ bool is_hollow(const SurfacePoints& points, size_t triangle) {
     }
   }
   return false;
+}
+
+/// Whether an offset is the column of snow over its point, as in a bowl: it does not become lower.
+bool is_upright(const glm::vec3& offset) {
+  return std::hypot(offset.x, offset.y) < kUpright * offset.z;
 }
 
 /// Whether a triangle's drawn snow is upside down, and neither hangs over the edge of a border nor,
@@ -80,6 +88,7 @@ bool add_folds(Folds& folds, const SurfacePoints& points, const std::vector<glm:
 
 void even_out(const Folds& folds, const std::vector<glm::vec3>& normal,
               std::vector<glm::vec3>& offsets) {
+  if (folds.point.empty()) return;
   // By how much a point's face rises along the level part of its offset.
   const auto rise = [&](int32_t p, const glm::vec3& over) {
     return -(normal[p].x * over.x + normal[p].y * over.y) / std::max(normal[p].z, kLeastUp);
@@ -100,7 +109,9 @@ void even_out(const Folds& folds, const std::vector<glm::vec3>& normal,
     }
   }
   for (const int32_t p : folds.point) {
-    offsets[p] = {column[p].x, column[p].y, column[p].z + rise(p, column[p])};
+    const float least = is_upright(offsets[p]) ? offsets[p].z : 0.0f;
+    const float height = column[p].z + rise(p, column[p]);
+    offsets[p] = {column[p].x, column[p].y, std::max(height, least)};
   }
 }
 

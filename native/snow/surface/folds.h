@@ -10,7 +10,8 @@ namespace snowbough::snow {
 
 /// The points in hollows in which snow that grows along the normals would pass through that of the
 /// other side. There the level parts of the offsets and the heights of the columns of snow change
-/// evenly (harmonically) between those of the points around.
+/// evenly (harmonically) between those of the points around. Points that rise straight up, as
+/// in a bowl, do not become lower.
 struct Folds {
   /// Ascending.
   std::vector<int32_t> point;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int32_t kWindowColumns = kReposeBlock + 2;
 
-/// A texel at the end of a link across a seam or over a edge.
+/// A texel at the end of a link across a seam or over an open edge.
 struct Bare {
   glm::vec3 point{0.0f};
   float steep = 0.0f;
