@@ -118,6 +118,8 @@ TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& option
                     execution.part(kSurfaceDone, kChartsDone));
   };
   const auto rig = [&] {
+    // First, because it takes the most memory for itself.
+    if (report != nullptr) check = check_mesh(mesh.vertices, mesh.quads);
     Armature armature = make_bones(skeleton, paths, scale, options.root_bone);
     VertexWeights weights = make_weights(surface, paths, armature, options.max_influences);
     mesh.bone_indices = std::move(weights.indices);
@@ -125,7 +127,6 @@ TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& option
     mesh.bones = std::move(armature.bones);
     mesh.uv_bark = layout_bark_uvs(surface);
     if (!options.detail) mesh.sections = limb_sections(surface);
-    if (report != nullptr) check = check_mesh(mesh.vertices, mesh.quads);
   };
   // Charts take as long as everything else that follows the surface.
   do_both(options.threads, unwrap, rig);

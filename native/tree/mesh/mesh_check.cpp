@@ -27,16 +27,16 @@ struct HalfEdges {
     // Sorted by the lower vertex in one pass, then by the higher one among the few that share it.
     struct Entry {
       int32_t high, half;
-      bool upwards;
     };
     const auto for_half_edges = [&](const auto& visit) {
       for (size_t f = 0; f < quads.size(); ++f) {
         for (int k = 0; k < 4; ++k) {
           const int32_t a = quads[f][k], b = quads[f][(k + 1) % 4];
-          visit(std::min(a, b), Entry{std::max(a, b), static_cast<int32_t>(4 * f + k), a < b});
+          visit(std::min(a, b), Entry{std::max(a, b), static_cast<int32_t>(4 * f + k)});
         }
       }
     };
+    const auto start_of = [&](const Entry& entry) { return quads[entry.half / 4][entry.half % 4]; };
     std::vector<int32_t> begin;
     std::vector<Entry> entries;
     base::group_by_key(vertex_count, for_half_edges, begin, entries);
@@ -55,7 +55,7 @@ struct HalfEdges {
         check.boundary_edges += end - i == 1;
         check.nonmanifold_edges += end - i > 2;
         if (end - i == 2) {
-          check.flipped_edges += entries[i].upwards == entries[i + 1].upwards;
+          check.flipped_edges += start_of(entries[i]) == start_of(entries[i + 1]);
           mate[entries[i].half] = entries[i + 1].half;
           mate[entries[i + 1].half] = entries[i].half;
         }
