@@ -18,7 +18,7 @@ using shared::eased;
 
 // Lengths are fractions of the snow depth on open ground unless stated otherwise.
 /// Size of the cells whose points make a node.
-constexpr float kCell = 0.2f;
+constexpr float kCell = 0.3f;
 /// A plane fits the nodes around it with weights that fall off over the first distance, up to the
 /// second. A member takes the planes of the nodes around it likewise.
 constexpr float kPlane = 0.4f;
@@ -114,6 +114,12 @@ void Blanket::find_nodes(const SurfacePoints& points, const std::vector<int32_t>
   }
 }
 
+CellGrid Blanket::node_grid() const {
+  std::vector<CellGrid::Box> boxes;
+  for (const Node& node : nodes_) boxes.push_back({node.centre, node.centre});
+  return {boxes, kPlaneReach * depth_};
+}
+
 template <typename Visit>
 void Blanket::visit_nodes(const CellGrid& grid, const glm::vec3& place, float reach,
                           const Visit& visit) const {
@@ -203,9 +209,7 @@ Blanket::Blanket(const SurfacePoints& points, const std::vector<int32_t>& lying,
   if (lying.empty()) members_.clear();  // there is no snow that could go on over them
   if (members_.empty()) return;
   find_nodes(points, lying, area, depth);
-  std::vector<CellGrid::Box> boxes;
-  for (const Node& node : nodes_) boxes.push_back({node.centre, node.centre});
-  const CellGrid grid(boxes, kPlaneReach * depth);
+  const CellGrid grid = node_grid();
   fit_ground(grid, depth);
   find_plane_parts(grid, depth);
   near_.resize(members_.size());
@@ -214,17 +218,67 @@ Blanket::Blanket(const SurfacePoints& points, const std::vector<int32_t>& lying,
   });
 }
 
-void Blanket::set_upright(const std::vector<glm::vec3>& upper,
-                          std::vector<glm::vec3>& normal) const {
-  for (size_t i = 0; i < members_.size(); ++i) {
+std::vector<glm::vec3> Blanket::planes_on(const std::vector<float>& thickness) const {
+  std::vector<float> top(nodes_.size());
+  base::for_each_item(top.size(), 256, [&](size_t n) {
+    float snow = 0.0f;
+    for (int32_t i = share_begin_[n]; i < share_begin_[n + 1]; ++i) {
+      snow += shares_[i].weight * thickness[shares_[i].index];
+    }
+    top[n] = nodes_[n].centre.z + snow;
+  });
+  std::vector<glm::vec3> planes(nodes_.size());
+  base::for_each_item(planes.size(), 64, [&](size_t n) {
+    // Relative to the node's own top, for the sake of precision.
+    glm::vec3 sum(0.0f);
+    for (int32_t i = part_begin_[n]; i < part_begin_[n + 1]; ++i) {
+      sum += parts_[i].part * (top[parts_[i].node] - top[n]);
+    }
+    planes[n] = sum + glm::vec3(0.0f, 0.0f, top[n]);
+  });
+  return planes;
+}
+
+Blanket::Here Blanket::here(const Near& near, const glm::vec3& place,
+                            const std::vector<glm::vec3>& planes) const {
+  Here here;
+  glm::vec3 slope(0.0f, 0.0f, 1.0f);
+  for (int k = 0; k < kNodes; ++k) {
+    const float weight = near.weight[k];
+    if (weight <= 0.0f) continue;
+    const auto n = static_cast<size_t>(near.node[k]);
+    const glm::vec3 to = place - nodes_[n].centre;
+    here.z += weight * (planes[n].z + planes[n].x * to.x + planes[n].y * to.y);
+    slope -= weight * glm::vec3(planes[n].x, planes[n].y, 0.0f);
+    here.is_found = true;
+  }
+  here.up = unit(slope);
+  return here;
+}
+
+void Blanket::aim(const SurfacePoints& points, const std::vector<glm::vec3>& upper,
+                  const std::vector<float>& thickness, std::vector<glm::vec3>& normal) {
+  const CellGrid grid = node_grid();
+  const std::vector<glm::vec3> planes = planes_on(thickness);
+  base::for_each_item(members_.size(), 64, [&](size_t i) {
     const Member& member = members_[i];
     const auto p = static_cast<size_t>(member.point);
     // The normals on the bevel of a rim are those of its supporting face.
     const glm::vec3 own = member.front >= 0 && !member.is_far ? normal[p] : upper[p];
-    const float bears = eased(glm::dot(own, near_[i].up), kLeans, kBears);
-    const glm::vec3 upright = glm::mix(near_[i].up, own, bears);
-    normal[p] = unit(glm::mix(normal[p], upright, member.foot));
-  }
+    const glm::vec3 up = near_[i].up;
+    const float bears = eased(glm::dot(own, up), kLeans, kBears);
+    normal[p] = unit(glm::mix(normal[p], glm::mix(up, own, bears), member.foot));
+    const glm::vec3& at = points.mesh.position[p];
+    const Here blanket = here(near_[i], at, planes);
+    const float along = glm::dot(blanket.up, normal[p]);
+    if (member.is_far || !blanket.is_found || along < kLeans) return;
+    glm::vec3 beside = normal[p] * (std::max(blanket.z - at.z, 0.0f) * blanket.up.z / along);
+    beside.z = -(up.x * beside.x + up.y * beside.y) / up.z;
+    const Near there = nodes_near(at + beside, grid, depth_);
+    if (there.weight[0] <= 0.0f) return;
+    near_[i].node = there.node;
+    near_[i].weight = there.weight;
+  });
 }
 
 std::vector<float> Blanket::lay(const SurfacePoints& points, std::vector<float>& goes_on,
@@ -237,43 +291,17 @@ std::vector<float> Blanket::lay(const SurfacePoints& points, std::vector<float>&
     const float own = thickness[member.point];
     filled[member.point] = glm::mix(own, std::max(own, member.off.of(thickness)), share);
   }
-  std::vector<float> top(nodes_.size());
-  base::for_each_item(top.size(), 256, [&](size_t n) {
-    float snow = 0.0f;
-    for (int32_t i = share_begin_[n]; i < share_begin_[n + 1]; ++i) {
-      snow += shares_[i].weight * filled[shares_[i].index];
-    }
-    top[n] = nodes_[n].centre.z + snow;
-  });
-  std::vector<glm::vec3> plane(nodes_.size());
-  base::for_each_item(plane.size(), 64, [&](size_t n) {
-    // Relative to the node's own top, for the sake of precision.
-    glm::vec3 sum(0.0f);
-    for (int32_t i = part_begin_[n]; i < part_begin_[n + 1]; ++i) {
-      sum += parts_[i].part * (top[parts_[i].node] - top[n]);
-    }
-    plane[n] = sum + glm::vec3(0.0f, 0.0f, top[n]);
-  });
+  const std::vector<glm::vec3> planes = planes_on(filled);
   std::vector<float> of_front(goes_on.size(), 0.0f);
   base::for_each_item(members_.size(), 256, [&](size_t i) {
     const Member& member = members_[i];
     const auto p = static_cast<size_t>(member.point);
     const glm::vec3& at = points.mesh.position[p];
-    float here = 0.0f, weights = 0.0f;
-    glm::vec3 slope(0.0f, 0.0f, 1.0f);
-    for (int k = 0; k < kNodes; ++k) {
-      const float weight = near_[i].weight[k];
-      if (weight <= 0.0f) continue;
-      const auto n = static_cast<size_t>(near_[i].node[k]);
-      const glm::vec3 to = at - nodes_[n].centre;
-      here += weight * (plane[n].z + plane[n].x * to.x + plane[n].y * to.y);
-      slope -= weight * glm::vec3(plane[n].x, plane[n].y, 0.0f);
-      weights += weight;
-    }
-    if (weights <= 0.0f) return;
+    const Here blanket = here(near_[i], at, planes);
+    if (!blanket.is_found) return;
     const float step = std::max(member.step, 1e-4f);
-    const float hides = eased(here - near_[i].ground, kBareStep * step, kHiddenStep * step);
-    const glm::vec3 up = unit(slope);
+    const float hides = eased(blanket.z - near_[i].ground, kBareStep * step, kHiddenStep * step);
+    const glm::vec3& up = blanket.up;
     const float along = glm::dot(up, points.normal[p]);
     // Along the normal of a steep side, the way to the blanket would be long and end beside it.
     const float level = eased(points.normal[p].z, shared::kSteep, kCarries);
@@ -292,7 +320,7 @@ std::vector<float> Blanket::lay(const SurfacePoints& points, std::vector<float>&
     }
     shares[p] = share;
     if (share <= 0.0f || member.is_far) return;
-    const float thick = std::max((here - at.z) * up.z / along - member.tucked, 0.0f);
+    const float thick = std::max((blanket.z - at.z) * up.z / along - member.tucked, 0.0f);
     thickness[p] = glm::mix(thickness[p], thick, share);
   });
   goes_on = std::move(of_front);
@@ -317,16 +345,21 @@ std::vector<Blanket::Member> find_feet(const std::vector<glm::vec3>& position,
   base::for_each_item(all.size(), 64, [&](size_t i) {
     const int32_t p = all[i];
     const Rims::Step step = rims.step_above(position[p], normal[p], kFootOut * depth, depth);
-    if (step.height <= 0.0f || step.out < -kFootUnder * depth) return;
+    if (step.height <= 0.0f) return;
+    // Below the upper piece: where the snow of the point, which grows along its normal, passes the
+    // rim.
+    const float leans = std::max(glm::dot(normal[p], step.level_out), 0.0f) / normal[p].z;
+    const float out = std::max(step.out, std::min(step.out + step.height * leans, 0.0f));
+    if (out < -kFootUnder * depth) return;
     Blanket::Member& foot = found[i];
     foot.point = p;
     foot.step = step.height;
     const glm::vec3 off = step.foot + step.level_out * (kOffFoot * depth);
     const glm::vec3 place = off - normal[p] * glm::dot(off - position[p], normal[p]);
     foot.off = lying.at(place, p, kOffFoot * depth, false);
-    foot.tucked = kTuckedSlope * std::max(-step.out, 0.0f);
-    foot.foot = filled_behind(step.out, depth) *
-                eased(step.out, -kFootUnder * depth, -0.5f * kFootUnder * depth);
+    foot.tucked = kTuckedSlope * std::max(-out, 0.0f);
+    foot.foot = filled_behind(out, depth) *
+                eased(out, -kFootUnder * depth, -0.5f * kFootUnder * depth);
   });
   for (Blanket::Member& foot : found) foot.filled = foot.foot;
   std::erase_if(found, [](const Blanket::Member& foot) { return foot.foot <= 0.0f; });

@@ -44,8 +44,11 @@ class Blanket {
   bool empty() const { return members_.empty(); }
   /// Turns the normals of points at feet upright that lean away from the ground around them, as on
   /// bevels and at the ends of pieces that lie below others: a blanket would be drawn beside them.
+  /// Then finds the blanket where the snow of `thickness` along the normals ends: on a slope that is
+  /// beside its point, and points of two pieces must find the same there.
   /// @param upper  normals of the most level faces at the points.
-  void set_upright(const std::vector<glm::vec3>& upper, std::vector<glm::vec3>& normal) const;
+  void aim(const SurfacePoints& points, const std::vector<glm::vec3>& upper,
+           const std::vector<float>& thickness, std::vector<glm::vec3>& normal);
 
   /// Replaces the thickness of the snow at the members by that up to the blanket, as far as the
   /// snow hides the step.
@@ -57,7 +60,7 @@ class Blanket {
                          std::vector<glm::vec3>& ups, std::vector<float>& thickness) const;
 
  private:
-  static constexpr int kNodes = 6;
+  static constexpr int kNodes = 8;
   struct Node {
     glm::vec3 centre{0.0f};
     float area = 0.0f;
@@ -70,6 +73,12 @@ class Blanket {
     /// Height of the mean plane through the receiver, in metres, and its unit normal.
     float ground = 0.0f;
     glm::vec3 up{0.0f, 0.0f, 1.0f};
+  };
+  /// The blanket above or below a place: its height in metres and its unit normal.
+  struct Here {
+    float z = 0.0f;
+    glm::vec3 up{0.0f, 0.0f, 1.0f};
+    bool is_found = false;
   };
   struct Share {
     int32_t index = 0;
@@ -84,6 +93,7 @@ class Blanket {
   /// Makes the nodes, and the shares of the points in them.
   void find_nodes(const SurfacePoints& points, const std::vector<int32_t>& lying,
                   const std::vector<float>& area, float depth);
+  CellGrid node_grid() const;
   /// Calls visit(index, node, from the node's centre to the place, its length) for the nodes less
   /// than `reach` from a place.
   template <typename Visit>
@@ -95,6 +105,10 @@ class Blanket {
   /// add to the plane through them.
   void fit_ground(const CellGrid& grid, float depth);
   void find_plane_parts(const CellGrid& grid, float depth);
+  /// By node, the plane through the tops of the snow around it: its slopes along x and y, and its
+  /// height at the node's centre.
+  std::vector<glm::vec3> planes_on(const std::vector<float>& thickness) const;
+  Here here(const Near& near, const glm::vec3& place, const std::vector<glm::vec3>& planes) const;
   Near nodes_near(const glm::vec3& place, const CellGrid& grid, float depth) const;
 
   std::vector<Member> members_;

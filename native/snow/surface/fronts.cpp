@@ -75,9 +75,9 @@ constexpr float kSteepBank = 0.12f;
 
 /// A blanket reaches outwards by the first fraction of the snow's height, beyond half the gap. It
 /// does so over the second part of the zone, and dips by the third, as a fraction of that way.
-constexpr float kBlanketOver = 0.08f;
+constexpr float kBlanketOver = 0.14f;
 constexpr float kBlanketRun = 0.2f;
-constexpr float kBlanketDip = 0.25f;
+constexpr float kBlanketDip = 0.12f;
 /// Distances from a rim at which its step counts fully and not at all, as fractions of the depth.
 constexpr float kNearStep = 0.6f;
 constexpr float kFarStep = 1.2f;
@@ -263,19 +263,6 @@ void Fronts::fill_hidden(std::vector<float>& thickness) const {
   }
 }
 
-void Fronts::smooth(std::vector<float>& values) const {
-  constexpr int kRounds = 8;
-  std::vector<float> before(values.size());
-  for (int round = 0; round < kRounds; ++round) {
-    before.swap(values);
-    base::for_each_item(values.size(), 256, [&](size_t f) {
-      float sum = before[f];
-      for (int32_t i = beside_begin[f]; i < beside_begin[f + 1]; ++i) sum += before[beside[i]];
-      values[f] = sum / static_cast<float>(1 + beside_begin[f + 1] - beside_begin[f]);
-    });
-  }
-}
-
 void smooth_joins(Fronts& fronts, const HeightSamples& samples) {
   std::vector<int32_t> front_of(samples.count(), -1);
   for (size_t f = 0; f < fronts.count(); ++f) front_of[fronts.point[f]] = static_cast<int32_t>(f);
@@ -287,19 +274,17 @@ void smooth_joins(Fronts& fronts, const HeightSamples& samples) {
     }
     fronts.beside_begin.push_back(static_cast<int32_t>(fronts.beside.size()));
   }
-  std::vector<float> bridged, gap, step;
+  std::vector<glm::vec3> joins;
   for (const SnowFront& front : fronts.front) {
-    bridged.push_back(front.bridged);
-    gap.push_back(front.bridged * front.half_gap);
-    step.push_back(front.bridged * front.half_step);
+    joins.push_back(front.bridged * glm::vec3(1.0f, front.half_gap, front.half_step));
   }
-  for (std::vector<float>* values : {&bridged, &gap, &step}) fronts.smooth(*values);
+  fronts.smooth(joins);
   for (size_t f = 0; f < fronts.count(); ++f) {
     SnowFront& front = fronts.front[f];
-    front.bridged = bridged[f];
-    if (bridged[f] <= 0.0f) continue;
-    front.half_gap = gap[f] / bridged[f];
-    front.half_step = step[f] / bridged[f];
+    front.bridged = joins[f].x;
+    if (front.bridged <= 0.0f) continue;
+    front.half_gap = joins[f].y / front.bridged;
+    front.half_step = joins[f].z / front.bridged;
   }
 }
 
@@ -311,10 +296,13 @@ glm::vec3 Fronts::blanket_offset(size_t number, const shared::SnowJoin& join,
   const float height = is_far ? edge[number].of(shown) : std::max(shown[point[number]], 0.0f);
   const float reach = join.bridged * at.half_gap;
   const float near = std::clamp(1.0f - at.distance / (kBlanketRun * at.zone), 0.0f, 1.0f);
-  const float out = (reach + kBlanketOver * height) * near;
+  const float over = kBlanketOver * height;
+  const float out = (reach + over) * near;
+  // Level up to where the other side begins: no edge must show between them.
+  const float beyond = std::clamp((out - at.distance - reach) / std::max(over, 1e-6f), 0.0f, 1.0f);
   // Along the slope of the blanket.
   const float slope = glm::dot(at.outward, up) / std::max(glm::dot(at.support, up), kCarriesBelow);
-  const float dip = (kBlanketDip * near + slope) * out;
+  const float dip = kBlanketDip * over * beyond * beyond + slope * out;
   if (!is_far) return offset + at.outward * out - at.support * dip;
   // Down to the far face: whatever the snow beyond leaves open, this closes.
   const float dive = eased(-at.distance, 0.0f, shared::kTucked * at.far_zone);
@@ -323,6 +311,7 @@ glm::vec3 Fronts::blanket_offset(size_t number, const shared::SnowJoin& join,
 }
 
 Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
+                   const std::vector<float>& thickness,
                    const std::vector<RimZones::Zone>& zone, const Rims& rims,
                    const SurfaceMesh& receiver, const base::TriangleTree& tree,
                    const Beyond& beyond, const glm::vec2& wind, const glm::vec3& noise_shift,
@@ -482,7 +471,7 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
   std::vector<int32_t> open = lying.chosen();
   std::erase_if(open, [&](int32_t p) { return sheltered[p] != 0; });
   fronts.blanket = Blanket(points, open, area, std::move(members), depth);
-  fronts.blanket.set_upright(upper, points.normal);
+  if (!fronts.blanket.empty()) fronts.blanket.aim(points, upper, thickness, points.normal);
   fronts.room.resize(fronts.front.size());
   for (size_t f = 0; f < fronts.front.size(); ++f) fronts.room[f] = zone[fronts.point[f]].room;
   return fronts;

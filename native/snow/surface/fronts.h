@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "base/parallel_for.h"
 #include "base/triangle_tree.h"
 #include "shaders/lib/snow_surface.h"
 #include "snow/surface/banks.h"
@@ -62,7 +63,19 @@ struct Fronts {
   /// Gives points within pieces at least the thickness beside: the snow would end before the piece.
   void fill_hidden(std::vector<float>& thickness) const;
   /// Averages values per front with those of the points beside.
-  void smooth(std::vector<float>& values) const;
+  template <typename Value>
+  void smooth(std::vector<Value>& values) const {
+    constexpr int kRounds = 8;
+    std::vector<Value> before(values.size());
+    for (int round = 0; round < kRounds; ++round) {
+      before.swap(values);
+      base::for_each_item(values.size(), 256, [&](size_t f) {
+        Value sum = before[f];
+        for (int32_t i = beside_begin[f]; i < beside_begin[f + 1]; ++i) sum += before[beside[i]];
+        values[f] = sum / static_cast<float>(1 + beside_begin[f + 1] - beside_begin[f]);
+      });
+    }
+  }
   /// Mean heights behind the rims; bare points count as 0. `open_depth`: as in SurfaceFrame.
   shared::SnowBehind behind(size_t number, const std::vector<float>& height,
                             float open_depth) const;
@@ -82,13 +95,15 @@ struct Fronts {
 
 /// All but the presence, which depends on the snow. Sets the normals of points near rims to those
 /// of the supporting faces: on a smooth-shaded cap the mean normals lean over the rim.
-/// @param zone the rim zones of the points; `area`: their areas in m2.
+/// @param zone the rim zones of the points; `area`: their areas in m2; `thickness`: the map's at the
+///   points in the last frame, in metres.
 /// @param receiver the receiver's faces; `tree`: a tree over its triangles.
 /// @param beyond the other receivers.
 /// @param wind as in SurfacePlan.
 /// @param noise_shift offset of positions in noise space, in depths.
 /// @param needles see are_needles: they cover each other, and have snow all the same.
 Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
+                   const std::vector<float>& thickness,
                    const std::vector<RimZones::Zone>& zone, const Rims& rims,
                    const SurfaceMesh& receiver, const base::TriangleTree& tree,
                    const Beyond& beyond, const glm::vec2& wind, const glm::vec3& noise_shift,

@@ -231,8 +231,9 @@ SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& 
   surface.samples = samples_of(points.mesh, source, smoothing, dented, depth);
   surface.volume = VolumeBalance(points.mesh.position, kKept * depth);
   find_normals(points, surface.samples, depth);
-  surface.fronts = find_fronts(points, surface.samples.area, zone, rims, receiver, tree,
-                               Beyond(neighbours), plan.wind, shift, depth, needles);
+  surface.fronts = find_fronts(points, surface.samples.area,
+                               sampled_heights(surface.samples, last.data()), zone, rims, receiver,
+                               tree, Beyond(neighbours), plan.wind, shift, depth, needles);
   smooth_joins(surface.fronts, surface.samples);
   // Cushions join the snow of needles.
   if (needles) surface.fronts.blanket = {};
@@ -257,7 +258,7 @@ SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& 
   // The points stay fixed; the edges are flipped to follow the snow.
   flip_edges(points.mesh, drawn);
   surface.samples = samples_of(points.mesh, source, smoothing, dented, depth);
-  find_bumps(surface.looks, surface_points(surface, kUsualStyle, frame), shift, depth);
+  set_relief(surface.looks, surface_points(surface, kUsualStyle, frame), shift, depth);
   if (needles) {
     const int32_t left = plan.density.most_points - static_cast<int32_t>(points.count());
     surface.cushions = cushions_on(surface, frame, std::max(left, density.most_points));

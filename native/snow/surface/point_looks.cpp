@@ -90,10 +90,12 @@ PointLooks point_looks(const SurfacePoints& points, const HeightSamples& samples
   return looks;
 }
 
-void find_bumps(PointLooks& looks, const std::vector<glm::vec3>& shown,
+void set_relief(PointLooks& looks, const std::vector<glm::vec3>& shown,
                 const glm::vec3& noise_shift, float depth) {
   base::for_each_item(looks.point.size(), 1024, [&](size_t p) {
-    looks.point[p].bumps = shared::bump_noise(shown[p] / depth + noise_shift);
+    const glm::vec3 place = shown[p] / depth + noise_shift;
+    looks.point[p].relief = shared::relief_noise(place);
+    looks.point[p].bumps = shared::bump_noise(place);
   });
 }
 

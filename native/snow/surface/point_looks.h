@@ -19,7 +19,7 @@ struct PointLooks {
   std::vector<uint8_t> is_sheet;
 };
 
-/// All but the bumps, which depend on the shown points.
+/// All but the bumps, which depend on the shown points, as in the end does the relief.
 /// @param tree a tree over the receiver's triangles.
 /// @param zone the rim zones of the points.
 /// @param noise_shift offset of positions in noise space, in depths.
@@ -27,8 +27,9 @@ PointLooks point_looks(const SurfacePoints& points, const HeightSamples& samples
                        const std::vector<RimZones::Zone>& zone, const base::TriangleTree& tree,
                        const glm::vec3& noise_shift, float depth);
 
-/// Sets the bumps. `shown`: points of the surface in the last frame.
-void find_bumps(PointLooks& looks, const std::vector<glm::vec3>& shown,
+/// Sets the bumps and the relief: snow of two pieces that meets has the same ones there. `shown`:
+/// points of the surface in the last frame.
+void set_relief(PointLooks& looks, const std::vector<glm::vec3>& shown,
                 const glm::vec3& noise_shift, float depth);
 
 }  // namespace snowbough::snow

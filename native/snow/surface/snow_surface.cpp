@@ -22,6 +22,8 @@ constexpr int kRoundsAfter = 2;
 constexpr float kUpright = 0.95f;
 /// Height of a front at the rim, as a fraction of the height behind it.
 constexpr float kDrawn = 0.94f;
+/// Thickness behind a rim, as a fraction of the depth on open ground, from which on snow lies there.
+constexpr float kLiesBehind = 0.1f;
 /// Greatest offset due to a curved receiver, as a fraction of the height.
 constexpr float kMaxCurvature = 0.5f;
 
@@ -102,12 +104,18 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
   heights.thickness = sampled_heights(samples, frame.height);
   heights.blanket.resize(fronts.count());
   heights.blanket_up.assign(fronts.count(), glm::vec3(0.0f, 0.0f, 1.0f));
+  // Where no snow lies, as below the piece above, none goes on: that must not end it beside.
+  std::vector<glm::vec2> goes_on(fronts.count());
   base::for_each_item(fronts.count(), 1024, [&](size_t f) {
     const SnowBehind behind = fronts.behind(f, heights.thickness, frame.open_depth);
-    heights.blanket[f] =
-        fronts.goes_on(f, snow_join(fronts.front[f], style, behind), frame.open_depth);
+    const float lies = eased(behind.inland, 0.0f, kLiesBehind * frame.open_depth + 1e-6f);
+    const float goes = fronts.goes_on(f, snow_join(fronts.front[f], style, behind), frame.open_depth);
+    goes_on[f] = lies * glm::vec2(goes, 1.0f);
   });
-  fronts.smooth(heights.blanket);
+  fronts.smooth(goes_on);
+  for (size_t f = 0; f < fronts.count(); ++f) {
+    heights.blanket[f] = goes_on[f].x / std::max(goes_on[f].y, 1e-6f);
+  }
   const std::vector<float> sampled = heights.thickness;
   fronts.fill_hidden(heights.thickness);
   smooth(samples, heights.thickness, kRoundsBefore);
