@@ -158,6 +158,19 @@ def test_no_tile_is_seen_between_the_courses_of_a_roof():
         assert not (tiles < first_hits(places, drawn, view) - 1e-4).any()
 
 
+def test_deep_snow_on_loose_tiles_is_one_sheet():
+    """The snow of neighbouring tiles meets at one height and with one slope, so that hardly any seam shows."""
+    seed, depth = 3, 0.3
+    print("seed", seed)
+    mesh, resolution = loose_tiles(np.random.default_rng(seed), rows=6, columns=6)
+    x, y = np.meshgrid(np.arange(0.35, 1.0, 0.005), np.arange(0.2, 0.8, 0.005))
+    places = np.stack([x, y], axis=2).reshape(-1, 2)
+    top, _ = shown_over(mesh, fallen(mesh, resolution, depth), depth, places, style={"relief": 0.0})
+    for z, most in ((top.reshape(x.shape), 0.06), (top.reshape(x.shape).T, 0.02)):
+        bend = np.abs(z[:-4] - 2 * z[2:-2] + z[4:])
+        assert (bend > 0.004).mean() < most
+
+
 def test_snow_does_not_dip_at_the_foot_of_a_low_step():
     """The map has a furrow there."""
     mesh, resolution = step(0.03)
