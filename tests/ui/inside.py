@@ -61,5 +61,7 @@ def serve():
 
 # The splash screen would swallow the first click.
 bpy.context.preferences.view.show_splash = False
+# Smooth edges take eight drawings after every change of a view.
+bpy.context.preferences.system.viewport_aa = "OFF"
 names["addon"] = blender_tests().install(ZIP)
 bpy.app.timers.register(serve, persistent=True)
