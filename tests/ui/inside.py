@@ -61,7 +61,9 @@ def serve():
 
 # The splash screen would swallow the first click.
 bpy.context.preferences.view.show_splash = False
-# Smooth edges take eight drawings after every change of a view.
-bpy.context.preferences.system.viewport_aa = "OFF"
+# Smooth edges take eight drawings after every change of a view, and a third of each.
+system = bpy.context.preferences.system
+system.viewport_aa = "OFF"
+system.use_overlay_smooth_wire = False
 names["addon"] = blender_tests().install(ZIP)
 bpy.app.timers.register(serve, persistent=True)

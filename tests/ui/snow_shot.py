@@ -38,10 +38,13 @@ def wait_for_heights(folder, count, timeout=180):
     wait_for(lambda: len(heights(folder)) >= count, f"{count} maps in {folder}", timeout)
 
 
-# A bake that leaves the processor to the window: each frame takes its time, and is small.
+# A bake that leaves the processor to the window: each frame takes its time, and is small. Resuming it evaluates all its
+# frames again, without the wait.
 SLOW_FRAMES = """
 import time
-bpy.app.handlers.frame_change_pre.append(lambda *_: time.sleep(0.15))
+def wait(*_):
+    time.sleep(0.15)
+bpy.app.handlers.frame_change_pre.append(wait)
 result = True
 """
 
@@ -73,6 +76,8 @@ def assert_resumable(window, folder):
     window.run(
         f"""
 import sys
+if "wait" in globals() and wait in bpy.app.handlers.frame_change_pre:
+    bpy.app.handlers.frame_change_pre.remove(wait)
 from_scene, engine = sys.modules[addon + ".bake.from_scene"], sys.modules[addon + ".bake.engine"]
 done = max(int(p) for p in {[path.stem.split("_")[1] for path in heights(folder)]!r})
 request = from_scene.make_request(bpy.context.scene, resume=True, last=done + 2)

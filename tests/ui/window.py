@@ -15,7 +15,7 @@ from PIL import ImageGrab, ImageStat
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 SCREENSHOTS = ROOT / "build" / "ui"
-WIDTH, HEIGHT = 1400, 900
+WIDTH, HEIGHT = 1100, 900
 #: Function keys by their place: by name newer keyboard maps give xdotool the one with Alt, which Blender 5 takes for
 #: another command.
 KEYCODES = {"F12": "96"}
