@@ -36,7 +36,7 @@ void main() {
   const int begin = int(texelFetch(fragment_begin, index).x);
   const int end = int(texelFetch(fragment_begin, index + 1).x);
   const FragmentSum sum = sum_of_fragments(begin, end);
-  const bool mixed = sum.faces_front && sum.faces_back;
+  const bool mixed = sum.faces_positive && sum.faces_back;
   uint gain = adds_to_gain != 0 ? texel_steps[index].x & ~(kBackSide | kMixedSides) : 0u;
   for (int i = begin; i < end; ++i) {
     const uvec4 fragment = texelFetch(fragments, i);

@@ -13,7 +13,7 @@ const int kReach = 4;
 /// Weights of the middle, and of the bilinear taps at 1.3846 and 3.2307 texels, split between their two texels.
 const float kWeights[kReach + 1] = float[kReach + 1](0.2270270270, 0.1945945946, 0.1216216216, 0.0540540541, 0.0162162162);
 
-/// Ghosts without surface hold -1e30 (kNothing in native/snow/seams/seam_table.h). Front and back are not mixed.
+/// Ghosts without surface hold -1e30 (kNothing in native/snow/seams/seam_table.h). The two sides are not mixed.
 bool is_snow(float height, float here) {
   return height * here > 0.0 && height > -1e29;
 }

@@ -124,8 +124,8 @@ def thesis_steps(mesh, direction, resolution, pixel_size, steps):
     total, first, writes, pixels = np.zeros((2, resolution, resolution)), None, 0, 0
     for step in range(steps):
         centres, t = visible_triangles(flat, depth, pixel_size, (0.5 + R2 * step) % 1.0)
-        front = (normal @ d < 0.0)[t]
-        centres, t = centres[front], t[front]
+        facing = (normal @ d < 0.0)[t]
+        centres, t = centres[facing], t[facing]
         rectangles = uv_rectangles(flat, uv, centres, t, pixel_size)
         for by_area in (False, True):
             laid, written = lay_on_rectangles(

@@ -45,9 +45,9 @@ float gradient_noise(vec3 position) {
     const float b = lattice_share(cell, f, vec3(1.0f, 0.0f, z));
     const float c = lattice_share(cell, f, vec3(0.0f, 1.0f, z));
     const float d = lattice_share(cell, f, vec3(1.0f, 1.0f, z));
-    const float front = a + w.x * (b - a);
-    const float back = c + w.x * (d - c);
-    along_z[k] = front + w.y * (back - front);
+    const float near = a + w.x * (b - a);
+    const float far = c + w.x * (d - c);
+    along_z[k] = near + w.y * (far - near);
   }
   return 1.6f * (along_z[0] + w.z * (along_z[1] - along_z[0]));
 }

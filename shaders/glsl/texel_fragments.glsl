@@ -9,12 +9,12 @@ KERNEL_VIEW_RGBA32UI(fragments);
 /// Sums over a texel's fragments.
 struct FragmentSum {
   TexelSurface surface;
-  /// True if any fragment faces the snowfall with its front, or with its back.
-  bool faces_front;
+  /// True if any fragment faces the snowfall with its positive side, or with its back.
+  bool faces_positive;
   bool faces_back;
 };
 
-/// Upward component of the front's normal on a fragment; `surface`: that of its triangle.
+/// Upward component of the normal on a fragment; `surface`: that of its triangle.
 float fragment_up(uvec4 fragment, vec4 surface) {
 #ifdef WITH_SHADING
   if (is_smooth(fragment.x)) {
@@ -29,7 +29,7 @@ float fragment_up(uvec4 fragment, vec4 surface) {
 /// Sums over the fragments [i, end) of a texel.
 FragmentSum sum_of_fragments(int i, int end) {
   FragmentSums sums = FragmentSums(0.0f, 0.0f, 0.0f, 0.0f, 0.0f);
-  bool faces_front = false;
+  bool faces_positive = false;
   bool faces_back = false;
   // Tested at the end for software renderers (CONTRIBUTING.md).
   do {
@@ -38,8 +38,8 @@ FragmentSum sum_of_fragments(int i, int end) {
     const float area = i < end ? uintBitsToFloat(fragment.y) * surface_area(surface) : 0.0f;
     sums = with_fragment(sums, area, fragment_up(fragment, surface), surface_side(surface) != 0.0f);
     const bool faces = i < end && surface_facing(surface) > 0.0f;
-    faces_front = faces_front || (faces && !shows_back(surface));
+    faces_positive = faces_positive || (faces && !shows_back(surface));
     faces_back = faces_back || (faces && shows_back(surface));
   } while (++i < end);
-  return FragmentSum(surface_of_sums(sums), faces_front, faces_back);
+  return FragmentSum(surface_of_sums(sums), faces_positive, faces_back);
 }

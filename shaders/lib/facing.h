@@ -11,9 +11,9 @@ namespace snowbough::shared {
 SNOWBOUGH_SHARED_FUNCTION float surface_facing(vec4 surface) { return surface.x; }
 /// In m2.
 SNOWBOUGH_SHARED_FUNCTION float surface_area(vec4 surface) { return surface.y; }
-/// Upward part of the front's normal.
+/// Upward part of the normal.
 SNOWBOUGH_SHARED_FUNCTION float surface_up(vec4 surface) { return surface.z; }
-/// For a two-sided triangle the side that faces the sky, 1: front, -1: back; else 0.
+/// For a two-sided triangle the side that faces the sky, 1: positive, -1: back; else 0.
 SNOWBOUGH_SHARED_FUNCTION float surface_side(vec4 surface) { return surface.w; }
 SNOWBOUGH_SHARED_FUNCTION bool shows_back(vec4 surface) { return surface_side(surface) < 0.0f; }
 
@@ -28,7 +28,7 @@ SNOWBOUGH_SHARED_FUNCTION bool may_face_the_fall(float facing) { return facing >
 KERNEL_CONSTANT float kFullFacing = 0.05f;
 
 /// The part of its smooth points' snow that a triangle gets, 0 to 1.
-SNOWBOUGH_SHARED_FUNCTION float front_part(float facing) {
+SNOWBOUGH_SHARED_FUNCTION float facing_part(float facing) {
   return clamp(facing * (1.0f / kFullFacing), 0.0f, 1.0f);
 }
 

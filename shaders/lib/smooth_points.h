@@ -89,8 +89,8 @@ float corner_share(uint corner, float side) {
   return (k == 0u ? a : k == 1u ? b : c) / (a + b + c);
 }
 
-/// Snow at a smooth point under open sky: thickness on the front (x) and back (y) of its triangles, relative to the
-/// thickness perpendicular to the fall, 0 to 3; the upward part of the front's normal (z).
+/// Snow at a smooth point under open sky: thickness on the positive side (x) and the back (y) of its triangles, relative to the
+/// thickness perpendicular to the fall, 0 to 3; the upward part of the normal (z).
 vec4 smooth_point(int point) {
   const int end = int(texelFetch(point_begin, point + 1).x);
   vec2 snow = vec2(0.0f);
@@ -102,7 +102,7 @@ vec4 smooth_point(int point) {
       const bool back = shows_back(surface);
       const float area = surface_area(surface);
       const float own_snow = 3.0f * corner_share(corner, back ? -1.0f : 1.0f) * surface_facing(surface) * area;
-      const float own_area = front_part(surface_facing(surface)) * area;
+      const float own_area = facing_part(surface_facing(surface)) * area;
       snow += back ? vec2(0.0f, own_snow) : vec2(own_snow, 0.0f);
       covered += back ? vec2(0.0f, own_area) : vec2(own_area, 0.0f);
     }

@@ -63,7 +63,7 @@ SNOWBOUGH_SHARED_SIZE(Fragment, 16)
 struct TexelStep {
   /// Gained snow, in units of the step's thickness perpendicular to the fall / kGainUnits: a fully visible texel that
   /// faces the fall gains kGainUnits. Integers, so that the sum over tiles does not depend on their layout. kBackSide:
-  /// the snow falls on the back. kMixedSides: the front's and the back's gain take kMixedBits each, in units of 1 /
+  /// the snow falls on the back. kMixedSides: the gains of both sides take kMixedBits each, in units of 1 /
   /// kMixedUnits.
   uint gain;
   /// Covered area in m2.
@@ -168,7 +168,7 @@ struct ObjectSums {
   double slid;
   double held;
   double held_before;
-  /// Area seen by the sky, perpendicular to the fall, in m2: of front and of back faces.
+  /// Area seen by the sky, perpendicular to the fall, in m2: of faces that gather, and of back faces.
   double visible_area;
   double back_face_area;
   /// Of all steps. `total_stretched`: change of volume from stretching surfaces.

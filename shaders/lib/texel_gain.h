@@ -123,8 +123,8 @@ FragmentCells fragment_cells(KERNEL_CONST_REF(GainTriangle) own, float share) {
 
 /// The point of a triangle at these weights of its second and third corner, clamped to the triangle.
 vec3 point_on(KERNEL_CONST_REF(GainTriangle) own, vec2 weights) {
-  const vec2 front = max(weights, 0.0f);
-  const vec2 inside = front / max(front.x + front.y, 1.0f);
+  const vec2 positive = max(weights, 0.0f);
+  const vec2 inside = positive / max(positive.x + positive.y, 1.0f);
   return own.corner + inside.x * own.edge_b + inside.y * own.edge_c;
 }
 
@@ -166,7 +166,7 @@ uint fragment_gain(uint triangle, float share, vec2 middle, KERNEL_CONST_REF(Gai
   return gain;
 }
 
-/// Units of a texel's gain; `mixed`: some of its parts face the fall with their front, others with their back.
+/// Units of a texel's gain; `mixed`: some of its parts face the fall with their positive side, others with their back.
 float gain_units(bool mixed) { return mixed ? kMixedUnits : kGainUnits; }
 
 /// Shift of a fragment's gain to its side's sum; `back`: its triangle faces the fall with its back.
@@ -175,8 +175,8 @@ uint gain_shift(bool mixed, bool back) { return mixed && back ? kMixedBits : 0u;
 /// The flags of a texel's gain for its sides.
 uint gain_sides(bool mixed, bool faces_back) { return mixed ? kMixedSides : faces_back ? kBackSide : 0u; }
 
-/// Gain of a smooth triangle under open sky, relative to the thickness perpendicular to the fall; `front` and `back`:
+/// Gain of a smooth triangle under open sky, relative to the thickness perpendicular to the fall; `positive` and `back`:
 /// interpolated from its smooth points (smooth_points.h), `surface`: its own.
-float smooth_facing(float front, float back, vec4 surface) {
-  return front_part(surface_facing(surface)) * (shows_back(surface) ? back : front);
+float smooth_facing(float positive, float back, vec4 surface) {
+  return facing_part(surface_facing(surface)) * (shows_back(surface) ? back : positive);
 }

@@ -57,11 +57,11 @@ KERNEL_CONSTANT float kMinGain = 0.005f;
 /// Thickness in metres of a gain; `gain`: relative to a full gain.
 float thickness_of(float gain) { return gain < kMinGain ? 0.0f : gain * full_gain; }
 
-/// Whether a texel gains only on its front.
-bool gains_in_front(uint gain) { return (gain & (kBackSide | kMixedSides)) == 0u; }
+/// Whether a texel gains only on its positive side.
+bool gains_only_positive(uint gain) { return (gain & (kBackSide | kMixedSides)) == 0u; }
 
 /// Thickness in metres of such a gain.
-float front_deposit(uint gain) { return thickness_of(float(int(gain)) * (1.0f / kGainUnits)); }
+float positive_deposit(uint gain) { return thickness_of(float(int(gain)) * (1.0f / kGainUnits)); }
 
 /// Thickness in metres of a step's deposit, negative on the back. If snow falls on both sides, all of it lies on the
 /// side with more.
@@ -69,10 +69,10 @@ float deposit_of(uvec4 step) {
   float gain = float(step.x & ~(kBackSide | kMixedSides)) * (1.0f / kGainUnits);
   bool is_back = (step.x & kBackSide) != 0u;
   if ((step.x & kMixedSides) != 0u) {
-    const uint front = step.x & kMixedMask;
+    const uint positive = step.x & kMixedMask;
     const uint back = (step.x >> kMixedBits) & kMixedMask;
-    gain = float(front + back) * (1.0f / kMixedUnits);
-    is_back = back > front;
+    gain = float(positive + back) * (1.0f / kMixedUnits);
+    is_back = back > positive;
   }
   return is_back ? -thickness_of(gain) : thickness_of(gain);
 }
@@ -85,7 +85,7 @@ struct StableTexel {
   vec4 sums;
 };
 
-/// The side on which snow lies, 1 = front, -1 = back.
+/// The side on which snow lies, 1 = positive, -1 = back.
 float side_of(float height) { return height < 0.0f ? -1.0f : 1.0f; }
 
 /// Upward part of the normal on a side of the texel.

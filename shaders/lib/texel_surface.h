@@ -48,7 +48,7 @@ struct FragmentSums {
   float back_upper;
 };
 
-/// The sums with one more fragment. `area` in m2; `up`: upward part of the front's normal on it.
+/// The sums with one more fragment. `area` in m2; `up`: upward part of the normal on it.
 FragmentSums with_fragment(FragmentSums sums, float area, float up, bool two_sided) {
   const float own_up = area * up;
   const float own_back_up = two_sided ? -own_up : 0.0f;

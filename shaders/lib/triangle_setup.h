@@ -16,8 +16,8 @@ struct TriangleSetup {
   vec4 corner_b;
   vec4 corner_c;
   /// x: cosine between the normal and the direction to the sky ("facing"; for a two-sided triangle of the side that
-  /// faces the sky), y: area in m2, z: upward part of the front's normal, w: for a two-sided triangle the side that
-  /// faces the sky, 1 = front, -1 = back; else 0. All are 0 for a triangle without area. Read with the functions of
+  /// faces the sky), y: area in m2, z: upward part of the normal, w: for a two-sided triangle the side that
+  /// faces the sky, 1 = positive, -1 = back; else 0. All are 0 for a triangle without area. Read with the functions of
   /// facing.h.
   vec4 surface;
 };

@@ -79,9 +79,9 @@ def test_a_leaf_that_faces_down_carries_snow_on_its_back(map_of):
     assert s.open_ground(map_) == pytest.approx(-0.1, rel=2e-3)
 
 
-def test_front_and_both_are_what_the_artist_says(native, tmp_path):
+def test_positive_and_both_are_what_the_artist_says(native, tmp_path):
     s.receive(upside_down("A"), upside_down("B", x=4.0))
-    for entry, sides in zip(bpy.context.scene.snowbough.receivers, ("FRONT", "BOTH")):
+    for entry, sides in zip(bpy.context.scene.snowbough.receivers, ("POSITIVE", "BOTH")):
         assert entry.sides == "AUTO"
         entry.sides = sides
     s.settings(tmp_path, (1, 2))
@@ -106,12 +106,12 @@ def test_other_sides_are_told_as_a_change_and_refused_when_a_bake_goes_on(addon,
     s.settings(tmp_path, (1, 2))
     s.bake()
     scene = bpy.context.scene
-    scene.snowbough.receivers[0].sides = "FRONT"
+    scene.snowbough.receivers[0].sides = "POSITIVE"
     changes = addon("bake.changes_since_bake").settings_changes(scene)
-    assert changes == ["Leaf: sides Front, was Automatic"]
+    assert changes == ["Leaf: sides Positive, was Automatic"]
 
 
-def test_a_mirrored_leaf_has_its_front_where_blender_shows_it(map_of):
+def test_a_mirrored_leaf_has_its_positive_side_where_blender_shows_it(map_of):
     leaf = s.square("Leaf")
     leaf.scale = (1, 1, -1)  # turned over, its normals point down
     s.receive(leaf)

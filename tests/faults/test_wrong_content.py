@@ -101,7 +101,9 @@ def read_surface(place):
     compute.read_summary(place)
     inputs = compute.SurfaceInputs(native.load(), place)
     inputs.pose(0)
-    assert 0 < compute.WantedPoints(*inputs.manifest.get("wanted", ())).most(*compute.DETAILS["FILM"]) < 1 << 31
+    assert (
+        0 < compute.WantedPoints(*inputs.manifest.get("wanted", ())).most(*compute.DETAILS["FILM"]) < 1 << 31
+    )
     assert all(map(math.isfinite, (*inputs.wind(), inputs.depth(0), inputs.world(0).max())))
     if next(tick) % 40 == 0:
         compute.Surface(native.load(), place, SurfaceStyle("DRAFT")).points(0)

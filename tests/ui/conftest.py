@@ -9,7 +9,6 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import window as ui  # noqa: E402
 
-
 # The grid and the outline of the selection take half of the time in which software draws the window.
 FAST_VIEW = """
 overlay = view3d()[1].spaces.active.overlay

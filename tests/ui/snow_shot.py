@@ -50,8 +50,8 @@ result = True
 
 
 def make_long_shot(window, folder, substeps=1):
-    """Sets up a shot of 1500 frames, whose maps and surfaces are small (deep snow has few points): it takes little time to
-    end its bake and to resume it. substeps above 1: a bake that computes all the time."""
+    """Sets up a shot of 1500 frames, whose maps and surfaces are small (deep snow has few points): ending its bake and
+    resuming it take little time. substeps above 1: a bake that computes all the time."""
     window.run(SNOW_SCENE.format(frames=1500, resolution=256, path=str(folder / "shot.blend")))
     settings = f"scene.snowbough.substeps = {substeps}\nscene.snowbough.end_depth = 30.0\n"
     window.run(f"{settings}bpy.ops.wm.save_mainfile()\nresult = True")

@@ -56,7 +56,7 @@ class Registry:
         """
         for key, registration in added.items():
             topology = registration.topology
-            resolution, blur_radius, sides, _ = self._maps.get(key, (MIN_RESOLUTION, None, "FRONT", 0.0))
+            resolution, blur_radius, sides, _ = self._maps.get(key, (MIN_RESOLUTION, None, "POSITIVE", 0.0))
             receives = key in self._maps
             arguments = (
                 key,

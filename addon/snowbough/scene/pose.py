@@ -95,7 +95,7 @@ class ReceiverSpec:
     resolution: int = 0
     enabled: bool = True
     sides: str = "AUTO"
-    """Sides that receive snow: AUTO, FRONT or BOTH, as in the native add_object."""
+    """Sides that receive snow: AUTO, POSITIVE or BOTH, as in the native add_object."""
     surface: object = None
     """surface.style.SurfaceStyle of the snow surface at the end of its bake; None for no surface."""
     members: tuple = ()

@@ -20,8 +20,8 @@ SIDES = (
         "Automatic",
         "Both sides of open parts, such as leaves, cards, flags and bowls; the outside of closed parts",
     ),
-    ("FRONT", "Front", "Only the side that the face normals point to"),
-    ("BOTH", "Both", "The side that faces the sky, front or back"),
+    ("POSITIVE", "Positive", "Only the side that the face normals point to"),
+    ("BOTH", "Both", "The side that faces the sky, whichever it is"),
 )
 
 

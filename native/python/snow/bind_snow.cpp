@@ -358,9 +358,9 @@ shading (T, 3) int32: corners with the same number share a smooth normal, comput
 positions of each step; -1, or None for all: flat. Thickness follows the smooth normals, and the
 total snow equals what falls on the triangles.
 
-sides: the sides that take snow. FRONT, where triangles run anticlockwise; BOTH: the side that
-faces the sky, with negative heights on the back; AUTO: BOTH for parts of the mesh without an
-inside (cards, leaves, flags, bowls, by the rest pose), FRONT for the others.)")
+sides: the sides that take snow. POSITIVE, from which triangles run anticlockwise; BOTH: the side
+that faces the sky, with negative heights on the back; AUTO: BOTH for parts of the mesh without an
+inside (cards, leaves, flags, bowls, by the rest pose), POSITIVE for the others.)")
       .def("replace_object", &give_object<&SnowSimulation::replace_object>, "name"_a, "triangles"_a,
            "uv"_a, "resolution"_a = 1024, "receive"_a = true, "occlude"_a = true,
            "rest"_a = py::none(), "blur_radius"_a = py::none(), "alpha"_a = py::none(),

@@ -52,9 +52,10 @@ snow::ObjectDescription describe_object(const std::string& name,
   if (!shading.is_none()) {
     description.shading = shading_of(shading, triangles.shape(0), who);
   }
-  description.sides = choose<snow::Sides>(
-      who + "sides", sides,
-      {{"AUTO", snow::Sides::kAuto}, {"FRONT", snow::Sides::kFront}, {"BOTH", snow::Sides::kBoth}});
+  description.sides = choose<snow::Sides>(who + "sides", sides,
+                                          {{"AUTO", snow::Sides::kAuto},
+                                           {"POSITIVE", snow::Sides::kPositive},
+                                           {"BOTH", snow::Sides::kBoth}});
   return description;
 }
 

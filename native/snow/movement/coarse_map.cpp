@@ -251,18 +251,18 @@ void CoarseMap::for_squares(const Visit& visit) const {
 void CoarseMap::join_square(size_t square, const std::vector<float>& height) {
   const std::vector<int32_t>& places = object_->table->texel;
   double volume = 0.0;
-  double on_front = 0.0;
+  double signed_volume = 0.0;
   for (int32_t t = texels_.begin[square]; t < texels_.begin[square + 1]; ++t) {
     const auto own = static_cast<size_t>(texels_.texel[static_cast<size_t>(t)]);
     const double held = static_cast<double>(height[static_cast<size_t>(places[own])]) *
                         static_cast<double>(area_[own]);
     volume += std::abs(held);
-    on_front += held;
+    signed_volume += held;
   }
   const float mean = volume > 0.0 ? static_cast<float>(volume / square_area_[square]) : 0.0f;
   const auto at = static_cast<size_t>(repose_.table().texel[square]);
   // Snow on both sides of a sheet lies on the side of most.
-  before_[at] = height_[at] = on_front < 0.0 ? -mean : mean;
+  before_[at] = height_[at] = signed_volume < 0.0 ? -mean : mean;
 }
 
 MovingMap CoarseMap::begin(const MovingMap& map, const std::vector<int32_t>* blocks) {

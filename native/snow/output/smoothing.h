@@ -26,7 +26,7 @@ void check_smoothing(const SmoothingSettings& settings);
 /// - A link's conductivity follows from the snow at its thinner end, so that little snow flows to
 ///   where it tapers off: sigma = blur_radius or a third of the depth, whichever is larger.
 /// - Nothing flows onto bare texels, onto texels that hold less than a fiftieth of their neighbour,
-///   or between front (positive heights) and back (negative heights).
+///   or between the positive side and the back, whose heights are negative.
 ///
 /// A map says how much snow lies where; how its edges look is up to the snow's surface.
 ///

@@ -33,7 +33,7 @@ void share(std::shared_ptr<const AlphaMask>& mask,
 /// Finds the triangles that take snow on both sides; needs the rest pose.
 void find_sides(SceneObject& object) {
   const ObjectDescription& description = object.description;
-  if (!description.receive || description.sides == Sides::kFront) return;
+  if (!description.receive || description.sides == Sides::kPositive) return;
   const std::vector<int32_t>& triangles = description.topology.triangles;
   object.two_sided = description.sides == Sides::kBoth
                          ? std::vector<uint8_t>(triangles.size() / 3, 1)

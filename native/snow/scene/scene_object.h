@@ -16,10 +16,10 @@ namespace snowbough::snow {
 /// Sides of a receiver that take snow.
 enum class Sides {
   /// Both sides of open surfaces such as cards and leaves (snow/texels/open_sheets.h); otherwise
-  /// the front.
+  /// the positive side.
   kAuto,
-  /// The front, where triangles run anticlockwise.
-  kFront,
+  /// The side to which the normals point, and from which triangles run anticlockwise.
+  kPositive,
   kBoth,
 };
 
@@ -55,7 +55,8 @@ struct SceneObject {
   std::shared_ptr<const TexelTable> table;
   /// See fragment_opacity.h; empty: opaque.
   std::vector<float> fragment_opacity;
-  /// Per triangle, 1 if it takes snow on both sides, by the rest pose; empty: all on the front.
+  /// Per triangle, 1 if it takes snow on both sides, by the rest pose; empty: all on the
+  /// positive side.
   std::vector<uint8_t> two_sided;
   /// Receivers only: by texel, the part of the snow that it takes (snow_mask.h); null: all.
   std::shared_ptr<const std::vector<float>> mask;

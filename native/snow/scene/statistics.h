@@ -26,8 +26,8 @@ struct SnowBalance {
   double held_volume = 0.0;
   /// Change of volume because surfaces stretched or shrank under the snow.
   double stretched_volume = 0.0;
-  /// Area seen from the sky, measured perpendicular to the fall: of front faces, and of back faces,
-  /// which gather nothing.
+  /// Area seen from the sky, measured perpendicular to the fall: of faces that gather,
+  /// and of back faces, which gather nothing.
   double visible_area = 0.0;
   double back_face_area = 0.0;
 

@@ -171,7 +171,7 @@ class LeafFlattener {
     return sum;
   }
 
-  /// Projects faces along their mean normal: fills points_ and faces_front_. False if there is
+  /// Projects faces along their mean normal: fills points_ and faces_agree_. False if there is
   /// none.
   bool project(int32_t first, int32_t last) {
     corners_.clear();
@@ -190,7 +190,7 @@ class LeafFlattener {
       return false;
     }
     normal /= length;
-    faces_front_ = std::all_of(normals_.begin(), normals_.end(), [&](const glm::dvec3& face) {
+    faces_agree_ = std::all_of(normals_.begin(), normals_.end(), [&](const glm::dvec3& face) {
       const double shown = glm::dot(face, normal);
       return shown > 0.0 && shown >= kMinFacing * glm::length(face);
     });
@@ -205,10 +205,10 @@ class LeafFlattener {
     return true;
   }
 
-  /// Whether the island is flat without overlap: every face shows its front, every inner edge has a
-  /// face on either side, and the outline does not intersect itself.
+  /// Whether the island is flat without overlap: all faces agree with their mean normal, every
+  /// inner edge has a face on either side, and the outline does not intersect itself.
   bool lies_flat() {
-    if (!faces_front_ || !connections_.two_sided()) {
+    if (!faces_agree_ || !connections_.two_sided()) {
       return false;
     }
     const std::vector<FaceEdge>& edges = connections_.outline();
@@ -258,9 +258,9 @@ class LeafFlattener {
   /// The island's corners, face by face, and its faces' normals.
   std::vector<glm::dvec3> corners_;
   std::vector<glm::dvec3> normals_;
-  /// The projected corners, and whether all faces show their front.
+  /// The projected corners, and whether all faces point along their mean normal.
   std::vector<Point> points_;
-  bool faces_front_ = false;
+  bool faces_agree_ = false;
   std::vector<Segment> outline_;
 };
 

@@ -116,17 +116,17 @@ std::vector<double> geodesic_distances(const LocalMesh& mesh,
 
   std::vector<double> distance(mesh.positions.size(), std::numeric_limits<double>::infinity());
   using Reached = std::pair<double, int32_t>;
-  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> front;
+  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> queue;
   for (const int32_t v : sources) {
     distance[v] = 0.0;
-    front.emplace(0.0, v);
+    queue.emplace(0.0, v);
   }
   base::report_progress(progress, kLinksFound);
   const base::Progress walk = base::part_of(progress, kLinksFound, 1.0f);
   size_t reached = 0;
-  while (!front.empty()) {
-    const auto [at, v] = front.top();
-    front.pop();
+  while (!queue.empty()) {
+    const auto [at, v] = queue.top();
+    queue.pop();
     if (at > distance[v]) continue;
     if (++reached % kAskEvery == 0) {
       base::report_progress(
@@ -136,7 +136,7 @@ std::vector<double> geodesic_distances(const LocalMesh& mesh,
       const double there = at + links[i].length;
       if (there < distance[links[i].to]) {
         distance[links[i].to] = there;
-        front.emplace(there, links[i].to);
+        queue.emplace(there, links[i].to);
       }
     }
   }

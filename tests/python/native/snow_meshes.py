@@ -41,7 +41,7 @@ def sphere(radius=0.5, around=48, rings=24):
 
 
 def turned_over(mesh):
-    """The mesh with flipped triangles: front and back swap."""
+    """The mesh with flipped triangles: its sides swap."""
     positions, triangles, uv = mesh
     return positions, triangles[:, ::-1].copy(), uv[:, ::-1].copy()
 

@@ -145,9 +145,9 @@ def lit_shares(table, mesh, resolution, which, scene, direction, margin, per_edg
     owned, triangle, b, c = fragment_samples(table, uv, resolution, which, per_edge)
     total, lit = (np.zeros(len(table["texel"])) for _ in range(2))
     normal = np.cross(*(positions[triangles[:, k]] - positions[triangles[:, 0]] for k in (1, 2)))
-    front = (normal @ np.asarray(direction) < 0.0)[triangle]
+    facing = (normal @ np.asarray(direction) < 0.0)[triangle]
     np.add.at(total, owned, 1.0)
-    owned, triangle, b, c = owned[front], triangle[front], b[front, None], c[front, None]
+    owned, triangle, b, c = owned[facing], triangle[facing], b[facing, None], c[facing, None]
     corners = positions[triangles[triangle]].astype(np.float64)
     points = corners[:, 0] * (1.0 - b - c) + corners[:, 1] * b + corners[:, 2] * c
     reached = np.isinf(first_hits(points, scene, direction, margin=margin))

@@ -194,7 +194,9 @@ def test_a_shadow_is_sharp_and_clean(angle, pixel_size):
 
 def test_back_faces_occlude_receive_nothing_and_are_reported():
     positions, triangles, uv = grid()
-    height, _, statistics = snow_on((positions, triangles[:, ::-1].copy(), uv[:, ::-1].copy()), sides="FRONT")
+    height, _, statistics = snow_on(
+        (positions, triangles[:, ::-1].copy(), uv[:, ::-1].copy()), sides="POSITIVE"
+    )
     assert height.max() == 0.0
     assert statistics["back_face_share"] == 1.0
 

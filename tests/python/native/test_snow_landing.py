@@ -58,7 +58,7 @@ def test_what_falls_off_a_shelf_lies_below_its_edge(engine):
 
 @pytest.mark.parametrize("pitch", [20.0, 50.0])
 def test_a_sheet_drops_what_lies_on_its_back_under_its_lower_edge(pitch):
-    """As what lies on its front."""
+    """As the snow on its positive side."""
     positions, triangles, uv = grid(cells=8)
     positions = rotated(positions, "x", pitch) + np.float32([0.0, 0.0, 1.5])
     landed = []
@@ -70,9 +70,9 @@ def test_a_sheet_drops_what_lies_on_its_back_under_its_lower_edge(pitch):
         assert_nothing_is_lost(sim)
         assert sim.statistics()["objects"]["sheet"]["total"]["slid_volume"] > 0.03
         landed.append(sim.height("ground"))
-    front, back = landed
-    assert front.max() > 0.3
-    assert np.abs(front - back).max() < 1e-4
+    positive, back = landed
+    assert positive.max() > 0.3
+    assert np.abs(positive - back).max() < 1e-4
 
 
 @both_engines

@@ -133,7 +133,7 @@ def rolled(mesh, way, turns=True, z=0.36):
     return pose + np.float32([way, 0.0, z])
 
 
-def test_snow_on_the_back_is_pushed_as_on_the_front():
+def test_snow_on_the_back_is_pushed_as_on_the_other_side():
     maps = []
     for over in (False, True):
         world = World(size=0.8, resolution=64, repose=STAYS, over=over)

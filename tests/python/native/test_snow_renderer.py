@@ -46,12 +46,12 @@ def heap(request):
     return surface_of(mesh, fallen(mesh, DEPTH, repose=np.pi / 2), shading=shading)
 
 
-@pytest.mark.parametrize("seen", ["front", "back"])
+@pytest.mark.parametrize("seen", ["positive side", "back"])
 def test_snow_whose_normal_turns_away_from_the_eye_is_no_dark_speck(renderer, seen):
     """At outlines, triangles with vertex normals that point away from the eye are as bright as their neighbours."""
     # So large that grains and glints are finer than pixels.
     triangle = np.float32([(-200, -200, 0), (200, -200, 0), (0, 200, 0)])
-    faces = np.int32([(0, 1, 2) if seen == "front" else (0, 2, 1)])
+    faces = np.int32([(0, 1, 2) if seen == "positive side" else (0, 2, 1)])
     camera = native.Camera(
         eye=(0, 0, 300), target=(0, 0, 0), up=(0, 1, 0), width=9, height=9, field_of_view=0.3
     )

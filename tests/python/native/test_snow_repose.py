@@ -283,10 +283,10 @@ def test_a_card_that_lies_face_down_carries_the_same_heap_on_its_back(engine):
             come_to_rest(sim)
             heights.append(sim.height("card"))
             assert assert_balanced(sim)["slid_volume"] > 0.0
-    front, back = heights
-    assert front.min() == 0.0 and back.max() == 0.0
-    assert -back.sum() == pytest.approx(front.sum(), rel=0.01)
-    assert np.abs(front + back[::-1]).max() < 0.01
+    positive, back = heights
+    assert positive.min() == 0.0 and back.max() == 0.0
+    assert -back.sum() == pytest.approx(positive.sum(), rel=0.01)
+    assert np.abs(positive + back[::-1]).max() < 0.01
 
 
 def test_ninety_degrees_and_no_time_leave_snow_where_it_fell():

@@ -26,9 +26,9 @@ def lying(height):
 def test_a_card_that_faces_down_gets_on_its_back_what_falls_on_it(tilt):
     positions, triangles, uv = grid()
     mesh = rotated(positions, "x", tilt), triangles, uv
-    front, area, _ = snow_on(mesh)
+    positive, area, _ = snow_on(mesh)
     back, _, statistics = snow_on(turned_over(mesh))
-    assert (back == -front).all()
+    assert (back == -positive).all()
     assert abs(lying(back) + 0.1 * np.cos(np.radians(tilt))).max() < 1e-6
     assert float((back * area).sum()) == pytest.approx(-0.1 * np.cos(np.radians(tilt)), rel=1e-5)
     assert statistics["held_volume"] == pytest.approx(0.1 * np.cos(np.radians(tilt)), rel=1e-5)
@@ -37,23 +37,23 @@ def test_a_card_that_faces_down_gets_on_its_back_what_falls_on_it(tilt):
 
 def test_the_sides_that_are_asked_for_take_snow():
     down = turned_over(grid())
-    for sides, least, back_share in (("AUTO", -0.1, 0.0), ("BOTH", -0.1, 0.0), ("FRONT", 0.0, 1.0)):
+    for sides, least, back_share in (("AUTO", -0.1, 0.0), ("BOTH", -0.1, 0.0), ("POSITIVE", 0.0, 1.0)):
         height, _, statistics = snow_on(down, sides=sides)
         assert height.min() == pytest.approx(least) and height.max() == 0.0
         assert statistics["back_face_share"] == back_share
     # An inside-out box shows its backs.
     assert snow_on(turned_over(box()), sides="BOTH")[0].min() == pytest.approx(-0.1)
     assert snow_on(turned_over(box()))[2]["held_volume"] < 0.02 * 0.1
-    with pytest.raises(ValueError, match="'it'.*AUTO, FRONT, BOTH, not 'LEFT'"):
+    with pytest.raises(ValueError, match="'it'.*AUTO, POSITIVE, BOTH, not 'LEFT'"):
         snow_on(down, sides="LEFT")
 
 
 def test_a_closed_box_and_a_ball_with_a_seam_have_no_inside_to_snow_on():
     for mesh in (box(), sphere(0.5, 24, 12)):
-        front = snow_on(mesh, sides="FRONT", direction=wind(30.0))[0]
-        assert (snow_on(mesh, sides="AUTO", direction=wind(30.0))[0] == front).all()
+        positive = snow_on(mesh, sides="POSITIVE", direction=wind(30.0))[0]
+        assert (snow_on(mesh, sides="AUTO", direction=wind(30.0))[0] == positive).all()
         both, area, _ = snow_on(mesh, sides="BOTH", direction=wind(30.0))
-        assert -float((both * area).clip(max=0.0).sum()) < 0.02 * float((front * area).sum())
+        assert -float((both * area).clip(max=0.0).sum()) < 0.02 * float((positive * area).sum())
 
 
 def tube(radius=0.05, length=1.0, around=8):
@@ -150,7 +150,7 @@ def test_new_snow_on_the_upper_side_throws_off_at_once_what_hangs_below():
 
 def test_wind_from_below_takes_nothing_from_the_upper_side():
     positions, triangles, uv = grid()
-    card = rotated(positions, "x", 60.0)  # its front looks up and to -y
+    card = rotated(positions, "x", 60.0)  # its positive side looks up and to -y
     with new_simulation(pixel_size=0.01, repose=STAYS, max_depth=0.5, slide_half_life=2.0) as sim:
         sim.add_object("card", triangles, uv, resolution=64)
         sim.step({"card": card}, 0.02, DOWN, 0.0)
@@ -204,7 +204,7 @@ def test_a_leaf_that_faces_down_carries_what_its_alpha_leaves():
 
 
 def wavy_sheet():
-    """A steep sheet, of which some parts hold snow on the front and others on the back."""
+    """A steep sheet, of which some parts hold snow on the positive side and others on the back."""
     positions, triangles, uv = grid(cells=24)
     positions = positions.copy()
     positions[:, 2] = 0.1 * np.sin(positions[:, 0] * 9.0)

@@ -18,11 +18,11 @@ constexpr double kFetch = 150.0;
 constexpr double kOpenSlope = 0.03;
 constexpr double kCalmSlope = 0.12;
 /// How much more the wind carries for each unit of slope up to an obstacle that begins within
-/// kFront metres downwind, up to a slope of kSteepestFront. Obstacles are higher than kLowObstacle
+/// kAhead metres downwind, up to a slope of kSteepestAhead. Obstacles are higher than kLowObstacle
 /// metres.
 constexpr double kDigs = 0.35;
-constexpr double kFront = 1.5;
-constexpr double kSteepestFront = 2.0;
+constexpr double kAhead = 1.5;
+constexpr double kSteepestAhead = 2.0;
 constexpr double kLowObstacle = 0.2;
 /// Carried snow spreads sideways as by diffusion: the square of this many metres for each two
 /// metres of way.
@@ -64,8 +64,8 @@ class Capacity {
   }
 
   /// The steepest slope up to an obstacle close downwind.
-  double front(int32_t column, int32_t row) const {
-    const auto reach = static_cast<int32_t>(std::ceil(kFront / grid_.cell));
+  double rise_ahead(int32_t column, int32_t row) const {
+    const auto reach = static_cast<int32_t>(std::ceil(kAhead / grid_.cell));
     const double own = grid_.at(column, row).top;
     double steepest = 0.0;
     for (int32_t k = 1; k <= reach && column + k < grid_.columns; ++k) {
@@ -73,7 +73,7 @@ class Capacity {
       if (!other.is_obstacle || !(other.top - own > kLowObstacle)) continue;
       steepest = std::max(steepest, (other.top - own) / (k * grid_.cell));
     }
-    return std::min(steepest, kSteepestFront);
+    return std::min(steepest, kSteepestAhead);
   }
 
   /// A row. The hull of what lies upwind, from above, has the point of the steepest slope next to
@@ -99,7 +99,7 @@ class Capacity {
       }
       if (cell.ground > 0.0) {
         relative_[number(column, row)] =
-            carried(slope(hull.back(), point)) * (1.0 + kDigs * front(column, row));
+            carried(slope(hull.back(), point)) * (1.0 + kDigs * rise_ahead(column, row));
       }
       hull.push_back(point);
     }

@@ -65,7 +65,7 @@ glm::dvec2 next_on_map(const PressedMap& map, int32_t texel, const glm::ivec2& s
 
 /// The horizontal unit vector away from the covered texels around one; the motion's where they lie
 /// ahead, or on all sides.
-glm::dvec2 front_of(const PressedMap& map, int32_t texel, const glm::dvec2& motion) {
+glm::dvec2 away_from_covered(const PressedMap& map, int32_t texel, const glm::dvec2& motion) {
   glm::dvec2 away(0.0);
   for (int32_t y = -kAround; y <= kAround; y += 2) {
     for (int32_t x = -kAround; x <= kAround; x += 2) {
@@ -127,7 +127,7 @@ void for_texels_of(const PressedMap& map, const glm::ivec2& at, int32_t square,
 
 /// The free texels of a strip, in squares of `square` texels a side, whose first ones stand for
 /// all.
-std::vector<PileCell> find_strip(const PressedMap& map, int32_t texel, const glm::dvec2& front,
+std::vector<PileCell> find_strip(const PressedMap& map, int32_t texel, const glm::dvec2& outward,
                                  double width, double length, double slope, int32_t square) {
   const glm::dvec2 x = next_on_map(map, texel, {1, 0});
   const glm::dvec2 y = next_on_map(map, texel, {0, 1});
@@ -136,8 +136,8 @@ std::vector<PileCell> find_strip(const PressedMap& map, int32_t texel, const glm
   const auto on_map = [&](const glm::dvec2& way) {
     return glm::dvec2(way.x * y.y - way.y * y.x, x.x * way.y - x.y * way.x) / area;
   };
-  const glm::dvec2 aside(-front.y, front.x);
-  const glm::dvec2 ahead = on_map(length * front);
+  const glm::dvec2 aside(-outward.y, outward.x);
+  const glm::dvec2 ahead = on_map(length * outward);
   const glm::dvec2 half = glm::abs(on_map(width * aside)) + 1.0;
   const glm::ivec2 first(pixel_of(map, texel));
   const int32_t last_place = map.links->resolution - 1;
@@ -162,7 +162,7 @@ std::vector<PileCell> find_strip(const PressedMap& map, int32_t texel, const glm
       low = std::max(low, std::min(a, b));
       high = std::min(high, std::max(a, b));
     };
-    clip(front, -half_texel, length);
+    clip(outward, -half_texel, length);
     clip(aside, -width, width);
     if (low > high + 2.0 * kUneven) continue;
     const auto column_of = [&](double offset) {
@@ -176,7 +176,7 @@ std::vector<PileCell> find_strip(const PressedMap& map, int32_t texel, const glm
       const int32_t own = map.bare->texel_of[place];
       if (own < 0) continue;
       const glm::dvec3 way = map.point(own) - from;
-      const double away = glm::dot(glm::dvec2(way), front);
+      const double away = glm::dot(glm::dvec2(way), outward);
       if (away < -half_texel || away > length) continue;
       if (std::abs(glm::dot(glm::dvec2(way), aside)) > width) continue;
       // Steeper surfaces are of another floor.
@@ -219,13 +219,14 @@ double filled_level(const std::vector<PileCell>& cells, double volume) {
 void add_pile(const PressedMap& map, const Pile& pile, double width, double slope, int32_t square,
               std::vector<int32_t>& gains) {
   const double volume = static_cast<double>(pile.units) * kPushUnit;
-  const glm::dvec2 front = front_of(map, pile.texel, glm::normalize(glm::dvec2(pile.way)));
+  const glm::dvec2 outward =
+      away_from_covered(map, pile.texel, glm::normalize(glm::dvec2(pile.way)));
   double length = kLonger * static_cast<double>(std::abs(map.height_at(pile.texel))) / slope;
   length = std::max(length, 2.0 * width);
   std::vector<PileCell> cells;
   double level = 0.0;
   for (int i = 0; i < kMaxTries; ++i, length *= kLonger) {
-    cells = find_strip(map, pile.texel, front, width, length, slope, square);
+    cells = find_strip(map, pile.texel, outward, width, length, slope, square);
     if (cells.empty()) break;
     level = filled_level(cells, volume);
     // At its end the strip reaches over the snow that lay there.

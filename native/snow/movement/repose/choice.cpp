@@ -36,7 +36,7 @@ bool rests(const ReposeGround& ground, int32_t block, const std::vector<float>& 
       find_height_range(*ground.links, ground.table().texel, block, height.data());
   if (range.high == 0.0f) return true;
   const BlockSlack& slack = slack_of(ground, block, choice);
-  if (slack.side > 0.0f ? range.any_back : range.any_front) return false;
+  if (slack.side > 0.0f ? range.any_back : range.any_positive) return false;
   return slack.is_level(range.high, range.step);
 }
 

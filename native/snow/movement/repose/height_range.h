@@ -10,11 +10,12 @@
 namespace snowbough::snow {
 
 /// Snow on a block's texels and on those across its links: its greatest thickness in metres, the
-/// largest difference across one of the links, and whether any lies on the front or on the back.
+/// largest difference across one of the links, and whether any lies on the positive side
+/// or on the back.
 struct HeightRange {
   float high = 0.0f;
   float step = 0.0f;
-  bool any_front = false;
+  bool any_positive = false;
   bool any_back = false;
 };
 

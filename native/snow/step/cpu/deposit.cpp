@@ -23,9 +23,9 @@ using Run = FragmentRuns::Run;
 using RunFloats = std::array<float, kMaxInRun>;
 
 /// Sides of a texel that face the fall, as bits.
-constexpr uint8_t kFront = 1;
+constexpr uint8_t kPositive = 1;
 constexpr uint8_t kBack = 2;
-constexpr uint8_t kBoth = kFront | kBack;
+constexpr uint8_t kBoth = kPositive | kBack;
 
 /// Gain of a group's texels.
 struct GroupGain {
@@ -77,7 +77,7 @@ class GroupGather {
 
   uint8_t side_of(uint32_t triangle) const {
     const vec4 surface = texelFetch(gain_.triangle_surface, static_cast<int>(triangle));
-    return !(surface.x > 0.0f) ? 0 : surface.w < 0.0f ? kBack : kFront;
+    return !(surface.x > 0.0f) ? 0 : surface.w < 0.0f ? kBack : kPositive;
   }
 
   void gather(const Run& run, uint32_t count, vec4 surface) {
@@ -147,9 +147,10 @@ class GroupGather {
       for (uint32_t k = 0; k < end; ++k) {
         const float b = weight_b[k];
         const float c = weight_c[k];
-        const float front = gain.between(points.corner.x, points.edge_b.x, points.edge_c.x, b, c);
+        const float positive =
+            gain.between(points.corner.x, points.edge_b.x, points.edge_c.x, b, c);
         const float back = gain.between(points.corner.y, points.edge_b.y, points.edge_c.y, b, c);
-        most[k] = gain.smooth_facing(front, back, surface) * part[k];
+        most[k] = gain.smooth_facing(positive, back, surface) * part[k];
       }
     } else {
       for (uint32_t k = 0; k < end; ++k) most[k] = surface.x * part[k];

@@ -38,8 +38,8 @@ struct RunTexels {
   float visible[kRun];
 };
 
-/// Computes a run in which all texels hold snow on the front only and keep all of it; otherwise
-/// returns false.
+/// Computes a run in which all texels hold snow on the positive side only and keep all of it;
+/// otherwise returns false.
 inline bool keep_run(Stability stability, size_t begin, size_t count, RunTexels& __restrict run) {
   const uint* __restrict gain = stability.steps->gain.data() + begin;
   const float* __restrict area = stability.steps->area.data() + begin;
@@ -47,8 +47,8 @@ inline bool keep_run(Stability stability, size_t begin, size_t count, RunTexels&
   int32_t others = 0;
   for (size_t k = 0; k < count; ++k) {
     const float height = run.height[k];
-    const float deposit = stability.front_deposit(gain[k]);
-    others += stability.gains_in_front(gain[k]) ? 0 : 1;
+    const float deposit = stability.positive_deposit(gain[k]);
+    others += stability.gains_only_positive(gain[k]) ? 0 : 1;
     others += height >= 0.0f ? 0 : 1;
     others += stability.keeps_all(height, deposit, up[k]) ? 0 : 1;
     run.stable[k] = height + deposit;

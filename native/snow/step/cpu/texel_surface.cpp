@@ -18,7 +18,7 @@ struct Surface {
 /// Surface::FragmentSums of a group's texels: area, up and upper in one vector, so that a fragment
 /// is added at once; and back_up and back_upper, only used with two-sided triangles.
 struct GroupSums {
-  alignas(16) std::array<std::array<float, 4>, kTexelGroup> front;
+  alignas(16) std::array<std::array<float, 4>, kTexelGroup> positive;
   alignas(16) std::array<std::array<float, 4>, kTexelGroup> back;
   bool has_back = false;
 };
@@ -30,8 +30,8 @@ inline void add(std::array<float, 4>& sum, const base::Float4& part, float area)
   std::memcpy(sum.data(), &all, sizeof all);
 }
 
-/// Contribution of a fragment of area 1 to the front and the back: Surface::with_fragment.
-inline base::Float4 front_of(float up) {
+/// Contribution of a fragment of area 1 to the positive side and the back: Surface::with_fragment.
+inline base::Float4 positive_of(float up) {
   return base::Float4{1.0f, up, max(up, 0.0f), 0.0f};
 }
 inline base::Float4 back_of(float up) {
@@ -47,8 +47,8 @@ inline void add_run(Surface& surface, const cpu::FragmentRuns& all, uint32_t beg
   const uint16_t* __restrict texel = all.texel.data();
   for (size_t f = begin; f < end; ++f) part[f] = share[f] * own.y;
   if (!surface.is_smooth(triangle)) {
-    const base::Float4 front = front_of(own.z);
-    for (size_t f = begin; f < end; ++f) add(sums.front[texel[f]], front, part[f]);
+    const base::Float4 positive = positive_of(own.z);
+    for (size_t f = begin; f < end; ++f) add(sums.positive[texel[f]], positive, part[f]);
     const base::Float4 back = back_of(own.z);
     for (size_t f = begin; two_sided && f < end; ++f) add(sums.back[texel[f]], back, part[f]);
     return;
@@ -57,7 +57,7 @@ inline void add_run(Surface& surface, const cpu::FragmentRuns& all, uint32_t beg
   for (size_t f = begin; f < end; ++f) {
     const float up = surface.between(points.corner.z, points.edge_b.z, points.edge_c.z,
                                      all.weight_b[f], all.weight_c[f]);
-    add(sums.front[texel[f]], front_of(up), part[f]);
+    add(sums.positive[texel[f]], positive_of(up), part[f]);
     if (two_sided) add(sums.back[texel[f]], back_of(up), part[f]);
   }
 }
@@ -104,7 +104,7 @@ SNOWBOUGH_KERNEL void evaluate(Surface surface, cpu::FragmentRuns& all, size_t g
   const cpu::FragmentRuns::Run* begin = all.runs.data() + all.group_begin[group];
   const cpu::FragmentRuns::Run* end = all.runs.data() + all.group_begin[group + 1];
   GroupSums sums;
-  std::fill_n(sums.front.begin(), texel_count, std::array<float, 4>{});
+  std::fill_n(sums.positive.begin(), texel_count, std::array<float, 4>{});
   for (const cpu::FragmentRuns::Run* run = begin; run < end; ++run) {
     sums.has_back = sums.has_back || surface.triangle_surface[run->triangle].w != 0.0f;
   }
@@ -113,10 +113,10 @@ SNOWBOUGH_KERNEL void evaluate(Surface surface, cpu::FragmentRuns& all, size_t g
     add_run(surface, all, run->begin, run[1].begin, run->triangle, all.part.data(), sums);
   }
   float* const area = steps.area.data() + first_texel;
-  for (size_t i = 0; i < texel_count; ++i) area[i] = sums.front[i][0];
+  for (size_t i = 0; i < texel_count; ++i) area[i] = sums.positive[i][0];
   std::array<float, kTexelGroup> divisor;
   find_divisors(area, texel_count, divisor.data());
-  find_up<1, 2>(sums.front.data(), divisor.data(), texel_count, steps.up.data() + first_texel);
+  find_up<1, 2>(sums.positive.data(), divisor.data(), texel_count, steps.up.data() + first_texel);
   float* const back_up = steps.back_up.data() + first_texel;
   if (sums.has_back) {
     find_up<0, 1>(sums.back.data(), divisor.data(), texel_count, back_up);

@@ -24,7 +24,7 @@ SceneObject plate(int32_t resolution, bool keeps_map = false) {
   topology.triangles = {0, 1, 2, 0, 2, 3};
   topology.corner_uv = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
   object.description.name = "plate";
-  object.description.sides = Sides::kFront;
+  object.description.sides = Sides::kPositive;
   object.positions = {{0, 0, 0}, {kPlate, 0, 0}, {kPlate, kPlate, 0}, {0, kPlate, 0}};
   object.description.rest = object.positions;
   for (const glm::vec3& corner : object.positions) object.bounds.include(glm::dvec3(corner));

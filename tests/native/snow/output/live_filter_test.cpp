@@ -81,7 +81,7 @@ TEST(LiveFilter, liftsNoBareGround) {
   for (size_t i = 0; i < map.size(); ++i) ASSERT_EQ(made.map[i] > 0.0f, map[i] > 0.0f);
 }
 
-TEST(LiveFilter, keepsFrontAndBackApart) {
+TEST(LiveFilter, keepsBothSidesApart) {
   std::vector<float> map(kMapSize * kMapSize, 0.1f);
   for (int32_t y = 0; y < kMapSize; ++y) {
     for (int32_t x = 0; x < kMapSize / 2; ++x) map[y * kMapSize + x] = -0.1f;

@@ -24,15 +24,15 @@ TEST(SmoothingLinks, chartsThatTouchOnTheMapOnlyAreNotLinked) {
   EXPECT_THAT(smooth(map, 0.2f, heights), testing::Pointwise(testing::FloatNear(1e-6f), heights));
 }
 
-TEST(SmoothingLinks, frontAndBackAreSmoothedSeparatelyAndAlike) {
+TEST(SmoothingLinks, bothSidesAreSmoothedSeparatelyAndAlike) {
   const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 256));
   std::vector<float> heights = patchy_snow(map, 4);
-  const auto front = smooth(map, 0.03f, heights);
+  const auto positive = smooth(map, 0.03f, heights);
   for (float& h : heights) h = -h;
   auto back = smooth(map, 0.03f, heights);
   for (float& h : back) h = -h;
-  EXPECT_EQ(back, front);
-  // Front and back side by side.
+  EXPECT_EQ(back, positive);
+  // Both sides beside each other.
   const Map square = plate(128, 1.28f, 1.28f);
   std::vector<float> both(128 * 128);
   for (size_t i = 0; i < both.size(); ++i) both[i] = i % 128 < 63 ? 0.1f : -0.1f;
@@ -121,17 +121,17 @@ TEST(SmoothingLinks, acrossASeamAreClosedBetweenDeepSnowAndDust) {
   EXPECT_THAT(columns, testing::Pointwise(testing::FloatNear(1e-6f), uncut(0.1f, 0.2f, 1e-4f)));
 }
 
-TEST(SmoothingLinks, acrossASeamAreClosedBetweenFrontAndBack) {
+TEST(SmoothingLinks, acrossASeamAreClosedBetweenTheSides) {
   const Map strip = cut_strip();
   const auto smoothed = smooth(strip, 0.05f, in_halves(strip, 0.1f, -0.05f));
-  double front = 0.0;
+  double positive = 0.0;
   double back = 0.0;
   for (const int32_t texel : strip.table.texel) {
     const float height = smoothed[static_cast<size_t>(texel)];
     ASSERT_EQ(height > 0.0f, texel % 64 < 32);
-    (height > 0.0f ? front : back) += height;
+    (height > 0.0f ? positive : back) += height;
   }
-  EXPECT_NEAR(front, 0.1 * 256, 1e-4);
+  EXPECT_NEAR(positive, 0.1 * 256, 1e-4);
   EXPECT_NEAR(back, -0.05 * 256, 1e-4);
 }
 

@@ -219,12 +219,12 @@ TEST(WantedPoints, AreNearlyThoseThatACoverTakes) {
 
 TEST(WantedPoints, OfASheetDoNotDependOnItsSide) {
   SurfaceSource sheet = card(2.0f, 2.0f);
-  const PointCounts front = wanted_points(sheet, kDepth);
+  const PointCounts positive = wanted_points(sheet, kDepth);
   std::vector<int32_t>& corner = sheet.topology.triangles;
   for (size_t i = 0; i < corner.size(); i += 3) std::swap(corner[i], corner[i + 1]);
   const PointCounts back = wanted_points(sheet, kDepth);
   EXPECT_GT(back.hems, 0.0);
-  EXPECT_NEAR(back.hems / front.hems, 1.0, 0.1);
+  EXPECT_NEAR(back.hems / positive.hems, 1.0, 0.1);
 }
 
 TEST(WantedPoints, AreMostlyLevelOnGround) {

@@ -31,8 +31,8 @@ class OcclusionPass {
 
   /// Fills `seen`, row by row, with the surface that the sky sees in each of `pixels` (local pixels
   /// of the grid): the nearest in metres along the fall; of equally near ones, the first drawn,
-  /// front or back. Back faces are marked; pixels that an alpha mask cuts away are open. A pixel
-  /// that shows nothing is {0, kOpenSky}. One call at a time.
+  /// whichever side it shows. Back faces are marked; pixels that an alpha mask cuts away are open.
+  /// A pixel that shows nothing is {0, kOpenSky}. One call at a time.
   /// @throws std::invalid_argument if `seen` has not one element per pixel, or the rectangle is
   /// wider than 16,320 pixels.
   void run(const OcclusionScene& scene, const PixelRect& pixels, std::span<shared::SeenPixel> seen);

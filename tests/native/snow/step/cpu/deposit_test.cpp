@@ -131,7 +131,7 @@ void add_by_fragments(kernel::PlainGain& plain, const SceneObject& object, Texel
                       bool adds_to_gain, shared::TexelStep& step) {
   const TexelTable& table = *object.table;
   kernel::PlainGain::FragmentSums sums{};
-  bool front = false;
+  bool positive = false;
   bool back = false;
   for (size_t f = own.begin; f < own.end; ++f) {
     const auto triangle = static_cast<uint32_t>(table.fragment_triangle[f]);
@@ -143,11 +143,11 @@ void add_by_fragments(kernel::PlainGain& plain, const SceneObject& object, Texel
       up = plain.between(points.corner.z, points.edge_b.z, points.edge_c.z, w.x, w.y);
     }
     sums = plain.with_fragment(sums, table.fragment_share[f] * surface.y, up, surface.w != 0.0f);
-    front = front || (surface.x > 0.0f && surface.w >= 0.0f);
+    positive = positive || (surface.x > 0.0f && surface.w >= 0.0f);
     back = back || (surface.x > 0.0f && surface.w < 0.0f);
   }
   const auto texel = plain.surface_of_sums(sums);
-  const bool mixed = front && back;
+  const bool mixed = positive && back;
   uint32_t gain = adds_to_gain ? step.gain & ~(shared::kBackSide | shared::kMixedSides) : 0u;
   for (size_t f = own.begin; f < own.end; ++f) {
     const auto triangle = static_cast<uint32_t>(table.fragment_triangle[f]);
@@ -242,7 +242,7 @@ TEST(CpuDeposit, IsTheSameBitsOnSmoothAndTwoSidedSurfacesWithHoles) {
   for (size_t f = 0; f < object.table->fragment_triangle.size(); ++f) {
     object.fragment_opacity.push_back(f % 7 == 0 ? 0.0f : unit(random));
   }
-  // From below and from the side: fronts, backs and texels with both.
+  // From below and from the side: positive sides, backs and texels with both.
   for (const glm::dvec3 direction : {glm::dvec3(0.1, 0.2, -1), glm::dvec3(5, 1, -0.2)}) {
     SCOPED_TRACE(direction.x);
     EXPECT_GT(compare(object, falling(direction, 0.005), 2048), 500u);
