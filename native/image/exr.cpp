@@ -196,7 +196,7 @@ std::string encode(const ExrLayout& layout, const float* pixels) {
 /// Reads the pixels of an EXR file in memory on the calling thread, as MemoryFile writes them.
 class PixelReader {
  public:
-  /// `table`: where the table of the chunks' places begins.
+  /// `table`: offset of the table of the chunks' offsets.
   PixelReader(const std::string& bytes, size_t table) : bytes_(bytes), table_(table) {
     exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
     settings.error_handler_fn = [](exr_const_context_t, exr_result_t, const char*) {};

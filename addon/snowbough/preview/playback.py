@@ -32,7 +32,7 @@ MAX_SKIPPED = 8
 # Steps that repeat the snow of a whole shot: while a setting is being dragged, and afterwards.
 QUICK_STEPS = 6
 STEPS = plan.PREROLL_STEPS
-# Map sides if neither the preferences nor the receiver set one: on a graphics card, and on the processor.
+# Resolutions of maps if neither the preferences nor the receiver set one: on a graphics card, and on the processor.
 RESOLUTION = 1024
 RESOLUTION_ON_PROCESSOR = 256
 

@@ -173,7 +173,7 @@ class MeshRecord:
         return (uv, image, tuple(images)) if images else (None, count, ())
 
     @property
-    def holes_print(self):
+    def alpha_fingerprint(self):
         """Fingerprint of all that decides where snow falls through; empty for opaque meshes."""
         if not any(self._alphas):
             return ""

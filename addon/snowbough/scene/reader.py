@@ -76,7 +76,7 @@ class _Known:
     layers: list = field(default_factory=list)
     """Fingerprints of a receiver's UV map, one per record."""
     holes: list = field(default_factory=list)
-    """MeshRecord.holes_print, one per record."""
+    """MeshRecord.alpha_fingerprint, one per record."""
     in_parent: tuple = None
     """(positions, matrix, positions in the parent's space) of an instance."""
     mask: Mask = None
@@ -355,7 +355,7 @@ class SceneReader:
                     return
         receiver = group.receiver is not None
         triangles, uvs, alphas, shadings, mask_uvs, offset = [], [], [], [], [], 0
-        known.layers, known.holes = [], [record.holes_print for record in records]
+        known.layers, known.holes = [], [record.alpha_fingerprint for record in records]
         for record, flip in zip(records, flips):
             corner_triangles = record.triangle_corners()
             if flip:
@@ -401,7 +401,7 @@ class SceneReader:
         """Whether all meshes have the same corners and holes as before, and edited ones of a receiver the same UVs."""
         if not _same_arrays(known.corners, [record.corners() for record in records]):
             return False
-        if known.holes != [record.holes_print for record in records]:
+        if known.holes != [record.alpha_fingerprint for record in records]:
             return False
         if group.receiver is None:
             return True

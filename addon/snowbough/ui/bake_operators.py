@@ -63,7 +63,7 @@ class SNOWBOUGH_OT_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
         return cls.bl_rna.properties["extend"].description if properties.extend else cls.bl_description
 
     @classmethod
-    def obstacle(cls, context):
+    def refusal(cls, context):
         listed = any(entry.object for entry in context.scene.snowbough.receivers)
         return None if listed else "Add snow to objects first"
 

@@ -23,7 +23,7 @@ class SNOWBOUGH_OT_bend_under_snow(NotWhileBaking, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def obstacle(cls, context):
+    def refusal(cls, context):
         return None if sway.rig_of(context.object) is not None else SELECT
 
     def execute(self, context):
@@ -42,7 +42,7 @@ class SNOWBOUGH_OT_remove_bend(NotWhileBaking, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def obstacle(cls, context):
+    def refusal(cls, context):
         rig = sway.rig_of(context.object)
         if rig is None:
             return SELECT

@@ -89,18 +89,18 @@ class SNOWBOUGH_OT_lock_editing(bpy.types.Operator):
 class NotWhileBaking:
     """Mix-in for operators that change what a bake reads: disabled, with the reason, while a bake runs.
 
-    A subclass overrides obstacle(context), which returns why the operator cannot run, or None.
+    A subclass overrides refusal(context), which returns why the operator cannot run, or None.
     """
 
     @classmethod
     def poll(cls, context):
-        reason = "A bake is running" if session.bake is not None else cls.obstacle(context)
+        reason = "A bake is running" if session.bake is not None else cls.refusal(context)
         if reason is not None:
             cls.poll_message_set(reason)
         return reason is None
 
     @classmethod
-    def obstacle(cls, _context):
+    def refusal(cls, _context):
         return None
 
     def refuse(self, error):

@@ -42,7 +42,7 @@ class EXPORT_SCENE_OT_snowbough_tree(NotWhileBaking, ExportProperties, bpy.types
     )
 
     @classmethod
-    def obstacle(cls, context):
+    def refusal(cls, context):
         try:
             scene_tree.find(context.object)
         except ValueError as error:

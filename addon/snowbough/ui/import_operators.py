@@ -226,7 +226,7 @@ class SNOWBOUGH_OT_build_tree_from_selected(NotWhileBaking, ImportProperties, bp
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def obstacle(cls, context):
+    def refusal(cls, context):
         if not any(obj.type == "MESH" for obj in context.selected_objects):
             return "Select the mesh objects of a tree"
         return None

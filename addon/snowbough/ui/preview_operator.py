@@ -16,7 +16,7 @@ class SNOWBOUGH_OT_toggle_preview(NotWhileBaking, bpy.types.Operator):
     bl_label = "Live Preview"
 
     @classmethod
-    def obstacle(cls, context):
+    def refusal(cls, context):
         listed = any(receiver.object for receiver in context.scene.snowbough.receivers)
         if session.preview is None and not listed:
             return "Add receivers first: select meshes and use Add Snow to Selected"

@@ -30,7 +30,7 @@ class SNOWBOUGH_OT_add_receivers(NotWhileBaking, bpy.types.Operator):
     )
 
     @classmethod
-    def obstacle(cls, context):
+    def refusal(cls, context):
         return None if context.selected_objects else "Select meshes, or empties that instance a collection"
 
     def execute(self, context):
@@ -78,7 +78,7 @@ class SNOWBOUGH_OT_remove_receiver(NotWhileBaking, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def obstacle(cls, context):
+    def refusal(cls, context):
         return None if len(context.scene.snowbough.receivers) else "The list is empty"
 
     def execute(self, context):

@@ -51,7 +51,7 @@ class _ReceiverOperator(NotWhileBaking):
     )
 
     @classmethod
-    def obstacle(cls, context):
+    def refusal(cls, context):
         if not any(receiver.object for receiver in context.scene.snowbough.receivers):
             return "Add receivers first: select meshes and use Add Snow to Selected"
         return None
@@ -161,8 +161,8 @@ class SNOWBOUGH_OT_remove(_ReceiverOperator, bpy.types.Operator):
     done_text = "Removed snow"
 
     @classmethod
-    def obstacle(cls, context):
-        return None if _unlisted(context) else super().obstacle(context)
+    def refusal(cls, context):
+        return None if _unlisted(context) else super().refusal(context)
 
     def execute(self, context):
         unlisted = _unlisted(context)

@@ -47,7 +47,7 @@ class SNOWBOUGH_OT_update_surface(NotWhileBaking, bpy.types.Operator):
     bl_options = {"REGISTER"}
 
     @classmethod
-    def obstacle(cls, context):
+    def refusal(cls, context):
         baked = any(entry.folder for entry in context.scene.snowbough.receivers)
         return None if baked else "Bake the snow first"
 

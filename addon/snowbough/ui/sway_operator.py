@@ -66,7 +66,7 @@ class SNOWBOUGH_OT_add_sway(NotWhileBaking, bpy.types.Operator):
     )
 
     @classmethod
-    def obstacle(cls, context):
+    def refusal(cls, context):
         if sway.rig_of(context.object) is None:
             return "Select a tree: its armature, or a mesh that the armature deforms"
         return None

@@ -390,9 +390,9 @@ bool CoarseMap::spread(size_t square, std::vector<float>& height, std::vector<Pa
     });
   }
   volume = height_[at] == 0.0f ? 0.0 : std::max(volume - on_walls, 0.0);
-  const double level = level_of(parts, volume);
+  const double thickness = fill_height(parts, volume);
   for (const Part& part : parts) {
-    const auto now = static_cast<float>(std::max(level * part.up + part.rise, 0.0));
+    const auto now = static_cast<float>(std::max(thickness * part.up + part.rise, 0.0));
     // No zero is negative.
     height[part.place] = volume > 0.0 && now > 0.0f ? sign * now : 0.0f;
   }
@@ -401,22 +401,22 @@ bool CoarseMap::spread(size_t square, std::vector<float>& height, std::vector<Pa
 
 /// The upright thickness at the middle of a square under which its texels hold a volume; where snow
 /// ends within the square they are bare beyond.
-double CoarseMap::level_of(const std::vector<Part>& parts, double volume) {
-  double level = std::numeric_limits<double>::infinity();
+double CoarseMap::fill_height(const std::vector<Part>& parts, double volume) {
+  double thickness = std::numeric_limits<double>::infinity();
   // Each round leaves bare ones out.
-  for (double before = 0.0; volume > 0.0 && before != level;) {
-    before = level;
+  for (double before = 0.0; volume > 0.0 && before != thickness;) {
+    before = thickness;
     double area = 0.0;
     double lifted = 0.0;
     for (const Part& part : parts) {
-      if (!(level * part.up + part.rise > 0.0)) continue;
+      if (!(thickness * part.up + part.rise > 0.0)) continue;
       area += part.area * part.up;
       lifted += part.area * part.rise;
     }
     if (!(area > 0.0)) break;
-    level = std::min(level, (volume - lifted) / area);
+    thickness = std::min(thickness, (volume - lifted) / area);
   }
-  return level;
+  return thickness;
 }
 
 void CoarseMap::end(const MovingMap& moved, MovingMap& map) {

@@ -51,7 +51,7 @@ class CoarseMap {
   glm::vec2 slope_at(int32_t place) const;
   struct Part;
   bool spread(size_t square, std::vector<float>& height, std::vector<Part>& parts) const;
-  static double level_of(const std::vector<Part>& parts, double volume);
+  static double fill_height(const std::vector<Part>& parts, double volume);
 
   const SceneObject* object_;
   /// Its table is repose_'s.

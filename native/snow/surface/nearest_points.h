@@ -41,7 +41,7 @@ class NearestPoints {
  private:
   std::vector<int32_t> chosen_;
   float depth_;
-  /// Of the chosen points, those that are open to the sky, and their tree; the tree of all.
+  /// The chosen points under the open sky, and a tree of them; a tree of all chosen points.
   std::vector<int32_t> open_;
   PointTree open_tree_, tree_;
 };

@@ -236,7 +236,7 @@ void join_bands(const std::vector<BandTexels>& bands, int32_t threads, TexelTabl
   }
   const size_t texels = first_texel.back();
   const size_t fragments = first_fragment.back();
-  // Most of this time is the system's, for new memory.
+  // In parallel: most of the time goes to new memory from the operating system.
   const std::array<std::function<void()>, 9> arrays{
       [&] { table.texel.resize(texels); },
       [&] { table.triangle.resize(texels); },

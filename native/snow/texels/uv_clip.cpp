@@ -102,7 +102,7 @@ SampleRow::SampleRow(const SampleEdges& triangle, int32_t row) {
   }
 }
 
-uint64_t SampleRow::mask(int32_t column) const {
+uint64_t SampleRow::inside(int32_t column) const {
   // Number of a line's samples, at column + (sample + 0.5) / 8, before x.
   const auto before = [column](double x) {
     const double samples = std::clamp((x - column) * 8.0 - 0.5, 0.0, 8.0);
@@ -175,7 +175,7 @@ double cut_triangle(const UvTriangle& triangle, int32_t index, int32_t resolutio
       const AreaCentroid part =
           area_and_centroid(clip<0>(strip, left, right, column, column + 1.0, part_scratch));
       if (part.area <= 0.0) continue;
-      cuts.parts.push_back({texel, index, part.area, part.centroid, samples.mask(column)});
+      cuts.parts.push_back({texel, index, part.area, part.centroid, samples.inside(column)});
       sum += part.area;
     }
   }

@@ -41,7 +41,7 @@ class SampleRow {
 
   /// The texel's 8 x 8 sub-samples inside the triangle: bit 8 * row + column. Half-open, so that
   /// exactly one of two triangles that share an edge holds a sample on it.
-  uint64_t mask(int32_t column) const;
+  uint64_t inside(int32_t column) const;
 
  private:
   std::array<double, 8> left_;

@@ -165,7 +165,7 @@ class LimbBuilder {
     for (size_t i = 0; i < children_.size(); ++i) {
       const int32_t child = children_[i];
       const double cosine = glm::dot(direction, direction_at(plan_.paths[child], 0.0));
-      // A stem that leaves another stem is none of its end.
+      // A limb whose parent in the file is another branch does not continue this one.
       const bool own = plan_.skeleton.branches[child].parent == branch_;
       if (own && attach[i] >= end && cosine > best_cosine) {
         best_cosine = cosine;

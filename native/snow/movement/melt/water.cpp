@@ -112,7 +112,7 @@ void Water::find_ways(size_t object, Repose& repose) {
     const int32_t next = own.next[static_cast<size_t>(own.order[k])];
     if (next >= 0 && --above[static_cast<size_t>(next)] == 0) own.order.push_back(next);
   }
-  // On level ground, and in hollows, it stands.
+  // Water stays on level ground and in hollows.
   std::erase_if(own.order, [&](int32_t texel) {
     const auto i = static_cast<size_t>(texel);
     return own.next[i] == kStays && !(bare.up[i] < shared::kWallUp);

@@ -15,14 +15,14 @@ namespace {
 constexpr int kRounds = 8;
 /// Work limits of a step, in rounds of one block: per block of the map, and per map.
 constexpr int kMaxRounds = 800;
-/// Rounds of a part of a step ahead of a blade, and at a time.
-constexpr int kBladeRounds = 8;
-constexpr int kBladeRoundsAtOnce = 4;
 constexpr double kRoundsABlock = 40.0;
 constexpr double kRoundsAMap = 24000.0;
 /// Duration in seconds of a step with these limits, and the factor for the longest steps.
 constexpr float kUsualStep = 0.25f;
 constexpr float kMaxWorkFactor = 8.0f;
+/// Rounds ahead of a blade: in a part of a step, and of a block at a time.
+constexpr int kBladeRounds = 8;
+constexpr int kBladeRoundsAtOnce = 4;
 
 /// Rows of a tile in which snow has moved or sticks to walls, one bit each.
 SNOWBOUGH_WIDE uint32_t rows_to_write(const ReposeTile& tile) {

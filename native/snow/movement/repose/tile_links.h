@@ -48,7 +48,7 @@ struct OutletLink {
   /// higher if snow lies beyond.
   float bare = 0.0f;
   float top = 0.0f;
-  /// Height in metres of a wall's upper end above that.
+  /// Height in metres of a wall's upper end above `bare`.
   float rise = 0.0f;
   float limit = 0.0f;
   float rate = 0.0f;

@@ -111,8 +111,8 @@ class Engine {
   /// thickness in metres of a fully visible texel that faces the fall; `dt` in seconds.
   virtual void apply_stability(const StabilitySettings& settings, float full_gain, float dt) = 0;
   /// Calls `move` with all receivers' stored heights in main memory, in the order of their objects,
-  /// and takes back the maps that it marks as changed. What left a map counts as slid, what came as
-  /// landed.
+  /// and takes back the maps that it marks as changed. Snow that left a map counts as slid, snow
+  /// that came to one as landed.
   virtual void move_snow(const std::function<void(std::vector<MovingMap>&)>& move) = 0;
   /// Updates sums and totals. `pixel_area` in m2.
   virtual void close_statistics(float pixel_area) = 0;
