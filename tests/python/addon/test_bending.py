@@ -157,7 +157,7 @@ def test_no_load_bends_nothing():
 
 
 def test_equal_loads_give_equal_bits_wherever_they_lie_in_memory():
-    chain, masses, seen, kept = beam(61, 0.003), np.full(61, 0.005), set(), []
+    chain, masses, seen, kept = beam(29, 0.003), np.full(29, 0.01), set(), []
     for size in range(1, 200, 7):
         kept.append(np.empty(size, np.uint8))
         bent = chain.bend(masses.copy(), middles(chain), DOWN, WOOD, UNBREAKABLE)

@@ -53,17 +53,17 @@ def mean_share(renderer, mesh, away):
     size = int(0.7 * np.linalg.norm(high - low) * SIZE[1] / np.tan(0.4) / away) + 4
     narrow = 2 * np.arctan(size / SIZE[1] * np.tan(0.4))
 
-    def seen(eye, finer, **settings):
+    def seen(eye, finer, samples, **settings):
         camera = native.Camera(
             eye=eye, target=middle, width=finer * size, height=finer * size, field_of_view=narrow
         )
-        picture = renderer.render_light(camera, native.RenderSettings(**LIGHT, **settings), 16)
+        picture = renderer.render_light(camera, native.RenderSettings(**LIGHT, **settings), samples)
         return float((4.0 - picture[..., :3]).sum()) / finer**2
 
     turns = np.arange(24) * (2 * np.pi / 24)
     eyes = [middle + away * np.array([np.sin(t), -np.cos(t), 0.1 * np.sin(3 * t)]) for t in turns]
     # Thin triangles between samples are counted by finer ones.
-    return sum(seen(eye, 1) for eye in eyes) / sum(seen(eye, 4, **FINE) for eye in eyes)
+    return sum(seen(eye, 1, 16) for eye in eyes) / sum(seen(eye, 4, 4, **FINE) for eye in eyes)
 
 
 @pytest.mark.parametrize("away", [80, 160])
