@@ -74,6 +74,9 @@ SURFACE_POSITION_ATTRIBUTE = "snow_position"
 # On the points of the snow surface of a rigid receiver: their positions without snow.
 SURFACE_BARE_ATTRIBUTE = "snow_bare"
 
+# On the points of a snow surface: how near they lie to where it goes on within the snow of another piece, 0 to 1.
+SURFACE_JOINT_ATTRIBUTE = "snow_joint"
+
 # Exit codes of the command line (see bake.cli and tree.cli).
 EXIT_OK = 0
 EXIT_FAILED = 1

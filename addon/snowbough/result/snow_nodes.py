@@ -63,6 +63,7 @@ INPUTS = (
     ("Wet", "NodeSocketFloat", 0.0, 0.0, 1.0, "Water in the surface: 0 is dry, 1 is soaked, dark and glossy"),
     ("Cover", "NodeSocketFloat", NO_SURFACE, 0.0, NO_SURFACE, "Height of the snow surface above the object. Where it "
      "is lower than Dusting, it shows as grains (metres)"),
+    ("Joint", "NodeSocketFloat", 0.0, 0.0, 1.0, "Where the surface goes on within other snow: 1 lets no light enter"),
 )  # fmt: skip
 OUTPUTS = (
     ("Shader", "NodeSocketShader", "The material with snow on it"),
@@ -134,7 +135,8 @@ def _fill(tree):
     compat_nodes.set_specular(snow, 0.35)
     depth = builder.smoothstep(thickness, 0.0, SCATTERING_DEPTH)
     radius = builder.scale(SUBSURFACE_RADIUS, builder.math("MULTIPLY_ADD", depth, 0.9, 0.1))
-    compat_nodes.set_subsurface(tree, snow, builder.multiply(inputs["Subsurface"], depth), color, radius)
+    entering = builder.multiply(inputs["Subsurface"], builder.subtract(depth, inputs["Joint"]))
+    compat_nodes.set_subsurface(tree, snow, builder.math("MAXIMUM", entering, 0.0), color, radius)
     glittering = builder.node("ShaderNodeAddShader")
     for socket, value in zip(glittering.inputs, (snow.outputs["BSDF"], _sparkle(builder, inputs, normal))):
         builder.set(socket, value)

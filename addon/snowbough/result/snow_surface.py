@@ -4,7 +4,8 @@ modifier reads its points from the bake's files, so nothing is computed when the
 
 The mesh data has the points without snow, so that nothing shows if the file is lost. An attribute has the points of the
 last frame, which are coordinates of the material: they are fixed to the snow while it grows. On rigid receivers another
-has the points without snow, from which the material sees how high the snow stands.
+has the points without snow, from which the material sees how high the snow stands. A third says where the snow of two
+pieces meets: their surfaces go on within each other, and light that entered there would leave a dark seam.
 
 Scenes that share a receiver have a surface each, in a collection that no other scene shows. A copy of a baked scene
 shares the surface until it bakes.
@@ -17,8 +18,14 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..base import compat
-from ..base.names import SNOW_UV, SURFACE_BARE_ATTRIBUTE, SURFACE_MODIFIER, SURFACE_POSITION_ATTRIBUTE
+from ..base import compat, native
+from ..base.names import (
+    SNOW_UV,
+    SURFACE_BARE_ATTRIBUTE,
+    SURFACE_JOINT_ATTRIBUTE,
+    SURFACE_MODIFIER,
+    SURFACE_POSITION_ATTRIBUTE,
+)
 from ..cache.errors import CacheError
 from ..cache.files import SURFACE_FACES, SURFACE_POINTS
 from ..scene.libraries import library_name
@@ -27,6 +34,9 @@ from ..surface.mesh_file import read_mesh
 from ..surface.point_cache import collapsed, read_point_cache
 from . import baked_images, original_state, surface_material
 from .snowfall import read_snowfall
+
+# Distance in metres from a joint up to which less light enters the snow: about three times as far as it comes.
+JOINT_REACH = 0.05
 
 
 @dataclass
@@ -86,6 +96,13 @@ def _fill_mesh(mesh, file, bare):
 def _store_points(mesh, name, points):
     attribute = mesh.attributes.new(name, "FLOAT_VECTOR", "POINT")
     attribute.data.foreach_set("vector", np.ascontiguousarray(points, np.float32).ravel())
+
+
+def _store_joints(mesh, file, scale):
+    """scale: metres per unit of the points, for each axis."""
+    triangles = np.concatenate([file.quads[:, (0, 1, 2)], file.quads[:, (0, 2, 3)], file.triangles])
+    near = native.load().nearness_to_joints(file.positions * np.float32(scale), triangles, JOINT_REACH)
+    mesh.attributes.new(SURFACE_JOINT_ATTRIBUTE, "FLOAT", "POINT").data.foreach_set("value", near)
 
 
 def blend_path(path):
@@ -148,6 +165,7 @@ def _make_one(scene, member):
     _fill_mesh(mesh, file, points[0])
     sequence, wet = (baked_images.load_sequence(str(member.folder), kind) for kind in ("height", "wet"))
     snowfall = read_snowfall(member.folder)
+    _store_joints(mesh, file, snowfall.scale)
     if snowfall.is_rigid:
         _store_points(mesh, SURFACE_BARE_ATTRIBUTE, points[0])
     mesh.materials.append(surface_material.make_material(scene, name, sequence, SNOW_UV, snowfall, wet))

@@ -6,7 +6,7 @@ import json
 import bpy
 
 from ..base import compat
-from ..base.names import SURFACE_BARE_ATTRIBUTE, SURFACE_POSITION_ATTRIBUTE
+from ..base.names import SURFACE_BARE_ATTRIBUTE, SURFACE_JOINT_ATTRIBUTE, SURFACE_POSITION_ATTRIBUTE
 from ..base.node_builder import NodeBuilder
 from . import look, snow_nodes
 
@@ -62,6 +62,7 @@ def make_material(scene, name, sequence, uv_map, snowfall, wet=None):
         Normal=builder.node("ShaderNodeNewGeometry").outputs["Normal"],
         Depth=snowfall.depth,
         Wind=snowfall.wind,
+        Joint=builder.node("ShaderNodeAttribute", attribute_name=SURFACE_JOINT_ATTRIBUTE).outputs["Fac"],
     )
     if wet is not None:
         builder.feed(group, Wet=_texel(builder, wet, uv_map))

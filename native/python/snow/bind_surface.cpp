@@ -9,6 +9,7 @@
 #include "python/numpy_arrays.h"
 #include "python/snow/snow_style.h"
 #include "snow/scene/object_set.h"
+#include "snow/surface/joints.h"
 #include "snow/surface/snow_surface.h"
 
 namespace py = pybind11;
@@ -167,6 +168,17 @@ py::array_t<float> point_normals(const InputArray<float>& points,
   return to_numpy<float>(std::move(normals), {count, 3});
 }
 
+py::array_t<float> nearness_to_joints(const InputArray<float>& points,
+                                      const InputArray<int32_t>& triangles, float reach) {
+  const auto places = rows_from_numpy<glm::vec3, float, 3>(points, "points");
+  const auto faces = rows_from_numpy<glm::ivec3, int32_t, 3>(triangles, "triangles");
+  require_positive(reach, "reach");
+  std::vector<float> near =
+      without_gil([&] { return snow::nearness_to_joints(places, faces, reach); });
+  const auto count = static_cast<py::ssize_t>(near.size());
+  return to_numpy<float>(std::move(near), {count});
+}
+
 }  // namespace
 
 void bind_surface(py::module_& module) {
@@ -180,6 +192,12 @@ positions (V, 3) and shading (T, 3) or None.)");
       "point_normals", &point_normals, py::arg("points"), py::arg("triangles"),
       R"(Unit normals (P, 3) of points (P, 3): the mean over their triangles (T, 3), by area. Raises
 ValueError for triangles with invalid indices.)");
+  module.def(
+      "nearness_to_joints", &nearness_to_joints, py::arg("points"), py::arg("triangles"),
+      py::arg("reach"),
+      R"(How near points (P, 3) of a drawn surface lie to where it goes on within the snow of another
+piece: 1 there, 0 from `reach` metres along its triangles (T, 3) on. Raises ValueError for triangles
+with invalid indices.)");
   py::class_<BoundSurface>(module, "SnowSurface", "The snow's surface on one receiver.")
       .def(py::init(&make_surface), py::arg("triangles"), py::arg("uv"), py::arg("positions"),
            py::arg("last"), py::arg("highest"), py::arg("depth"), py::arg("shading") = py::none(),

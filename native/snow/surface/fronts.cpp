@@ -77,7 +77,7 @@ constexpr float kSteepBank = 0.12f;
 /// does so over the second part of the zone, and dips by the third, as a fraction of that way.
 constexpr float kBlanketOver = 0.14f;
 constexpr float kBlanketRun = 0.2f;
-constexpr float kBlanketDip = 0.12f;
+constexpr float kBlanketDip = 0.3f;
 /// Distances from a rim at which its step counts fully and not at all, as fractions of the depth.
 constexpr float kNearStep = 0.6f;
 constexpr float kFarStep = 1.2f;
