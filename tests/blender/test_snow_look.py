@@ -213,10 +213,20 @@ def bare_points(surface):
 def test_a_surface_knows_its_points_without_snow(tmp_path):
     (surface,) = bake_surfaces(tmp_path, s.square("Ground"))
     assert np.array_equal(bare_points(surface), points_at(surface, 0).astype(np.float32))
-    assert [a.name for a in surface.data.attributes if a.name.startswith("snow_")] == [
-        "snow_position",
+    assert sorted(a.name for a in surface.data.attributes if a.name.startswith("snow_")) == [
         "snow_bare",
+        "snow_joint",
+        "snow_position",
     ]
+
+
+def test_light_enters_no_snow_at_joints(addon, tmp_path):
+    (surface,) = bake_surfaces(tmp_path, s.square("Ground"))
+    (node,) = addon("result.look").group_nodes(surface.data.materials[0])
+    assert node.inputs["Joint"].links[0].from_node.attribute_name == "snow_joint"
+    near = np.empty(len(surface.data.vertices), np.float32)
+    surface.data.attributes["snow_joint"].data.foreach_get("value", near)
+    assert (near == 0.0).all()
 
 
 def is_dithered(material):

@@ -45,6 +45,9 @@ constexpr float kShallow = 0.4f;
 constexpr float kBareStep = 0.75f;
 constexpr float kHiddenStep = 1.75f;
 
+/// Greatest thickness at a rim in shelter, as a multiple of that off the rim.
+constexpr float kMostOfOff = 1.5f;
+
 /// Greatest distance of a foot outwards from the rim and inwards below it.
 constexpr float kFootOut = 0.45f;
 constexpr float kFootUnder = 0.3f;
@@ -320,7 +323,9 @@ std::vector<float> Blanket::lay(const SurfacePoints& points, std::vector<float>&
     }
     shares[p] = share;
     if (share <= 0.0f || member.is_far) return;
-    const float thick = std::max((blanket.z - at.z) * up.z / along - member.tucked, 0.0f);
+    float thick = std::max((blanket.z - at.z) * up.z / along - member.tucked, 0.0f);
+    // On a ledge below a piece, a blanket over both would be a spire.
+    if (member.in_shelter) thick = std::min(thick, kMostOfOff * member.off.of(filled));
     thickness[p] = glm::mix(thickness[p], thick, share);
   });
   goes_on = std::move(of_front);
@@ -358,8 +363,8 @@ std::vector<Blanket::Member> find_feet(const std::vector<glm::vec3>& position,
     const glm::vec3 place = off - normal[p] * glm::dot(off - position[p], normal[p]);
     foot.off = lying.at(place, p, kOffFoot * depth, false);
     foot.tucked = kTuckedSlope * std::max(-out, 0.0f);
-    foot.foot = filled_behind(out, depth) *
-                eased(out, -kFootUnder * depth, -0.5f * kFootUnder * depth);
+    foot.foot =
+        filled_behind(out, depth) * eased(out, -kFootUnder * depth, -0.5f * kFootUnder * depth);
   });
   for (Blanket::Member& foot : found) foot.filled = foot.foot;
   std::erase_if(found, [](const Blanket::Member& foot) { return foot.foot <= 0.0f; });

@@ -24,6 +24,8 @@ class Blanket {
     int32_t front = -1;
     /// On the far face of a rim: it has no thickness of its own.
     bool is_far = false;
+    /// Behind a rim below another piece.
+    bool in_shelter = false;
     /// Height of the step in metres.
     float step = 0.0f;
     /// At the foot of a step: share of the blanket if the snow hides the step, and by how much the
@@ -44,8 +46,8 @@ class Blanket {
   bool empty() const { return members_.empty(); }
   /// Turns the normals of points at feet upright that lean away from the ground around them, as on
   /// bevels and at the ends of pieces that lie below others: a blanket would be drawn beside them.
-  /// Then finds the blanket where the snow of `thickness` along the normals ends: on a slope that is
-  /// beside its point, and points of two pieces must find the same there.
+  /// Then finds the blanket where the snow of `thickness` along the normals ends: on a slope that
+  /// is beside its point, and points of two pieces must find the same there.
   /// @param upper  normals of the most level faces at the points.
   void aim(const SurfacePoints& points, const std::vector<glm::vec3>& upper,
            const std::vector<float>& thickness, std::vector<glm::vec3>& normal);

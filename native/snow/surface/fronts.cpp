@@ -311,9 +311,8 @@ glm::vec3 Fronts::blanket_offset(size_t number, const shared::SnowJoin& join,
 }
 
 Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
-                   const std::vector<float>& thickness,
-                   const std::vector<RimZones::Zone>& zone, const Rims& rims,
-                   const SurfaceMesh& receiver, const base::TriangleTree& tree,
+                   const std::vector<float>& thickness, const std::vector<RimZones::Zone>& zone,
+                   const Rims& rims, const SurfaceMesh& receiver, const base::TriangleTree& tree,
                    const Beyond& beyond, const glm::vec2& wind, const glm::vec3& noise_shift,
                    float depth, bool needles) {
   Fronts fronts;
@@ -456,6 +455,7 @@ Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
     if (fall.other < 0.0f) members[at].step = std::max(members[at].step, fall.drop * fall.weight);
     if (members[at].foot <= 0.0f && !members[at].is_far) {
       members[at].off = fronts.inland[f];
+      members[at].in_shelter = sheltered[fronts.point[f]] != 0;
       members[at].filled = filled_behind(front.distance, depth) *
                            eased(members[at].step, kHighStep * depth, kLowStep * depth);
     }

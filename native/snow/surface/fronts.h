@@ -95,7 +95,8 @@ struct Fronts {
 
 /// All but the presence, which depends on the snow. Sets the normals of points near rims to those
 /// of the supporting faces: on a smooth-shaded cap the mean normals lean over the rim.
-/// @param zone the rim zones of the points; `area`: their areas in m2; `thickness`: the map's at the
+/// @param zone the rim zones of the points; `area`: their areas in m2; `thickness`: the map's at
+/// the
 ///   points in the last frame, in metres.
 /// @param receiver the receiver's faces; `tree`: a tree over its triangles.
 /// @param beyond the other receivers.
@@ -103,9 +104,8 @@ struct Fronts {
 /// @param noise_shift offset of positions in noise space, in depths.
 /// @param needles see are_needles: they cover each other, and have snow all the same.
 Fronts find_fronts(SurfacePoints& points, const std::vector<float>& area,
-                   const std::vector<float>& thickness,
-                   const std::vector<RimZones::Zone>& zone, const Rims& rims,
-                   const SurfaceMesh& receiver, const base::TriangleTree& tree,
+                   const std::vector<float>& thickness, const std::vector<RimZones::Zone>& zone,
+                   const Rims& rims, const SurfaceMesh& receiver, const base::TriangleTree& tree,
                    const Beyond& beyond, const glm::vec2& wind, const glm::vec3& noise_shift,
                    float depth, bool needles);
 

@@ -6,6 +6,7 @@
 
 #include "base/parallel_for.h"
 #include "base/triangle_tree.h"
+#include "base/union_find.h"
 #include "shaders/lib/snow_surface.h"
 #include "snow/surface/snow_surface.h"
 
@@ -28,12 +29,15 @@ std::vector<float> nearness_to_joints(const std::vector<glm::vec3>& points,
   std::vector<std::array<int32_t, 3>> corners;
   for (const glm::ivec3& t : triangles) corners.push_back({t.x, t.y, t.z});
   const base::TriangleTree tree(points, corners, {0, static_cast<int32_t>(corners.size())});
+  base::UnionFind joined(points.size());
+  for (const auto& [a, b, c] : corners) joined.join(joined.join(a, b), c);
+  const std::vector<int32_t> piece = std::move(joined).all();
   // Distance from a joint along the edges.
   std::vector<float> distance(points.size(), reach);
   base::for_each_item(points.size(), 256, [&](size_t p) {
     const glm::dvec3 normal = normals[p];
     const auto [t, way] = tree.first_along(0, glm::dvec3(points[p]), normal, kOffOwn, kThickest);
-    if (t < 0) return;
+    if (t < 0 || piece[corners[t][0]] == piece[p]) return;
     const glm::vec3 cross = glm::cross(points[corners[t][1]] - points[corners[t][0]],
                                        points[corners[t][2]] - points[corners[t][0]]);
     if (glm::dot(cross, normals[p]) > 0.0f) distance[p] = 0.0f;

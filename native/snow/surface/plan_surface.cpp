@@ -231,9 +231,9 @@ SnowSurface plan_surface(const SurfaceSource& source, const std::vector<float>& 
   surface.samples = samples_of(points.mesh, source, smoothing, dented, depth);
   surface.volume = VolumeBalance(points.mesh.position, kKept * depth);
   find_normals(points, surface.samples, depth);
-  surface.fronts = find_fronts(points, surface.samples.area,
-                               sampled_heights(surface.samples, last.data()), zone, rims, receiver,
-                               tree, Beyond(neighbours), plan.wind, shift, depth, needles);
+  surface.fronts =
+      find_fronts(points, surface.samples.area, sampled_heights(surface.samples, last.data()), zone,
+                  rims, receiver, tree, Beyond(neighbours), plan.wind, shift, depth, needles);
   smooth_joins(surface.fronts, surface.samples);
   // Cushions join the snow of needles.
   if (needles) surface.fronts.blanket = {};

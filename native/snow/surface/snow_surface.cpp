@@ -22,7 +22,8 @@ constexpr int kRoundsAfter = 2;
 constexpr float kUpright = 0.95f;
 /// Height of a front at the rim, as a fraction of the height behind it.
 constexpr float kDrawn = 0.94f;
-/// Thickness behind a rim, as a fraction of the depth on open ground, from which on snow lies there.
+/// Thickness behind a rim, as a fraction of the depth on open ground, from which on snow lies
+/// there.
 constexpr float kLiesBehind = 0.1f;
 /// Greatest offset due to a curved receiver, as a fraction of the height.
 constexpr float kMaxCurvature = 0.5f;
@@ -109,7 +110,8 @@ SurfaceHeightsNow heights_now(const SnowSurface& surface, const SnowStyle& style
   base::for_each_item(fronts.count(), 1024, [&](size_t f) {
     const SnowBehind behind = fronts.behind(f, heights.thickness, frame.open_depth);
     const float lies = eased(behind.inland, 0.0f, kLiesBehind * frame.open_depth + 1e-6f);
-    const float goes = fronts.goes_on(f, snow_join(fronts.front[f], style, behind), frame.open_depth);
+    const float goes =
+        fronts.goes_on(f, snow_join(fronts.front[f], style, behind), frame.open_depth);
     goes_on[f] = lies * glm::vec2(goes, 1.0f);
   });
   fronts.smooth(goes_on);

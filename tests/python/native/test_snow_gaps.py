@@ -459,3 +459,15 @@ def test_no_snow_shows_on_twisted_faces_below_the_hem(seed):
     stone = first_hits(behind, positions[triangles], (0.0, 1.0, 0.0))
     drawn = first_hits(behind, surface.points(snow, DEPTH)[faces_of(surface)], (0.0, 1.0, 0.0))
     assert (drawn > stone)[stone < -9.0].all()
+
+
+def test_where_two_sheets_go_on_within_each_other_points_are_at_a_joint():
+    """Two boxes that share a slice of 2 cm: their sides there are at the joint, far sides are not."""
+    corners, triangles, _ = box()
+    points = np.concatenate([corners, corners + (0.98, 0.01, 0.01)]).astype(np.float32)
+    faces = np.concatenate([triangles, triangles + len(corners)]).reshape(-1, 3).astype(np.int32)
+    near = native.nearness_to_joints(points, faces, 0.5)
+    left, right = points[:, 0].min(), points[:, 0].max()
+    assert near[(points[:, 0] > left + 0.9) & (points[:, 0] < right - 0.9)].max() == 1.0
+    assert (near[(points[:, 0] == left) | (points[:, 0] == right)] == 0.0).all()
+    assert (native.nearness_to_joints(corners.astype(np.float32), faces[: len(faces) // 2], 0.5) == 0.0).all()
