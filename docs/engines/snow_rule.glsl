@@ -221,13 +221,18 @@ const float kSinkPart = 0.45f;
 const float kWide = 0.8f;
 const float kNarrow = 0.3f;
 
+/// Noise of the relief. `place`: as for point_noise.
+float relief_noise(vec3 place) {
+  return layered_noise(place + 21.0f, vec3(4.0f, 1.7f, 0.8f), 0.65f);
+}
+
 /// The noise of a point, without its bumps. `place`: position divided by the snow depth at the shot's end, so that the
 /// noise is the same at any scale.
 SnowPoint point_noise(vec3 place) {
   SnowPoint point;
   point.patches = layered_noise(place + 50.0f, vec3(2.2f, 1.0f, 0.45f), 0.8f);
   point.hem = layered_noise(place, vec3(3.0f, 1.5f, 0.6f), 0.7f);
-  point.relief = layered_noise(place + 21.0f, vec3(4.0f, 1.7f, 0.8f), 0.65f);
+  point.relief = relief_noise(place);
   point.bumps = 0.0f;
   point.deepest = 1e9f;
   point.convexity = 0.0f;

@@ -222,13 +222,18 @@ static const float kSinkPart = 0.45f;
 static const float kWide = 0.8f;
 static const float kNarrow = 0.3f;
 
+/// Noise of the relief. `place`: as for point_noise.
+float relief_noise(float3 place) {
+  return layered_noise(place + 21.0f, float3(4.0f, 1.7f, 0.8f), 0.65f);
+}
+
 /// The noise of a point, without its bumps. `place`: position divided by the snow depth at the shot's end, so that the
 /// noise is the same at any scale.
 SnowPoint point_noise(float3 place) {
   SnowPoint place_of;
   place_of.patches = layered_noise(place + 50.0f, float3(2.2f, 1.0f, 0.45f), 0.8f);
   place_of.hem = layered_noise(place, float3(3.0f, 1.5f, 0.6f), 0.7f);
-  place_of.relief = layered_noise(place + 21.0f, float3(4.0f, 1.7f, 0.8f), 0.65f);
+  place_of.relief = relief_noise(place);
   place_of.bumps = 0.0f;
   place_of.deepest = 1e9f;
   place_of.convexity = 0.0f;
